@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: MIT
+"""Geometric words: a vocabulary of descriptors, and descriptors as distributions over it (paper, section 4)."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+from scipy.spatial.distance import cdist
+from sklearn.base import BaseEstimator, ClusterMixin, TransformerMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from shapegoogle_core.mesh.mesh import FloatArray
+
+__all__ = ["Vocabulary", "hard_words", "soft_words"]
+
+
+def soft_words(descriptors: FloatArray, centers: FloatArray, sigma: float) -> FloatArray:
+    """Distribution of each descriptor over the words (paper, equation 12).
+
+    θ_i(x) = c(x) exp(-‖p(x) - p_i‖² / 2σ²), with c(x) such that Σ_i θ_i(x) = 1
+
+    Parameters
+    ----------
+    descriptors : (n, d) array
+    centers : (V, d) array
+    sigma : float
+        σ > 0, in the unit of the descriptors.
+
+    Returns
+    -------
+    words : (n, V) array
+        Rows sum to 1. As σ → 0 they become those of `hard_words`.
+    """
+    exponents = cdist(descriptors, centers, "sqeuclidean")
+    exponents /= -2 * sigma**2
+    exponents -= exponents.max(axis=1, keepdims=True)  # far from all words, every term would underflow
+    words: FloatArray = np.exp(exponents)
+    words /= words.sum(axis=1, keepdims=True)
+    return words
+
+
+def hard_words(descriptors: FloatArray, centers: FloatArray) -> FloatArray:
+    """All weight of each descriptor on its nearest word.
+
+    Parameters
+    ----------
+    descriptors : (n, d) array
+    centers : (V, d) array
+
+    Returns
+    -------
+    words : (n, V) array
+        One 1 in each row.
+    """
+    words = np.zeros((len(descriptors), len(centers)))
+    words[np.arange(len(descriptors)), cdist(descriptors, centers, "sqeuclidean").argmin(axis=1)] = 1.0
+    return words
+
+
+class Vocabulary(TransformerMixin, ClusterMixin, BaseEstimator):  # type: ignore[misc]
+    """Geometric vocabulary: k-means centres of descriptors (paper, section 4).
+
+    Parameters
+    ----------
+    words : int
+        V, the number of words.
+    soft : bool
+        Whether `transform` gives distributions over the words (equation 12) or the nearest word only.
+    sigma_factor : float
+        σ as a multiple of the median distance of a training descriptor to its nearest word.
+    outlier_share : float
+        Share of the training descriptors, the farthest from their words, that a second round of k-means
+        leaves out.
+    restarts : int
+        How many random starts k-means has; the one with the least inertia is kept.
+    random_state : int, RandomState or None
+        Of k-means.
+
+    Attributes
+    ----------
+    centers_ : (V, d) array
+        Sorted by their first component, so that the numbering does not depend on the random start alone.
+    sigma_ : float
+        In the unit of the descriptors.
+    """
+
+    def __init__(
+        self,
+        words: int = 48,
+        *,
+        soft: bool = True,
+        sigma_factor: float = 2.0,
+        outlier_share: float = 0.01,
+        restarts: int = 5,
+        random_state: int | np.random.RandomState | None = 0,
+    ) -> None:
+        self.words = words
+        self.soft = soft
+        self.sigma_factor = sigma_factor
+        self.outlier_share = outlier_share
+        self.restarts = restarts
+        self.random_state = random_state
+
+    def fit(self, X: FloatArray, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
+        """Learn the words.
+
+        Parameters
+        ----------
+        X : (n, d) array
+            Training descriptors.
+        y : ignored
+
+        Returns
+        -------
+        self : Vocabulary
+
+        Raises
+        ------
+        ValueError
+            If there are fewer descriptors than words.
+        """
+        from sklearn.cluster import KMeans  # half a second to import, and only training needs it
+
+        descriptors = validate_data(self, X, dtype=np.float64, ensure_min_samples=self.words)
+        kmeans = KMeans(self.words, n_init=self.restarts, max_iter=250, random_state=self.random_state)
+        kmeans.fit(descriptors)
+        distances = kmeans.transform(descriptors).min(axis=1)
+        inliers = distances <= np.quantile(distances, 1 - self.outlier_share)
+        if self.outlier_share > 0 and inliers.sum() >= self.words:
+            kmeans.fit(descriptors[inliers])
+            distances = kmeans.transform(descriptors[inliers]).min(axis=1)
+        order = np.lexsort(kmeans.cluster_centers_.T[::-1])
+        self.centers_ = kmeans.cluster_centers_[order]
+        # All descriptors equal to a word (a sphere): any σ gives the same hard assignment.
+        self.sigma_ = self.sigma_factor * float(np.median(distances)) or 1.0
+        return self
+
+    def transform(self, X: FloatArray) -> FloatArray:
+        """Express descriptors in words.
+
+        Parameters
+        ----------
+        X : (n, d) array
+            Descriptors.
+
+        Returns
+        -------
+        words : (n, V) array
+            θ(x), rows sum to 1.
+        """
+        check_is_fitted(self)
+        descriptors = validate_data(self, X, dtype=np.float64, reset=False)
+        if self.soft:
+            return soft_words(descriptors, self.centers_, self.sigma_)
+        return hard_words(descriptors, self.centers_)
+
+    def predict(self, X: FloatArray) -> np.ndarray:
+        """Nearest word of each descriptor.
+
+        Parameters
+        ----------
+        X : (n, d) array
+            Descriptors.
+
+        Returns
+        -------
+        word : (n,) array of int
+        """
+        check_is_fitted(self)
+        descriptors = validate_data(self, X, dtype=np.float64, reset=False)
+        nearest: np.ndarray = cdist(descriptors, self.centers_, "sqeuclidean").argmin(axis=1)
+        return nearest
