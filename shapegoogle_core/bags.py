@@ -30,7 +30,8 @@ def bag_of_features(words: FloatArray, mass: FloatArray | None = None) -> FloatA
     """
     weights = np.full(len(words), 1 / len(words)) if mass is None else mass / mass.sum()
     bag: FloatArray = weights @ words
-    return bag / bag.sum()
+    bag /= bag.sum()
+    return bag
 
 
 def spatially_sensitive_bag(
@@ -60,4 +61,5 @@ def spatially_sensitive_bag(
     weights = spectrum.mass if area_weighted else np.full(len(words), spectrum.area / len(words))
     projected = spectrum.eigenvectors.T @ (weights[:, None] * words)
     bag: FloatArray = projected.T @ (np.exp(-spectrum.eigenvalues * time)[:, None] * projected)
-    return bag / bag.sum()
+    bag /= bag.sum()
+    return bag

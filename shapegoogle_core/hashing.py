@@ -10,8 +10,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator
 from sklearn.utils import check_random_state
-from sklearn.utils.validation import check_array, check_is_fitted
+from sklearn.utils.validation import check_array
 
+from shapegoogle_core.estimators import check_features, learn_features
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["SimilaritySensitiveHashing", "best_threshold"]
@@ -89,7 +90,7 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
             raise ValueError(f"projection must be 'eigenvectors' or 'random', not {self.projection!r}")
         if self.bits < 1 or self.candidates < 1:
             raise ValueError("bits and candidates must be at least 1")
-        first = check_array(first, dtype=np.float64)
+        first = learn_features(self, first)
         second = check_array(second, dtype=np.float64)
         similar = np.asarray(similar, dtype=bool)
         if first.shape != second.shape or similar.shape != (len(first),):
@@ -101,7 +102,6 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         differences = first - second
         # Both kinds start with half of the weight, however many pairs each has (equation 20).
         weights = np.where(similar, 0.5 / similar.sum(), 0.5 / (~similar).sum())
-        self.n_features_in_ = first.shape[1]
         self.directions_ = np.empty((self.bits, first.shape[1]))
         self.thresholds_ = np.empty(self.bits)
         self.losses_ = np.empty(self.bits)
@@ -157,12 +157,7 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         bits : (n, s) array of bool
             y = A f + b > 0.
         """
-        check_is_fitted(self)
-        vectors = check_array(X, dtype=np.float64)
-        if vectors.shape[1] != self.n_features_in_:
-            raise ValueError(
-                f"vectors have {vectors.shape[1]} components, the codes were learnt on {self.n_features_in_}"
-            )
+        vectors = check_features(self, X)
         bits: NDArray[np.bool_] = vectors @ self.directions_.T + self.thresholds_ > 0
         return bits
 

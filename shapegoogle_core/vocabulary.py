@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Geometric words: a vocabulary of descriptors, and descriptors as distributions over it (paper, section 4)."""
+"""Geometric words: a vocabulary, and descriptors as distributions over it (paper, section 4)."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Self
 
 import numpy as np
 from scipy.spatial.distance import cdist
-from sklearn.base import BaseEstimator, ClusterMixin, TransformerMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.base import BaseEstimator, TransformerMixin
 
+from shapegoogle_core.estimators import check_features, learn_features
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["Vocabulary", "hard_words", "soft_words"]
@@ -58,7 +58,7 @@ def hard_words(descriptors: FloatArray, centers: FloatArray) -> FloatArray:
     return words
 
 
-class Vocabulary(TransformerMixin, ClusterMixin, BaseEstimator):  # type: ignore[misc]
+class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     """Geometric vocabulary: k-means centres of descriptors (paper, section 4).
 
     Parameters
@@ -122,7 +122,7 @@ class Vocabulary(TransformerMixin, ClusterMixin, BaseEstimator):  # type: ignore
         """
         from sklearn.cluster import KMeans  # half a second to import, and only training needs it
 
-        descriptors = validate_data(self, X, dtype=np.float64, ensure_min_samples=self.words)
+        descriptors = learn_features(self, X, min_samples=self.words)
         kmeans = KMeans(self.words, n_init=self.restarts, max_iter=250, random_state=self.random_state)
         kmeans.fit(descriptors)
         distances = kmeans.transform(descriptors).min(axis=1)
@@ -149,8 +149,7 @@ class Vocabulary(TransformerMixin, ClusterMixin, BaseEstimator):  # type: ignore
         words : (n, V) array
             θ(x), rows sum to 1.
         """
-        check_is_fitted(self)
-        descriptors = validate_data(self, X, dtype=np.float64, reset=False)
+        descriptors = check_features(self, X)
         if self.soft:
             return soft_words(descriptors, self.centers_, self.sigma_)
         return hard_words(descriptors, self.centers_)
@@ -167,7 +166,6 @@ class Vocabulary(TransformerMixin, ClusterMixin, BaseEstimator):  # type: ignore
         -------
         word : (n,) array of int
         """
-        check_is_fitted(self)
-        descriptors = validate_data(self, X, dtype=np.float64, reset=False)
+        descriptors = check_features(self, X)
         nearest: np.ndarray = cdist(descriptors, self.centers_, "sqeuclidean").argmin(axis=1)
         return nearest

@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
 
+from shapegoogle_core.estimators import check_features, learn_features
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["InverseDocumentFrequency"]
@@ -51,7 +51,7 @@ class InverseDocumentFrequency(OneToOneFeatureMixin, TransformerMixin, BaseEstim
         -------
         self : InverseDocumentFrequency
         """
-        bags = validate_data(self, X, dtype=np.float64)
+        bags = learn_features(self, X)
         shapes_with_word = (bags > self.threshold).sum(axis=0)
         self.weights_ = np.log(len(bags) / np.maximum(shapes_with_word, 1))
         return self
@@ -68,6 +68,5 @@ class InverseDocumentFrequency(OneToOneFeatureMixin, TransformerMixin, BaseEstim
         -------
         weighted : (n, V) array
         """
-        check_is_fitted(self)
-        weighted: FloatArray = validate_data(self, X, dtype=np.float64, reset=False) * self.weights_
+        weighted: FloatArray = check_features(self, X) * self.weights_
         return weighted
