@@ -1,0 +1,521 @@
+# SPDX-License-Identifier: MIT
+"""A trained Shape Google: from a mesh to its signature (paper, figure 2 and algorithm 2)."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
+from shapegoogle_core.errors import MeshError, ModelError
+from shapegoogle_core.mesh import Mesh, check_surface, mend, repair
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.spectrum import Spectrum, compute_spectrum
+from shapegoogle_core.vocabulary import hard_words, soft_words
+
+__all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model"]
+
+FORMAT = 1
+"""Version of the model file; a file with a higher one is refused."""
+
+FloatBags = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeSignature:
+    """What the search knows of a shape.
+
+    Attributes
+    ----------
+    bags : (B,) array of float32
+        All bags of words and of pairs of words, side by side, as `ShapeModel.distances` compares them.
+    code : (s/8,) array of uint8
+        The binary code, packed as by `numpy.packbits`.
+    area : float
+        Of the mesh as given, in squared units.
+    vertex_count, face_count : int
+        Of the mesh as given.
+    """
+
+    bags: FloatBags
+    code: NDArray[np.uint8]
+    area: float
+    vertex_count: int
+    face_count: int
+
+
+@dataclass(frozen=True, eq=False)
+class WordMap:
+    """A shape at the working resolution with the words on its vertices.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Mended and scaled to the model's area.
+    words : (n, V) array
+        θ(x), the distribution of each vertex over the words.
+    """
+
+    mesh: Mesh
+    words: FloatArray
+
+    @property
+    def nearest(self) -> NDArray[np.int64]:
+        """(n,) most likely word of each vertex."""
+        return np.asarray(self.words.argmax(axis=1), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelWords:
+    """The learnt vocabulary of one channel: `centers` (V, d) and `sigma`."""
+
+    centers: FloatArray
+    sigma: float
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeModel:
+    """All that is learnt, and the settings it was learnt with.
+
+    Attributes
+    ----------
+    settings : ModelSettings
+    vocabularies : tuple of ChannelWords
+        One for each channel.
+    weights : (B,) array of float32
+        Of tf-idf, for each entry of the bags; ones where it is not used.
+    mean : (B,) array of float32
+        Mean of the training bags.
+    projection : (B, p) array of float16
+        The learnt metric: bags are compared and hashed as (f - mean) @ projection.
+    directions : (s, p) array of float32
+        A of the code y = sign(A f + b) (paper, equation 19), f projected and of unit length.
+    thresholds : (s,) array of float32
+        b.
+    similarity_half, similarity_slope : float
+        Calibration of `similarity`: the distance at which it is ½, and how fast it falls there.
+    trained_on : str
+        A sentence on the training shapes.
+    """
+
+    settings: ModelSettings
+    vocabularies: tuple[ChannelWords, ...]
+    weights: FloatBags
+    mean: FloatBags
+    projection: NDArray[np.float16]
+    directions: FloatBags
+    thresholds: FloatBags
+    similarity_half: float
+    similarity_slope: float
+    trained_on: str
+
+    def __post_init__(self) -> None:
+        size, projected, bits = self.bag_size, self.projection.shape[-1], self.code_bits
+        expected = {
+            "weights": (size,),
+            "mean": (size,),
+            "projection": (size, projected),
+            "directions": (bits, projected),
+            "thresholds": (bits,),
+        }
+        for name, shape in expected.items():
+            array = getattr(self, name)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ModelError(f"the model's {name} are damaged: expected finite numbers of shape {shape}")
+        for channel, words in zip(self.settings.channels, self.vocabularies, strict=True):
+            if len(words.centers) != channel.words or not (
+                np.isfinite(words.centers).all() and words.sigma > 0
+            ):
+                raise ModelError("the model's vocabulary is damaged")
+
+    @property
+    def bag_size(self) -> int:
+        """B, the length of all bags side by side."""
+        return self.settings.bag_size
+
+    @property
+    def code_bits(self) -> int:
+        """The length of the binary code."""
+        return self.settings.code_bits
+
+    @property
+    def name(self) -> str:
+        """The preset's name, for people; `identifier` tells models apart."""
+        return self.settings.name
+
+    @cached_property
+    def identifier(self) -> str:
+        """16 hex digits: a hash of all that is learnt. Signatures are comparable iff these are equal."""
+        digest = hashlib.sha256(self._header().encode())
+        for name, array in sorted(self._arrays().items()):
+            digest.update(name.encode())
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()[:16]
+
+    def describe(self, mesh: Mesh) -> ShapeSignature:
+        """Compute the signature of a shape.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            As read: any resolution, size and state of repair.
+
+        Returns
+        -------
+        signature : ShapeSignature
+
+        Raises
+        ------
+        MeshError
+            If the mesh has no surface.
+        """
+        bags = shape_bags(self.settings, self.vocabularies, self.spectrum(mesh)) * self.weights
+        return ShapeSignature(
+            bags=bags,
+            code=self.codes(bags[None])[0],
+            area=mesh.area,
+            vertex_count=len(mesh.vertices),
+            face_count=len(mesh.faces),
+        )
+
+    def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:
+        """Show which word each part of a shape is.
+
+        Parameters
+        ----------
+        mesh : Mesh
+        channel : int
+            Which of the model's channels.
+
+        Returns
+        -------
+        word_map : WordMap
+            On the mended mesh.
+
+        Raises
+        ------
+        MeshError
+            If the mesh has no surface.
+        """
+        prepared = prepare(self.settings, mesh)
+        spectrum = compute_spectrum(prepared, self.settings.eigenpairs, self.settings.laplacian)
+        return WordMap(prepared, channel_words(self.settings, channel, self.vocabularies[channel], spectrum))
+
+    def spectrum(self, mesh: Mesh) -> Spectrum:
+        """Spectrum of a shape at the working resolution and area.
+
+        Parameters
+        ----------
+        mesh : Mesh
+
+        Returns
+        -------
+        spectrum : Spectrum
+
+        Raises
+        ------
+        MeshError
+            If the mesh has no surface.
+        """
+        return compute_spectrum(
+            prepare(self.settings, mesh), self.settings.eigenpairs, self.settings.laplacian
+        )
+
+    def embed(self, bags: FloatBags) -> FloatBags:
+        """Project bags into the space of the learnt metric.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        vectors : (n, p) array of float32
+            Of unit length.
+        """
+        vectors = (np.asarray(bags, np.float32) - self.mean) @ self._projection
+        vectors /= np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+        return np.asarray(vectors, dtype=np.float32)
+
+    def codes(self, bags: FloatBags) -> NDArray[np.uint8]:
+        """Binary codes y = sign(A f + b) of bags (paper, equation 19).
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        codes : (n, s/8) array of uint8
+            Packed as by `numpy.packbits`.
+        """
+        return np.packbits(self.embed(bags) @ self.directions.T + self.thresholds > 0, axis=1)
+
+    def distances(self, query: FloatBags, bags: FloatBags) -> FloatArray:
+        """Distance of one shape's bags to others', as `settings.metric` says.
+
+        Parameters
+        ----------
+        query : (B,) array
+        bags : (n, B) array
+
+        Returns
+        -------
+        distances : (n,) array
+            ≥ 0. "cosine": 1 - cos of the projections. "l1": Σ|f - f'|, averaged over the bags.
+        """
+        if self.settings.metric == "l1":
+            count = sum(len(channel.bags) for channel in self.settings.channels)
+            totals = np.abs(np.asarray(bags, np.float64) - np.asarray(query, np.float64)).sum(axis=1)
+            return np.asarray(totals / count, dtype=np.float64)
+        cosines = self.embed(bags).astype(np.float64) @ self.embed(query[None])[0]
+        return np.asarray(np.clip(1 - cosines, 0, 2), dtype=np.float64)
+
+    def similarity(self, distances: FloatArray) -> FloatArray:
+        """Turn distances into a similarity from 0 to 1.
+
+        s(d) = 1 / (1 + (d / d_½)^p), fitted on training pairs by logistic regression: the probability that
+        two shapes at distance d are the same one transformed, if that is as likely beforehand as that they
+        are two different ones.
+
+        Parameters
+        ----------
+        distances : (n,) array
+
+        Returns
+        -------
+        similarity : (n,) array
+            1 at distance 0, ½ at `similarity_half`, falling towards 0.
+        """
+        ratio = np.asarray(distances, np.float64) / self.similarity_half
+        return np.asarray(1 / (1 + ratio**self.similarity_slope), dtype=np.float64)
+
+    @cached_property
+    def _projection(self) -> FloatBags:
+        return self.projection.astype(np.float32)
+
+    def _header(self) -> str:
+        header = {
+            "format": FORMAT,
+            "settings": asdict(self.settings),
+            "similarity_half": self.similarity_half,
+            "similarity_slope": self.similarity_slope,
+            "trained_on": self.trained_on,
+        }
+        return json.dumps(header, sort_keys=True)
+
+    def _arrays(self) -> dict[str, NDArray[np.generic]]:
+        arrays: dict[str, NDArray[np.generic]] = {
+            "weights": self.weights,
+            "mean": self.mean,
+            "projection": self.projection,
+            "directions": self.directions,
+            "thresholds": self.thresholds,
+            "sigmas": np.array([words.sigma for words in self.vocabularies]),
+        }
+        for index, words in enumerate(self.vocabularies):
+            arrays[f"centers_{index}"] = words.centers
+        return arrays
+
+    def to_bytes(self) -> bytes:
+        """Serialise: a numpy .npz archive whose entry `header` is JSON; nothing is pickled."""
+        buffer = io.BytesIO()
+        np.savez_compressed(buffer, allow_pickle=False, header=np.array(self._header()), **self._arrays())
+        return buffer.getvalue()
+
+    @classmethod
+    def from_bytes(cls, data: bytes, origin: str = "the model") -> ShapeModel:
+        """Rebuild a model from `to_bytes`.
+
+        Parameters
+        ----------
+        data : bytes
+        origin : str
+            What errors call the model: its file.
+
+        Returns
+        -------
+        model : ShapeModel
+
+        Raises
+        ------
+        ModelError
+            If the data is no model, damaged, or of a newer version.
+        """
+        try:
+            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in archive.files}
+            header = json.loads(str(arrays["header"]))
+            if header["format"] > FORMAT:
+                raise ModelError(
+                    f"{origin} has format {header['format']}, newer than this version of Shape Google "
+                    f"can read (up to {FORMAT}); update Shape Google"
+                )
+            settings = ModelSettings.from_dict(header["settings"])
+            return cls(
+                settings=settings,
+                vocabularies=tuple(
+                    ChannelWords(arrays[f"centers_{index}"].astype(np.float64), float(sigma))
+                    for index, sigma in enumerate(arrays["sigmas"])
+                ),
+                weights=arrays["weights"].astype(np.float32),
+                mean=arrays["mean"].astype(np.float32),
+                projection=arrays["projection"].astype(np.float16),
+                directions=arrays["directions"].astype(np.float32),
+                thresholds=arrays["thresholds"].astype(np.float32),
+                similarity_half=float(header["similarity_half"]),
+                similarity_slope=float(header["similarity_slope"]),
+                trained_on=str(header["trained_on"]),
+            )
+        except ModelError:
+            raise
+        except (
+            OSError,
+            EOFError,
+            zipfile.BadZipFile,
+            zipfile.LargeZipFile,
+            ValueError,
+            KeyError,
+            TypeError,
+        ) as error:
+            raise ModelError(
+                f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
+            ) from error
+        except (RuntimeError, NotImplementedError, IndexError, AttributeError) as error:
+            # what zipfile raises for encrypted or unknown members, and JSON of another form
+            raise ModelError(f"{origin} is not a Shape Google model ({error})") from error
+
+    def save(self, path: str | Path) -> None:
+        """Write the model to a file, by convention `.npz`.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        ModelError
+            If the file cannot be written.
+        """
+        try:
+            Path(path).write_bytes(self.to_bytes())
+        except OSError as error:
+            raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
+
+
+def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
+    """Mend a mesh and scale it to the working area.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    mesh : Mesh
+
+    Returns
+    -------
+    prepared : Mesh
+        Of area `settings.area`, centred on its bounding box.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no surface.
+    """
+    check_surface(mesh)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    # To unit size first: squares of very small or very large coordinates would leave the range of floats.
+    centered = Mesh((mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low), mesh.faces, mesh.name)
+    mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
+    area = mended.area
+    if not area > 0:
+        raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
+    return Mesh(mended.vertices * np.sqrt(settings.area / area), mended.faces, mesh.name)
+
+
+def channel_words(
+    settings: ModelSettings, channel: int, vocabulary: ChannelWords, spectrum: Spectrum
+) -> FloatArray:
+    """Words θ(x) of one channel at every vertex, (n, V)."""
+    chosen = settings.channels[channel]
+    descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+    if chosen.soft:
+        return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
+    return hard_words(descriptors, vocabulary.centers)
+
+
+def shape_bags(
+    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], spectrum: Spectrum
+) -> FloatBags:
+    """All bags of a shape side by side, before tf-idf.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    vocabularies : tuple of ChannelWords
+    spectrum : Spectrum
+
+    Returns
+    -------
+    bags : (B,) array of float32
+        Of pairs of words the upper triangle, an entry off the diagonal counting for both its halves: every
+        bag sums to 1, or its squares do with `settings.square_root`.
+    """
+    blocks = []
+    for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
+        words = channel_words(settings, index, vocabulary, spectrum)
+        upper = np.triu_indices(channel.words)
+        for kind in channel.bags:
+            if "pairs" in kind:
+                pairs = spatially_sensitive_bag(
+                    words, spectrum, channel.pair_time, area_weighted=kind == "pairs"
+                )
+                bag = ((2 - np.eye(channel.words)) * pairs)[upper]
+            else:
+                bag = bag_of_features(words, spectrum.mass if kind == "area" else None)
+            blocks.append(np.sqrt(np.maximum(bag, 0)) if settings.square_root else bag)
+    return np.concatenate(blocks).astype(np.float32)
+
+
+def load_model(path: str | Path | None = None) -> ShapeModel:
+    """Load a model.
+
+    Parameters
+    ----------
+    path : str or Path, optional
+        A model file, or the name of a shipped model: "default" (also when left out) or "paper".
+
+    Returns
+    -------
+    model : ShapeModel
+
+    Raises
+    ------
+    ModelError
+        If there is no such file, or it is no model.
+    """
+    shipped = {
+        entry.name.removesuffix(".npz"): entry
+        for entry in (resources.files("shapegoogle_core") / "models").iterdir()
+        if entry.name.endswith(".npz")
+    }
+    key = "default" if path is None else str(path)
+    if key in shipped:
+        return ShapeModel.from_bytes(shipped[key].read_bytes(), f"the shipped model {key!r}")
+    try:
+        data = Path(key).read_bytes()
+    except OSError as error:
+        raise ModelError(
+            f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
+            f"`shapegoogle train`, or one of {', '.join(sorted(shipped))}"
+        ) from error
+    return ShapeModel.from_bytes(data, repr(key))

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: MIT
+"""What a model is made with: every choice of the method in one place, and the presets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from shapegoogle_core.descriptors import heat_kernel_signature, scale_invariant_hks, wave_kernel_signature
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.laplacian import LAPLACIANS
+from shapegoogle_core.mesh import Mending
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.spectrum import Spectrum
+
+__all__ = ["BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
+
+
+def _hks(
+    spectrum: Spectrum, times: list[float], multiply_by_time: bool = False, normalize: bool = False
+) -> FloatArray:
+    return heat_kernel_signature(spectrum, times, multiply_by_time=multiply_by_time, normalize=normalize)
+
+
+def _log_hks(spectrum: Spectrum, times: list[float]) -> FloatArray:
+    kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
+    # A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
+    values: FloatArray = np.log(np.maximum(kernel, math.exp(-10)))
+    return values
+
+
+def _si_hks(
+    spectrum: Spectrum, alpha: float, tau_start: float, tau_end: float, tau_step: float, frequencies: int
+) -> FloatArray:
+    tau = np.arange(tau_start, tau_end + tau_step / 2, tau_step)
+    return scale_invariant_hks(spectrum, alpha=alpha, tau=tau, frequencies=frequencies)
+
+
+def _wks(spectrum: Spectrum, low: float, high: float, count: int, sigma: float) -> FloatArray:
+    kernel = wave_kernel_signature(spectrum, np.linspace(low, high, count), sigma=sigma)
+    values: FloatArray = np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
+    return values
+
+
+DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
+    "hks": _hks,
+    "log-hks": _log_hks,
+    "si-hks": _si_hks,
+    "wks": _wks,
+}
+"""Descriptors by name: called with a spectrum and a channel's parameters, give (n, d) values."""
+
+BAGS = ("area", "plain", "pairs", "plain-pairs")
+"""Kinds of bags: of words or of pairs of words, weighted by area or counting vertices alike."""
+
+
+@dataclass(frozen=True)
+class ChannelSettings:
+    """One descriptor, its vocabulary and its bags.
+
+    Attributes
+    ----------
+    descriptor : str
+        A key of `DESCRIPTORS`.
+    parameters : mapping
+        Of the descriptor. Times are in squared units of the shape after scaling to `ModelSettings.area`.
+    words : int
+        V, the size of the vocabulary.
+    soft : bool
+        Soft (paper, equation 12) or hard quantisation.
+    bags : tuple of str
+        Which of `BAGS` are taken.
+    pair_time : float
+        t of the kernel in the bags of pairs (equation 16), in the same unit as the times.
+    sigma_factor : float
+        σ of the soft words as a multiple of the median distance of a descriptor to its nearest word.
+    """
+
+    descriptor: str
+    parameters: Mapping[str, Any]
+    words: int = 48
+    soft: bool = True
+    bags: tuple[str, ...] = ("area", "pairs")
+    pair_time: float = 0.0256
+    sigma_factor: float = 2.0
+
+    def __post_init__(self) -> None:
+        if self.descriptor not in DESCRIPTORS:
+            raise ModelError(f"descriptor must be one of {', '.join(DESCRIPTORS)}, not {self.descriptor!r}")
+        if not self.bags or not set(self.bags) <= set(BAGS):
+            raise ModelError(f"bags must be some of {', '.join(BAGS)}, not {self.bags}")
+
+    def bag_sizes(self) -> list[int]:
+        """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""
+        pairs = self.words * (self.words + 1) // 2
+        return [pairs if "pairs" in bag else self.words for bag in self.bags]
+
+
+@dataclass(frozen=True)
+class ModelSettings:
+    """Every choice between a mesh and its code.
+
+    Attributes
+    ----------
+    name : str
+        Of the preset, shown to users.
+    channels : tuple of ChannelSettings
+        Their bags stand side by side.
+    mending : Mending or None
+        How a mesh is mended and brought to the working resolution; None: only repaired.
+    area : float
+        Every shape is scaled to this area first, in squared units: the search forgets the size.
+    laplacian : str
+        A key of `shapegoogle_core.laplacian.LAPLACIANS`.
+    eigenpairs : int
+        k, the size of the spectrum.
+    square_root : bool
+        Take the square root of all bags (Hellinger), so that frequent words do not drown the rare.
+    inverse_document_frequency : bool
+        Weight words and pairs by tf-idf (paper, equations 17 and 18).
+    projected : int
+        Dimensions of the learnt projection in which bags are compared and hashed.
+    shrinkage : float
+        How far the learnt metric is drawn towards plain principal components, from 0 to 1.
+    metric : {"cosine", "l1"}
+        Compare bags by the cosine of their projections, or by the L1 distance of the bags themselves
+        (the paper's).
+    code_bits : int
+        Length of the binary code, a multiple of 8.
+    """
+
+    name: str
+    channels: tuple[ChannelSettings, ...]
+    mending: Mending | None = field(default_factory=Mending)
+    area: float = 1.0
+    laplacian: str = "robust"
+    eigenpairs: int = 100
+    square_root: bool = True
+    inverse_document_frequency: bool = False
+    projected: int = 256
+    shrinkage: float = 0.3
+    metric: str = "cosine"
+    code_bits: int = 256
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise ModelError("a model needs at least one channel")
+        if self.laplacian not in LAPLACIANS:
+            raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
+        if self.metric not in ("cosine", "l1"):
+            raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
+        if self.code_bits % 8 or self.code_bits <= 0:
+            raise ModelError(f"code_bits must be a positive multiple of 8, not {self.code_bits}")
+
+    @property
+    def bag_size(self) -> int:
+        """B, the length of all bags side by side."""
+        return sum(sum(channel.bag_sizes()) for channel in self.channels)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> ModelSettings:
+        """Rebuild settings from `dataclasses.asdict`, for example out of JSON.
+
+        Parameters
+        ----------
+        values : mapping
+
+        Returns
+        -------
+        settings : ModelSettings
+
+        Raises
+        ------
+        ModelError
+            If something is missing, unknown or out of range.
+        """
+        try:
+            unknown = set(values) - {entry.name for entry in fields(cls)}
+            if unknown:
+                raise ModelError(f"unknown settings {', '.join(sorted(unknown))}; update Shape Google")
+            known = dict(values)
+            known["channels"] = tuple(
+                ChannelSettings(**{**channel, "bags": tuple(channel["bags"])})
+                for channel in known["channels"]
+            )
+            known["mending"] = None if known["mending"] is None else Mending(**known["mending"])
+            return cls(**known)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ModelError(f"the settings of the model are damaged ({error!r})") from error
+
+
+# The authors' times 1024 … 4096, for shapes of area 40,000 (paper, section 6).
+PAPER_AREA = 40_000.0
+PAPER_TIMES = (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
+
+PRESETS: dict[str, ModelSettings] = {
+    "paper": ModelSettings(
+        name="paper",
+        channels=(
+            ChannelSettings(
+                "hks",
+                {"times": PAPER_TIMES, "multiply_by_time": True, "normalize": True},
+                words=48,
+                bags=("plain-pairs",),
+                pair_time=1024.0,
+            ),
+        ),
+        mending=None,
+        area=PAPER_AREA,
+        laplacian="cotangent",
+        eigenpairs=200,
+        square_root=False,
+        metric="l1",
+        code_bits=96,
+    ),
+}

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: MIT
+"""Descriptors against closed forms, and the invariances that they claim."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shapegoogle_core.descriptors import (
+    heat_kernel,
+    heat_kernel_signature,
+    scale_invariant_hks,
+    wave_kernel_signature,
+)
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.spectrum import Spectrum, compute_spectrum
+
+
+@pytest.fixture(scope="module")
+def spectrum(bumpy: Mesh) -> Spectrum:
+    return compute_spectrum(bumpy, 80)
+
+
+def test_hks_of_the_sphere_is_the_legendre_series(shapes):
+    spectrum = compute_spectrum(shapes.sphere(4), 100)
+    times = np.array([0.1, 0.3, 1.0])
+    degrees = np.arange(10)
+    expected = [((2 * degrees + 1) * np.exp(-degrees * (degrees + 1) * t)).sum() / (4 * np.pi) for t in times]
+    values = heat_kernel_signature(spectrum, times)
+    np.testing.assert_allclose(values, np.tile(expected, (len(values), 1)), rtol=0.01)
+
+
+def test_hks_of_the_rectangle_is_the_cosine_series(shapes):
+    mesh = shapes.rectangle(1.5, 1.0, 45)
+    spectrum = compute_spectrum(mesh, 120)
+    t = 0.05
+    x, y = mesh.vertices[:, 0] / 1.5, mesh.vertices[:, 1]
+    expected = np.ones(len(x))
+    for coordinate, length in ((x, 1.5), (y, 1.0)):
+        modes = np.arange(1, 40)
+        decay = np.exp(-((np.pi * modes / length) ** 2) * t)
+        expected *= (1 + 2 * (np.cos(np.pi * np.outer(coordinate, modes)) ** 2 @ decay)) / length
+    np.testing.assert_allclose(heat_kernel_signature(spectrum, [t])[:, 0], expected, rtol=0.02)
+
+
+def test_hks_is_the_diagonal_of_the_heat_kernel(spectrum):
+    for vertex in (0, 17, 200):
+        heat = heat_kernel(spectrum, vertex, 0.1)
+        np.testing.assert_allclose(heat[vertex], heat_kernel_signature(spectrum, 0.1)[vertex, 0])
+        np.testing.assert_allclose(heat @ spectrum.mass, 1.0)  # heat is conserved
+
+
+def test_hks_tends_to_the_inverse_area(spectrum):
+    late = heat_kernel_signature(spectrum, 1e3 / spectrum.eigenvalues[1])
+    np.testing.assert_allclose(late, 1 / spectrum.area, rtol=1e-9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(times=st.lists(st.floats(1e-3, 1e3), min_size=2, max_size=6))
+def test_hks_is_positive_and_falls_with_time(times):
+    spectrum = Spectrum(
+        np.array([0.0, 1.0, 3.0, 10.0]), np.random.default_rng(0).standard_normal((7, 4)), np.ones(7)
+    )
+    values = heat_kernel_signature(spectrum, np.sort(times))
+    assert (values > 0).all()
+    assert (np.diff(values, axis=1) <= 1e-12).all()
+
+
+def test_hks_options(spectrum):
+    times = np.array([0.05, 0.2, 0.5])
+    raw = heat_kernel_signature(spectrum, times)
+    np.testing.assert_allclose(heat_kernel_signature(spectrum, times, multiply_by_time=True), raw * times)
+    unit = heat_kernel_signature(spectrum, times, multiply_by_time=True, normalize=True)
+    np.testing.assert_allclose(np.linalg.norm(unit, axis=1), 1.0)
+    np.testing.assert_allclose(unit * np.linalg.norm(raw * times, axis=1, keepdims=True), raw * times)
+
+
+@pytest.mark.parametrize("times", [[], [-1.0], [0.0], [np.nan], [[1.0, 2.0]]])
+def test_times_must_be_positive(spectrum, times):
+    if times == []:
+        assert heat_kernel_signature(spectrum, times).shape == (len(spectrum.mass), 0)
+        return
+    with pytest.raises(ValueError, match="positive numbers"):
+        heat_kernel_signature(spectrum, times)
+
+
+def test_si_hks_is_the_modulus_of_the_fourier_transform(spectrum):
+    tau = np.arange(-8, 4, 0.25)
+    log_kernel = np.log(heat_kernel_signature(spectrum, 2.0**tau))
+    expected = np.abs(np.fft.fft(np.diff(log_kernel, axis=1), axis=1))[:, :5]
+    np.testing.assert_allclose(scale_invariant_hks(spectrum, tau=tau, frequencies=5), expected, atol=1e-9)
+
+
+def test_si_hks_hardly_changes_with_the_size(bumpy):
+    tau = np.arange(-12, 12, 0.125)  # the kernel is flat beyond both ends for either size
+    values = [
+        scale_invariant_hks(compute_spectrum(Mesh(bumpy.vertices * s, bumpy.faces), 80), tau=tau)
+        for s in (1.0, 1.7)
+    ]
+    raw = [
+        heat_kernel_signature(compute_spectrum(Mesh(bumpy.vertices * s, bumpy.faces), 80), 2.0**tau)
+        for s in (1.0, 1.7)
+    ]
+    change = np.linalg.norm(values[1] - values[0]) / np.linalg.norm(values[0])
+    raw_change = np.linalg.norm(raw[1] - raw[0]) / np.linalg.norm(raw[0])
+    assert change < 0.02
+    assert raw_change > 0.5
+
+
+def test_si_hks_default_is_the_papers(spectrum):
+    assert scale_invariant_hks(spectrum).shape == (len(spectrum.mass), 6)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"alpha": 1.0},
+        {"tau": [1.0, 2.0]},
+        {"tau": [1.0, 2.0, 4.0]},
+        {"frequencies": 0},
+        {"tau": [1.0, 2.0, 3.0], "frequencies": 3},
+    ],
+)
+def test_si_hks_refuses_bad_parameters(spectrum, options):
+    with pytest.raises(ValueError, match=r"alpha|tau|frequencies"):
+        scale_invariant_hks(spectrum, **options)
+
+
+def test_wks_is_a_weighted_mean_of_squared_eigenfunctions(spectrum):
+    energies = np.log(spectrum.eigenvalues[[5, 20, 60]])
+    values = wave_kernel_signature(spectrum, energies, sigma=0.3)
+    squares = spectrum.eigenvectors[:, 1:] ** 2
+    assert (values <= squares.max(axis=1, keepdims=True) + 1e-12).all()
+    for column, energy in enumerate(energies):
+        weights = np.exp(-((energy - np.log(spectrum.eigenvalues[1:])) ** 2) / (2 * 0.3**2))
+        np.testing.assert_allclose(values[:, column], squares @ weights / weights.sum())
+    np.testing.assert_allclose(values.T @ spectrum.mass, 1.0, rtol=1e-6)
+
+
+def test_wks_narrow_energies_pick_single_eigenfunctions(spectrum):
+    values = wave_kernel_signature(spectrum, [np.log(spectrum.eigenvalues[7])], sigma=1e-4)
+    np.testing.assert_allclose(values[:, 0], spectrum.eigenvectors[:, 7] ** 2)
+
+
+def test_wks_needs_positive_eigenvalues():
+    flat = Spectrum(np.array([0.0, 0.0, 1.0]), np.eye(3), np.ones(3))
+    with pytest.raises(ValueError, match="two positive eigenvalues"):
+        wave_kernel_signature(flat)
+    with pytest.raises(ValueError, match="explicit sigma"):
+        wave_kernel_signature(Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(3), np.ones(3)), [0.1])
+
+
+def test_wks_default_grid(spectrum):
+    assert wave_kernel_signature(spectrum, 50).shape == (len(spectrum.mass), 50)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_descriptors_follow_the_vertices(bumpy, seed):
+    """Rigid motion and another order of the vertices permute the values, and change nothing else."""
+    random = np.random.default_rng(seed)
+    rotation, _ = np.linalg.qr(random.standard_normal((3, 3)))
+    order = random.permutation(len(bumpy.vertices))
+    rank = np.argsort(order)
+    moved = Mesh((bumpy.vertices @ rotation + random.standard_normal(3))[order], rank[bumpy.faces])
+    original, changed = compute_spectrum(bumpy, 60), compute_spectrum(moved, 60)
+    for describe in (
+        lambda s: heat_kernel_signature(s, [0.05, 0.5]),
+        lambda s: scale_invariant_hks(s, tau=np.arange(-6, 2, 0.25)),
+        lambda s: wave_kernel_signature(s, 20),
+    ):
+        np.testing.assert_allclose(describe(changed), describe(original)[order], rtol=1e-5)
