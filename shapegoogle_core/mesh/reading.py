@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""Reading a mesh file: one shape per file, or a sentence that says why not."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh.formats import (
+    FormatError,
+    read_glb,
+    read_gltf,
+    read_obj,
+    read_off,
+    read_ply,
+    read_stl,
+)
+from shapegoogle_core.mesh.formats.common import Geometry
+from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.repair import check_surface
+
+__all__ = ["MESH_SUFFIXES", "read_mesh"]
+
+_READERS: dict[str, Callable[[Path, int], Geometry]] = {
+    ".obj": read_obj,
+    ".ply": read_ply,
+    ".stl": read_stl,
+    ".off": read_off,
+    ".glb": read_glb,
+    ".gltf": read_gltf,
+}
+
+MESH_SUFFIXES = frozenset(_READERS)
+"""What `read_mesh` reads, in lower case with the dot."""
+
+# How files that are often misnamed begin.
+_BEGINNINGS = {
+    b"ply": ".ply",
+    b"glTF": ".glb",
+    b"OFF": ".off",
+    b"COFF": ".off",
+    b"BLENDER": ".blend",
+    b"Kaydara FBX": ".fbx",
+    b"PK\x03\x04": ".zip",
+    b"\x1f\x8b": ".gz",
+}
+
+
+def read_mesh(
+    path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = 20_000_000
+) -> Mesh:
+    """Read a mesh file as one shape.
+
+    All objects, groups and scene nodes of a file, each in its place, make one mesh; polygons become fans of
+    triangles; materials, textures and animation are left out. Nothing is fetched from a network.
+
+    Parameters
+    ----------
+    path : path
+        A file with one of the suffixes in `MESH_SUFFIXES`, in upper or lower case.
+    point_cloud : bool, optional
+        Whether a file without faces is welcome. Faces are left out if there are any.
+    max_faces : int, optional
+        A file with more triangles is refused, by its header where it has one, before memory is taken for them.
+
+    Returns
+    -------
+    mesh : Mesh
+        In the file's unit; named after the file.
+
+    Raises
+    ------
+    MeshError
+        If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or holds no
+        surface (see `check_surface`).
+    """
+    path = Path(path)
+    name = path.name or str(path)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise MeshError(
+            f"{name!r} is not a mesh file that can be read ({', '.join(sorted(MESH_SUFFIXES))}); convert it first"
+        )
+    try:
+        if not path.is_file():
+            what = (
+                "is a folder"
+                if path.is_dir()
+                else "is no ordinary file"
+                if path.exists()
+                else "does not exist"
+            )
+            raise MeshError(f"{str(path)!r} {what}; give the path of a mesh file")
+        if path.stat().st_size == 0:
+            raise MeshError(f"{name!r} is empty (0 bytes); copy or export it again")
+        vertices, faces = reader(path, max_faces)
+    except MeshError:
+        raise
+    except FormatError as error:
+        raise MeshError(f"{name!r} {error}{_misnamed(path)}") from error
+    except OSError as error:
+        raise MeshError(
+            f"{name!r} cannot be read: {error.strerror or error}; check the disk and its permissions"
+        ) from error
+    except MemoryError as error:
+        raise MeshError(
+            f"{name!r} does not fit into memory; simplify it, or lower max_faces to skip such files"
+        ) from error
+    except Exception as error:
+        # Damaged files make parsers fail in every way; whatever it was, it is this file's fault.
+        raise MeshError(f"{name!r} is damaged ({type(error).__name__}: {error}); export it again") from error
+    if point_cloud:
+        return _point_cloud(Mesh(vertices, name=name))
+    mesh = Mesh(vertices, faces, name)
+    check_surface(mesh)
+    return mesh
+
+
+def _point_cloud(points: Mesh) -> Mesh:
+    if len(points.vertices) < 4:
+        raise MeshError(f"{points.name!r} has only {len(points.vertices)} points; a shape needs at least 4")
+    if not np.ptp(points.vertices, axis=0).any():
+        raise MeshError(f"{points.name!r}: all points coincide; export it again")
+    return points
+
+
+def _misnamed(path: Path) -> str:
+    """Say which format the file rather has, if its first bytes tell."""
+    with path.open("rb") as file:
+        head = file.read(16)
+    for beginning, suffix in _BEGINNINGS.items():
+        if head.startswith(beginning) and suffix != path.suffix.lower():
+            return f" (it begins like a {suffix} file: perhaps it only has the wrong name)"
+    return ""
