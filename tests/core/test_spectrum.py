@@ -112,7 +112,7 @@ def test_agrees_with_lapy_on_real_meshes(name, data_folder):
         np.testing.assert_allclose(values, expected, rtol=1e-3, atol=1e-6 * expected[-1])
     # The intrinsic Delaunay triangulation is another discretisation: close, not equal.
     robust = compute_spectrum(mesh, 50).eigenvalues
-    np.testing.assert_allclose(robust, values, rtol=0.05, atol=1e-6 * values[-1])
+    np.testing.assert_allclose(robust, values, rtol=0.12, atol=1e-6 * values[-1])
 
 
 def test_components_have_a_zero_each_and_the_union_of_their_spectra(shapes):
