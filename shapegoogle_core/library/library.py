@@ -1,0 +1,481 @@
+# SPDX-License-Identifier: MIT
+"""`Library`: a collection of shapes in one file, and the search in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
+from shapegoogle_core.library.search import Search
+from shapegoogle_core.library.store import Store
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+
+__all__ = ["Library"]
+
+PathLike = str | os.PathLike[str]
+
+# Shapes that a listing reads at once.
+PAGE = 1_000
+
+
+class Library:
+    """Shapes in one SQLite file, with the model that described them. Open it with `Library.open`.
+
+    A library may be open in several programs at once: any number of them read while one writes; a second
+    writer waits for the first one's running transaction. A `Library` itself belongs to the thread that opened
+    it. After kill -9, a power cut or a full disk the file holds everything whose method had returned.
+
+    Every method raises `LibraryError` when the file cannot be read or written.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel) -> None:
+        self._store = store
+        self._model = model
+        self._search = Search(store, model)
+
+    @classmethod
+    def open(
+        cls,
+        path: PathLike,
+        model: ShapeModel | None = None,
+        *,
+        read_only: bool = False,
+        timeout: float = 30.0,
+    ) -> Self:
+        """Open a library, or make a new one.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file. An existing library on a read-only disk opens too; then it can be searched only.
+        model : ShapeModel, optional
+            For a new library: the model to describe shapes with; left out, the one that ships with the
+            package. For an existing one: must be the library's own model; left out, it is taken from the
+            library.
+        read_only : bool, optional
+            Never change the file, and make none.
+        timeout : float, optional
+            How long to wait while another program writes, in seconds.
+
+        Returns
+        -------
+        library : Library
+            Also a context manager that closes it.
+
+        Raises
+        ------
+        LibraryError
+            If the path is a folder, lies in no folder or is no library; if the library is damaged, made by a
+            newer version or with another model; if there is none and it may not or cannot be made.
+        ModelError
+            If a new library is to be made and the shipped model cannot be loaded.
+        """
+        path = Path(path)
+        exists = _is_file(path)
+        if not exists:
+            _check_place(path, read_only=read_only)
+            model = (
+                model or load_model()
+            )  # before the file is made: a missing model must not leave one behind
+        store = Store(path, create=not exists, read_only=read_only, timeout=timeout)
+        try:
+            if store.is_empty():
+                if read_only:
+                    raise LibraryError(f"'{path}' is empty; index a folder into it first")
+                model = model or load_model()
+                store.initialise(model.identifier, model.to_bytes())
+            store.check_format()
+            return cls(store, _matching_model(store, model))
+        except BaseException:
+            store.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file. Closing twice does no harm."""
+        self._store.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        error_type: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"Library('{self.path}', model {self._model.identifier})"
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._store.path
+
+    @property
+    def model(self) -> ShapeModel:
+        """The model that describes the shapes of this library."""
+        return self._model
+
+    @property
+    def read_only(self) -> bool:
+        """Whether changes are refused: asked for, or because the file is write-protected."""
+        return self._store.read_only
+
+    # -- changes --------------------------------------------------------------------------------------------
+
+    def add(
+        self,
+        mesh: Mesh,
+        name: str = "",
+        source: str = "",
+        object_name: str = "",
+        thumbnail: bytes | None = None,
+    ) -> int:
+        """Describe a shape and add it.
+
+        Within a source a shape is known by its object name and name: adding it again replaces it. A shape
+        without a source is always a new one.
+
+        Parameters
+        ----------
+        mesh : Mesh
+        name : str, optional
+            What to call it; left out, the mesh's own name.
+        source : str, optional
+            Path of the file it comes from.
+        object_name : str, optional
+            Name of the object inside the source.
+        thumbnail : bytes, optional
+            A picture as PNG.
+
+        Returns
+        -------
+        shape_id : int
+
+        Raises
+        ------
+        MeshError
+            If the model cannot describe the mesh.
+        """
+        return self.add_signature(
+            self._model.describe(mesh),
+            name or mesh.name,
+            source=source,
+            object_name=object_name,
+            thumbnail=thumbnail,
+        )
+
+    def add_signature(
+        self,
+        signature: ShapeSignature,
+        name: str,
+        source: str = "",
+        object_name: str = "",
+        thumbnail: bytes | None = None,
+    ) -> int:
+        """Add a shape that this library's model has described already; else as `add`.
+
+        Raises
+        ------
+        LibraryError
+            If another model made the signature.
+        """
+        shape = NewShape(signature, name, object_name, thumbnail)
+        self._check_signature(signature, name)
+        shape_id = self._store.add(source, shape)
+        self._search.forget_codes()
+        return shape_id
+
+    def replace_source(
+        self,
+        path: PathLike,
+        *,
+        size: int | None,
+        mtime_ns: int | None,
+        sha256: str | None,
+        shapes: Sequence[NewShape] = (),
+        error: str | None = None,
+    ) -> list[int]:
+        """Put in all that a file gives now and forget what it gave before, in one transaction.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file, as its shapes' `source` will call it.
+        size, mtime_ns : int or None
+            As `os.stat` gives them, to see later whether the file changed.
+        sha256 : str or None
+            Hash of its content, in hexadecimal digits.
+        shapes : sequence of NewShape, optional
+            May be empty: the file is remembered all the same.
+        error : str, optional
+            Why the file, or a part of it, could not be described.
+
+        Returns
+        -------
+        shape_ids : list of int
+            In the order of `shapes`.
+        """
+        for shape in shapes:
+            self._check_signature(shape.signature, shape.name)
+        source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
+        shape_ids = self._store.replace_source(source, shapes)
+        self._search.forget_codes()
+        return shape_ids
+
+    def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
+        """Note the new time of a file whose content is still the same; returns whether it is known."""
+        return self._store.update_source(os.fspath(path), size, mtime_ns)
+
+    def remove(self, source: PathLike) -> bool:
+        """Remove a source with all its shapes; returns whether it was known."""
+        removed = self._store.remove_sources([os.fspath(source)])
+        self._search.forget_codes()
+        return removed > 0
+
+    def remove_shape(self, shape_id: int) -> bool:
+        """Remove one shape; returns whether it was there."""
+        removed = self._store.remove_shapes([shape_id])
+        self._search.forget_codes()
+        return removed > 0
+
+    def remove_missing(self, folders: Iterable[PathLike]) -> list[str]:
+        """Remove the indexed files that are no longer there. Nothing does this by itself.
+
+        Parameters
+        ----------
+        folders : iterable of str or path-like
+            Only files below these folders are looked at. Each must exist: on a drive that is not plugged in
+            all files are missing.
+
+        Returns
+        -------
+        removed : list of str
+            Paths of the removed sources.
+
+        Raises
+        ------
+        LibraryError
+            If a folder does not exist; then nothing is removed.
+        """
+        roots = [Path(folder).resolve() for folder in folders]
+        for root in roots:
+            if not root.is_dir():
+                raise LibraryError(
+                    f"'{root}' is not there, so files missing from it were kept; plug in its drive, or name "
+                    "another folder"
+                )
+        missing = [
+            source.path
+            for source in self._store.sources()
+            # Only indexed files have a size; other sources are names that need not be paths.
+            if source.size is not None
+            and any(Path(source.path).resolve().is_relative_to(root) for root in roots)
+            and _is_gone(source.path)
+        ]
+        if missing:
+            self._store.remove_sources(missing)
+            self._search.forget_codes()
+        return missing
+
+    # -- what is in it --------------------------------------------------------------------------------------
+
+    def __len__(self) -> int:
+        return self._store.count()
+
+    def info(self) -> dict[str, object]:
+        """Describe the library in numbers.
+
+        Returns
+        -------
+        info : dict
+            ``path``, ``shapes``, ``sources``, ``failed`` (sources with an error), ``model`` (its identifier),
+            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``.
+        """
+        summary = self._store.summary()
+        return {
+            "path": str(self.path),
+            "shapes": summary["shapes"],
+            "sources": summary["sources"],
+            "failed": summary["failed"],
+            "model": self._model.identifier,
+            "model_name": self._model.name,
+            "code_bits": self._model.code_bits,
+            "bag_size": self._model.bag_size,
+            "bytes": summary["bytes"],
+            "schema": summary["schema"],
+        }
+
+    def sources(self) -> dict[str, SourceRecord]:
+        """All known files by path, those that failed included: what is new or changed is to be indexed."""
+        return {source.path: source for source in self._store.sources()}
+
+    def shapes(self) -> Iterator[ShapeRecord]:
+        """All shapes, oldest first, without bags and pictures.
+
+        They are read page by page, so that a writer need not wait for whoever looks at them.
+
+        Yields
+        ------
+        shape : ShapeRecord
+        """
+        last_id = 0
+        while page := self._store.shapes_after(last_id, PAGE):
+            yield from page
+            last_id = page[-1].shape_id
+
+    def signature(self, shape_id: int) -> ShapeSignature:
+        """Signature of a shape, its bags rounded to the precision of the library (11 bits).
+
+        Raises
+        ------
+        LibraryError
+            If there is no such shape.
+        """
+        with self._store.snapshot():
+            record = self._record(shape_id)
+            _, bags = self._store.bags([shape_id], self._model.bag_size)
+            code = self._store.code(shape_id, self._model.code_bits // 8)
+        if code is None or len(bags) == 0:
+            raise LibraryError(
+                f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
+                f"{record.source or 'it'!r} again"
+            )
+        return ShapeSignature(bags[0], code, record.area, record.vertex_count, record.face_count)
+
+    def thumbnail(self, shape_id: int) -> bytes | None:
+        """Picture of a shape as PNG, or None when it has none.
+
+        Raises
+        ------
+        LibraryError
+            If there is no such shape.
+        """
+        picture = self._store.thumbnail(shape_id)
+        if picture is None:
+            self._record(shape_id)
+        return picture
+
+    def _record(self, shape_id: int) -> ShapeRecord:
+        records = self._store.shapes([shape_id])
+        if not records:
+            raise LibraryError(
+                f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
+            )
+        return records[0]
+
+    # -- search ---------------------------------------------------------------------------------------------
+
+    def query(self, mesh: Mesh, top: int = 10, exact: bool = False) -> list[Match]:
+        """Find the shapes most like a mesh.
+
+        The codes of all shapes are compared first; the `CANDIDATES` nearest (and never fewer than
+        `CANDIDATES_PER_MATCH` for each match asked for) are then compared by their full bags.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            In any pose, at any size.
+        top : int, optional
+            How many matches; fewer come back when there are fewer shapes.
+        exact : bool, optional
+            Compare the full bags of all shapes: nothing can be missed, but it takes time in proportion to the
+            size of the library.
+
+        Returns
+        -------
+        matches : list of Match
+            Best first; equal distances in the order of name and source.
+
+        Raises
+        ------
+        MeshError
+            If the model cannot describe the mesh.
+        """
+        return self.query_signature(self._model.describe(mesh), top, exact)
+
+    def query_signature(self, signature: ShapeSignature, top: int = 10, exact: bool = False) -> list[Match]:
+        """Find the shapes most like one that is described already; else as `query`.
+
+        Raises
+        ------
+        LibraryError
+            If another model made the signature.
+        """
+        if top < 1:
+            raise ValueError(f"top must be at least 1, not {top}")
+        self._check_signature(signature, "the query")
+        if exact:
+            return self._search.among_all(signature, top)
+        return self._search.among_nearest_codes(signature, top)
+
+    def _check_signature(self, signature: ShapeSignature, name: str) -> None:
+        expected = (self._model.bag_size,), (self._model.code_bits // 8,)
+        if (signature.bags.shape, signature.code.shape) != expected:
+            raise LibraryError(
+                f"{name!r} was described with another model than that of '{self.path}' "
+                f"({self._model.identifier}): {signature.bags.size} bag entries and "
+                f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
+                f"{self._model.code_bits}; describe it with library.model"
+            )
+        if not np.isfinite(signature.bags).all():
+            raise LibraryError(f"{name!r} has a bag with NaN or infinite entries; describe it again")
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is a file at a path; a folder, or no way to know, is an error."""
+    try:
+        if path.is_dir():
+            raise LibraryError(
+                f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
+            )
+        return path.exists()
+    except (OSError, ValueError) as error:  # ValueError: a null character
+        raise LibraryError(f"'{path}' cannot be reached ({error}); choose another place") from error
+
+
+def _check_place(path: Path, *, read_only: bool) -> None:
+    """Make sure that a library may be made at a path where there is none."""
+    if read_only:
+        raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
+    if not path.parent.is_dir():
+        raise LibraryError(f"'{path}' cannot be made: there is no folder '{path.parent}'; make it first")
+
+
+def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
+    """Return the library's model, or the given one if it is the same."""
+    identifier, content = store.model()
+    if model is None:
+        try:
+            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.path}'")
+        except ModelError as error:
+            raise LibraryError(str(error)) from error
+    if model.identifier != identifier:
+        raise LibraryError(
+            f"'{store.path}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
+            "their signatures cannot be compared; open it without a model to use its own, or index your "
+            "folders into a new library"
+        )
+    return model
+
+
+def _is_gone(path: str) -> bool:
+    """Whether a file is certainly not there; one that cannot be reached may be."""
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return True
+    except OSError:
+        return False
+    return False

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""`Match`: one line of an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+__all__ = ["Match"]
+
+
+@dataclass(frozen=True)
+class Match:
+    """A shape of the library that answers a query.
+
+    Attributes
+    ----------
+    name : str
+        The object's or the file's name.
+    source : str
+        Path of the file that the shape came from; empty when it was added without one.
+    object_name : str
+        Name of the object inside the source; empty for a file that is one shape.
+    distance : float
+        Between the bags of query and shape, as the model measures it; 0 for the same bag.
+    similarity : float
+        The model's monotone reading of the distance: 1 at distance 0, towards 0 for shapes that have nothing
+        in common.
+    shape_id : int
+        The shape's number in its library; never given to another shape of that library.
+    vertex_count : int
+        Of the mesh as it was read.
+    face_count : int
+        Of the mesh as it was read.
+    area : float
+        Of the mesh as it was read, in squared units of its file.
+    evidence : mapping or None
+        What the match rests on, such as ``{"kind": "re-posed"}``; None when nothing was verified.
+    """
+
+    name: str
+    source: str
+    object_name: str
+    distance: float
+    similarity: float
+    shape_id: int
+    vertex_count: int
+    face_count: int
+    area: float
+    evidence: Mapping[str, object] | None = None
+
+    @property
+    def rank_key(self) -> tuple[float, str, str, str, int]:
+        """What matches are sorted by: distance first; the rest decides between equals."""
+        return (self.distance, self.name, self.source, self.object_name, self.shape_id)
+
+    def to_json(self) -> dict[str, object]:
+        """Put the match into the form that ``shapegoogle query --json`` prints.
+
+        Returns
+        -------
+        record : dict
+            ``name``, ``source``, ``similarity``, ``distance`` and ``evidence`` (an object or None).
+        """
+        return {
+            "name": self.name,
+            "source": self.source,
+            "similarity": self.similarity,
+            "distance": self.distance,
+            "evidence": None if self.evidence is None else dict(self.evidence),
+        }

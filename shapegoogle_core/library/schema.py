@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""The tables of a library file.
+
+A shape's row is spread over four tables, so that loading all codes touches about 40 bytes for each shape and
+neither bags (kilobytes) nor thumbnails (tens of kilobytes).
+"""
+
+__all__ = ["APPLICATION_ID", "SCHEMA", "SCHEMA_VERSION"]
+
+# "SGLB": tells a library from any other SQLite database (the `file` command shows it).
+APPLICATION_ID = 0x53474C42
+SCHEMA_VERSION = 1
+
+SCHEMA = """
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE model (identifier TEXT NOT NULL, content BLOB NOT NULL);
+CREATE TABLE sources (
+    id INTEGER PRIMARY KEY,
+    path TEXT NOT NULL UNIQUE,
+    size INTEGER,
+    mtime_ns INTEGER,
+    sha256 TEXT,
+    error TEXT
+);
+CREATE TABLE shapes (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, -- an id that was shown to a user must never mean another shape
+    source_id INTEGER REFERENCES sources (id) ON DELETE CASCADE,
+    object_name TEXT NOT NULL,
+    name TEXT NOT NULL,
+    vertex_count INTEGER NOT NULL,
+    face_count INTEGER NOT NULL,
+    area REAL NOT NULL
+);
+CREATE INDEX shapes_of_source ON shapes (source_id);
+CREATE TABLE codes (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    code BLOB NOT NULL
+);
+CREATE TABLE bags (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    exponent INTEGER NOT NULL,
+    halves BLOB NOT NULL
+);
+CREATE TABLE thumbnails (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    png BLOB NOT NULL
+);
+"""

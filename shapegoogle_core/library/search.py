@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""The search: Hamming distance over all codes, then the full bags of the nearest (algorithm 2)."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.packing import round_bags
+from shapegoogle_core.library.store import Store
+from shapegoogle_core.model import ShapeModel, ShapeSignature
+
+__all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]
+
+# How many of the shapes with the nearest codes are compared by their full bags.
+CANDIDATES = 300
+# Where more matches are asked for, so many candidates for each of them: codes order shapes only roughly.
+CANDIDATES_PER_MATCH = 4
+# Bags in memory at once, in entries: 32 MB as float32.
+BAG_ENTRIES_AT_ONCE = 8_000_000
+# Distances are dimensionless and of order one. Half floats and the order in which a matrix product adds up
+# move them in later digits; unrounded, copies of one shape would come in an order that nobody can foresee.
+DISTANCE_DECIMALS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class _Codes:
+    """All codes of a library as they were at one version of its file."""
+
+    version: int
+    shape_ids: NDArray[np.int64]
+    words: Words
+
+
+class Search:
+    """Finds shapes in a store; keeps all codes in memory from the first search on.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        The one that described the shapes.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel) -> None:
+        self._store = store
+        self._model = model
+        self._cached_codes: _Codes | None = None
+        self._bags_at_once = max(1, BAG_ENTRIES_AT_ONCE // model.bag_size)
+
+    def forget_codes(self) -> None:
+        """Read the codes again at the next search: this program changed the store."""
+        self._cached_codes = None
+
+    def among_nearest_codes(self, signature: ShapeSignature, top: int) -> list[Match]:
+        """Compare the full bags of the shapes with the nearest codes.
+
+        Parameters
+        ----------
+        signature : ShapeSignature
+        top : int
+
+        Returns
+        -------
+        matches : list of Match
+            The min(top, shapes) best, best first.
+        """
+        query = round_bags(signature.bags)
+        wanted = max(CANDIDATES, CANDIDATES_PER_MATCH * top)
+        # In one snapshot: a candidate must not vanish between its code and its bags.
+        with self._store.snapshot():
+            codes = self._codes()
+            positions = nearest_codes(codes.words, pack_words(signature.code[None])[:, 0], wanted)
+            candidates = [int(shape_id) for shape_id in codes.shape_ids[positions]]
+            best: list[Match] = []
+            for start in range(0, len(candidates), self._bags_at_once):
+                portion = candidates[start : start + self._bags_at_once]
+                shape_ids, bags = self._store.bags(portion, self._model.bag_size)
+                best = self._merge(best, query, shape_ids, bags, top)
+        return best
+
+    def among_all(self, signature: ShapeSignature, top: int) -> list[Match]:
+        """Compare the full bags of all shapes; else as `among_nearest_codes`."""
+        query = round_bags(signature.bags)
+        best: list[Match] = []
+        last_id = 0
+        while True:
+            # One snapshot for each portion: a writer must not wait until everything is compared.
+            with self._store.snapshot():
+                shape_ids, bags = self._store.bags_after(last_id, self._bags_at_once, self._model.bag_size)
+                if not shape_ids:
+                    return best
+                best = self._merge(best, query, shape_ids, bags, top)
+            last_id = shape_ids[-1]
+
+    def _merge(
+        self,
+        best: list[Match],
+        query: NDArray[np.float32],
+        shape_ids: list[int],
+        bags: NDArray[np.float32],
+        top: int,
+    ) -> list[Match]:
+        """Compare a portion of the library with the query and keep the `top` best seen so far."""
+        distances = np.round(self._model.distances(query, bags), DISTANCE_DECIMALS)
+        if len(distances) > top:
+            # Equals of the last one stay in: their names decide, and names are read only for these few.
+            chosen = np.flatnonzero(distances <= np.partition(distances, top - 1)[top - 1])
+        else:
+            chosen = np.arange(len(distances))
+        records = self._store.shapes([shape_ids[position] for position in chosen])
+        similarities = self._model.similarity(distances[chosen])
+        matches = [
+            Match(
+                name=record.name,
+                source=record.source,
+                object_name=record.object_name,
+                distance=float(distance),
+                similarity=float(similarity),
+                shape_id=record.shape_id,
+                vertex_count=record.vertex_count,
+                face_count=record.face_count,
+                area=record.area,
+            )
+            for record, distance, similarity in zip(records, distances[chosen], similarities, strict=True)
+        ]
+        return heapq.nsmallest(top, [*best, *matches], key=lambda match: match.rank_key)
+
+    def _codes(self) -> _Codes:
+        """All codes, read again only when the file changed."""
+        version = self._store.version()
+        if self._cached_codes is None or self._cached_codes.version != version:
+            shape_ids, codes = self._store.codes(self._model.code_bits // 8)
+            self._cached_codes = _Codes(version, shape_ids, pack_words(codes))
+        return self._cached_codes
