@@ -57,7 +57,8 @@ def check_surface(mesh: Mesh) -> None:
         )
     if not 0 < area < np.inf:
         raise MeshError(
-            f"{mesh.name!r} is {extent:g} units long: areas leave the range of numbers; scale the mesh to a usual size"
+            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
+            "scale the mesh to a usual size"
         )
 
 
@@ -66,7 +67,7 @@ def repair(mesh: Mesh) -> Mesh:
 
     Vertices within 1e-6 of the bounding-box diagonal (and 1e-3 of the median edge) become one: the seams of
     glTF and flat-shaded exports, the triangle soup of STL. Faces that name a vertex twice or are flatter than
-    that tolerance, all but the first of several faces on the same three vertices, and unreferenced vertices go.
+    that tolerance go, so do all but the first face on the same three vertices, and unreferenced vertices.
     Kept vertices and faces keep their order and their coordinates, so repairing twice changes nothing more.
 
     Parameters
@@ -80,7 +81,7 @@ def repair(mesh: Mesh) -> Mesh:
         May have no faces left if none had an area.
     """
     while True:
-        # Dropping faces can shrink the bounding box and with it the tolerance; the end is where nothing changes.
+        # Dropping faces can change the tolerance; the end is where nothing changes any more.
         repaired = _repair_once(mesh)
         if len(repaired.vertices) == len(mesh.vertices) and len(repaired.faces) == len(mesh.faces):
             return mesh
@@ -117,7 +118,7 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     """For each vertex the first vertex at its place.
 
     Vertices are linked if they share a cell of a grid of side 2·tolerance. Of eight grids, shifted by half a
-    cell along each set of axes, at least one has no wall between two points within the tolerance of each other.
+    cell along each set of axes, at least one has no wall between two points within the tolerance.
     Sorting cells needs no list of pairs, which has n² entries when many points crowd in one place.
     """
     first = _first_in_group(_hash(vertices + 0.0))  # + 0.0: minus zero is zero
@@ -176,7 +177,7 @@ def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float
 
 
 def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.int64]:
-    """Indices of the faces without later faces on the same three vertices, in order."""
+    """Return the indices of all faces that are the first on their three vertices, in order."""
     low, middle, high = np.sort(faces, axis=1).T
     _, pair = np.unique(low * vertex_count + middle, return_inverse=True)
     _, first = np.unique(pair * vertex_count + high, return_index=True)

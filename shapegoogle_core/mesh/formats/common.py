@@ -28,12 +28,13 @@ def check_face_count(count: int, max_faces: int) -> None:
     """Raise `FormatError` if there are more faces than wanted."""
     if count > max_faces:
         raise FormatError(
-            f"has {count:,} faces or more, above the limit of {max_faces:,}; simplify it first, or raise max_faces"
+            f"has {count:,} faces or more, above the limit of {max_faces:,}; "
+            "simplify it first, or raise max_faces"
         )
 
 
 def lines_of(file: BinaryIO, comment: bytes = b"#") -> Iterator[tuple[int, list[bytes]]]:
-    """Number and words of each line that has any, without comments.
+    """Yield number and words of each line that has any, without comments.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def _read(data: bytes, kind: str, folder: Path, max_faces: int) -> Geometry:
 
     _check(_header(data, kind), max_faces)
 
-    class Neighbours(trimesh.resolvers.Resolver):  # type: ignore[misc]
+    class Neighbours(trimesh.resolvers.Resolver):
         """Files that the glTF names, if they are regular files in its folder or below."""
 
         def __init__(self) -> None:

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""Closing the holes of a surface, but not the outlines of its sheets."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from shapegoogle_core.mesh.mesh import Mesh, face_areas
+
+__all__ = ["boundary_loops", "close_holes"]
+
+# A lid is put on if its area is below this share of the part it belongs to. A flat sheet closed along its own
+# outline would be doubled: share 1. A hemisphere's lid has 0.5, one end of a tube of length l and radius r
+# r/(2l), a hole in a surface next to nothing.
+LARGEST_SHARE = 0.4
+
+
+def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
+    """Close boundary loops by fans of triangles round their centroids.
+
+    A loop is left open if it is wider than `max_diameter`, or if its lid is no smaller than 0.4 of the area of
+    the part (faces connected through edges) that it bounds: then it is the outline of a sheet, and a lid would
+    double it. Polygon soup of open sheets stays as it is.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Repaired; non-manifold edges are no boundary, and loops that touch themselves are cut into simple ones.
+    max_diameter : float, optional
+        Largest width of a hole, twice the distance from its centroid to its farthest vertex, as a share of the
+        diagonal of the mesh's bounding box. 0 closes nothing.
+
+    Returns
+    -------
+    closed : Mesh
+        The same vertices and faces first, then one new vertex and a fan of faces for each hole. New faces run
+        against the faces across each boundary edge, so an oriented surface stays oriented. A loop of three edges
+        gets one face and no vertex.
+    """
+    half_edges, owners = _boundary_half_edges(mesh)
+    if max_diameter <= 0 or len(half_edges) == 0:
+        return mesh
+    loops = boundary_loops(half_edges)
+    if not loops:
+        return mesh
+    edge = np.concatenate(loops)
+    size = np.array([len(loop) for loop in loops])
+    loop_of_edge = np.repeat(np.arange(len(loops)), size)
+    starts = np.cumsum(size) - size
+    start, end = mesh.vertices[half_edges[edge, 0]], mesh.vertices[half_edges[edge, 1]]
+    # The centroid of the curve, so that it does not depend on where the curve's vertices crowd.
+    length = np.linalg.norm(end - start, axis=1)
+    perimeter = np.add.reduceat(length, starts)
+    centroid = np.add.reduceat(length[:, None] * (start + end) / 2, starts) / perimeter[:, None]
+    spokes = start - centroid[loop_of_edge]
+    radius = np.maximum.reduceat(np.linalg.norm(spokes, axis=1), starts)
+    lid_area = np.add.reduceat(np.linalg.norm(np.cross(spokes, end - start), axis=1) / 2, starts)
+    part_area = _part_areas(mesh)[owners[edge[starts]]]
+    diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    wanted = (2 * radius <= max_diameter * diagonal) & (lid_area < LARGEST_SHARE * part_area) & (lid_area > 0)
+
+    fanned = wanted & (size > 3)
+    apex = len(mesh.vertices) + np.cumsum(fanned) - 1
+    in_fan = fanned[loop_of_edge]
+    fans = np.column_stack([half_edges[edge[in_fan], ::-1], apex[loop_of_edge[in_fan]]])
+    triangles = half_edges[edge[(wanted & (size == 3))[loop_of_edge]]].reshape(-1, 3, 2)
+    corners = np.stack([triangles[:, 0, 0], _third_corner(triangles), triangles[:, 0, 1]], axis=1)
+    return Mesh(
+        np.concatenate([mesh.vertices, centroid[fanned]]),
+        np.concatenate([mesh.faces, fans, corners]),
+        mesh.name,
+    )
+
+
+def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
+    """Cut the boundary into simple loops.
+
+    Parameters
+    ----------
+    half_edges : (b, 2) array
+        Boundary edges, each in the direction of its face.
+
+    Returns
+    -------
+    loops : list of list of int
+        Indices of the edges of each loop in the order of a walk round it. Every edge is in one loop at most; no
+        loop passes a vertex twice. Edges of a walk that ends without returning (possible only where faces meet
+        in non-manifold edges) are in none.
+    """
+    edges_at: dict[int, list[int]] = {}
+    # Edges that leave a vertex come last: `pop` takes them first, which follows the direction of the faces.
+    for side in (1, 0):
+        for edge, vertex in reversed(list(enumerate(half_edges[:, side].tolist()))):
+            edges_at.setdefault(vertex, []).append(edge)
+    ends = half_edges.tolist()
+    free = [True] * len(ends)
+    loops: list[list[int]] = []
+    for first in range(len(ends)):
+        if not free[first]:
+            continue
+        free[first] = False
+        walk, path = [first], list(ends[first])
+        place = {vertex: index for index, vertex in enumerate(path)}
+        while True:
+            here = edges_at[path[-1]]
+            while here and not free[here[-1]]:
+                here.pop()
+            if not here:
+                break
+            edge = here.pop()
+            free[edge] = False
+            start, end = ends[edge]
+            arrived = end if start == path[-1] else start
+            walk.append(edge)
+            if arrived in place:
+                begin = place[arrived]
+                loops.append(walk[begin:])
+                for vertex in path[begin + 1 :]:
+                    del place[vertex]
+                del walk[begin:], path[begin + 1 :]
+                if not walk:
+                    break
+            else:
+                place[arrived] = len(path)
+                path.append(arrived)
+    return loops
+
+
+def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges of one face only, in the direction of that face, and which face it is."""
+    half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    _, edge, count = np.unique(_edge_keys(half_edges, mesh), return_inverse=True, return_counts=True)
+    alone = np.flatnonzero(count[edge] == 1)
+    return half_edges[alone], alone // 3
+
+
+def _edge_keys(half_edges: NDArray[np.int64], mesh: Mesh) -> NDArray[np.int64]:
+    keys: NDArray[np.int64] = half_edges.min(axis=1) * len(mesh.vertices) + half_edges.max(axis=1)
+    return keys
+
+
+def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
+    """For each face the area of its part: all faces that are connected to it through edges."""
+    half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    keys = _edge_keys(half_edges, mesh)
+    order = np.argsort(keys, kind="stable")
+    same = np.flatnonzero(np.diff(keys[order]) == 0)
+    row, column = order[same] // 3, order[same + 1] // 3
+    count = len(mesh.faces)
+    graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(count, count))
+    _, part = connected_components(graph, directed=False)
+    area_of_part = np.bincount(part, face_areas(mesh)).astype(np.float64)
+    return area_of_part[part]
+
+
+def _third_corner(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Of loops of three edges, the vertex that is not on the first edge."""
+    second = triangles[:, 1]
+    on_first = (second[:, :1] == triangles[:, 0]).any(axis=1)
+    corner: NDArray[np.int64] = np.where(on_first, second[:, 1], second[:, 0])
+    return corner

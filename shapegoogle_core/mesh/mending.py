@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""Mending: what happens to every mesh, query or library, before it is described."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shapegoogle_core.mesh.holes import close_holes
+from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.repair import check_surface, repair
+from shapegoogle_core.mesh.resampling import resample
+from shapegoogle_core.mesh.smoothing import smooth
+
+__all__ = ["Mending", "mend"]
+
+
+@dataclass(frozen=True)
+class Mending:
+    """How meshes are mended.
+
+    Parameters
+    ----------
+    close_holes : float
+        Largest hole that is closed, as a share of the bounding-box diagonal; 0 closes none.
+    floor, budget : int
+        Fewest and most vertices.
+    smoothing : float
+        Time of the mean-curvature flow as a share of the area; 0 leaves the surface as it is.
+    """
+
+    close_holes: float = 0.45
+    floor: int = 1000
+    budget: int = 5000
+    smoothing: float = 1e-4
+
+
+def mend(mesh: Mesh, mending: Mending) -> Mesh:
+    """Repair a mesh, close its holes, bring it to a working resolution and smooth it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        As read.
+    mending : Mending
+
+    Returns
+    -------
+    mended : Mesh
+
+    Raises
+    ------
+    MeshError
+        If the mesh is no surface, before or after repair (see `check_surface`).
+    """
+    check_surface(mesh)
+    mesh = repair(mesh)
+    check_surface(mesh)
+    mesh = close_holes(mesh, mending.close_holes)
+    mesh = resample(mesh, mending.floor, mending.budget)
+    return smooth(mesh, mending.smoothing)

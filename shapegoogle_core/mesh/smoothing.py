@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: MIT
+"""Removing noise by a step of mean-curvature flow."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse.linalg import splu
+
+from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
+
+__all__ = ["smooth"]
+
+
+def smooth(mesh: Mesh, time: float) -> Mesh:
+    """Smooth a surface by one implicit step of mean-curvature flow.
+
+    Solves (M + time · A · L) x' = M x for the positions, L the cotangent stiffness matrix, M the lumped vertex
+    areas and A the total area (Desbrun et al. 1999, "Implicit fairing"). A wave of length l on the surface is
+    damped by 1 / (1 + time · A · (2π/l)²), whatever the resolution: time = 1e-4 halves waves of 0.063 √A.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Repaired.
+    time : float
+        As a share of the area, so without unit; 0 returns the mesh itself.
+
+    Returns
+    -------
+    smoothed : Mesh
+        Boundary vertices stay where they are: free ones would be drawn inwards, and the sheets of a polygon soup
+        would come apart. The area is not restored afterwards: it falls mostly by the noise that goes.
+    """
+    if time < 0:
+        raise ValueError(f"time must not be negative, not {time}")
+    if time == 0 or mesh.is_point_cloud:
+        return mesh
+    edges, face_counts = unique_edges(mesh)
+    free = np.ones(len(mesh.vertices), bool)
+    free[edges[face_counts == 1]] = False
+    if not free.any():
+        return mesh
+    stiffness, mass = _cotangent_operator(mesh)
+    system = csc_array(diags_array(mass) + time * mass.sum() * stiffness)
+    # Solve for the displacement, which is small, rather than for positions far from the origin.
+    force = -time * mass.sum() * (stiffness @ mesh.vertices)
+    inner = np.flatnonzero(free)
+    # Symmetric and positive definite: no pivoting, and an ordering for symmetric patterns.
+    factor = splu(
+        system[inner][:, inner].tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    vertices = mesh.vertices.copy()
+    vertices[inner] += factor.solve(force[inner])
+    return Mesh(vertices, mesh.faces, mesh.name)
+
+
+def _cotangent_operator(mesh: Mesh) -> tuple[csc_array, NDArray[np.float64]]:
+    """Cotangent stiffness matrix, positive semidefinite, and lumped vertex areas."""
+    corners = mesh.vertices[mesh.faces]
+    double_area = 2 * face_areas(mesh)
+    row, column, weight = [], [], []
+    for corner in range(3):
+        i, j = mesh.faces[:, (corner + 1) % 3], mesh.faces[:, (corner + 2) % 3]
+        to_i, to_j = (corners[:, (corner + step) % 3] - corners[:, corner] for step in (1, 2))
+        half_cotangent = 0.5 * (to_i * to_j).sum(axis=1) / double_area
+        row += [i, j, i, j]
+        column += [j, i, i, j]
+        weight += [-half_cotangent, -half_cotangent, half_cotangent, half_cotangent]
+    count = len(mesh.vertices)
+    stiffness = coo_array(
+        (np.concatenate(weight), (np.concatenate(row), np.concatenate(column))), shape=(count, count)
+    )
+    mass = np.bincount(mesh.faces.ravel(), np.repeat(double_area / 6, 3), minlength=count).astype(np.float64)
+    return csc_array(stiffness), mass
