@@ -16,6 +16,8 @@ __all__ = ["boundary_loops", "close_holes"]
 # outline would be doubled: share 1. A hemisphere's lid has 0.5, one end of a tube of length l and radius r
 # r/(2l), a hole in a surface next to nothing.
 LARGEST_SHARE = 0.4
+# A crack no wider than the weld tolerance has no lid.
+LEAST_HEIGHT = 1e-6
 
 
 def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
@@ -60,7 +62,11 @@ def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
     lid_area = np.add.reduceat(np.linalg.norm(np.cross(spokes, end - start), axis=1) / 2, starts)
     part_area = _part_areas(mesh)[owners[edge[starts]]]
     diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
-    wanted = (2 * radius <= max_diameter * diagonal) & (lid_area < LARGEST_SHARE * part_area) & (lid_area > 0)
+    wanted = (
+        (2 * radius <= max_diameter * diagonal)
+        & (lid_area < LARGEST_SHARE * part_area)
+        & (lid_area > LEAST_HEIGHT * diagonal * perimeter)
+    )
 
     fanned = wanted & (size > 3)
     apex = len(mesh.vertices) + np.cumsum(fanned) - 1

@@ -12,6 +12,9 @@ from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
 
 __all__ = ["smooth"]
 
+# Faces lower than this share of their longest side count as that high.
+LEAST_HEIGHT = 1e-6
+
 
 def smooth(mesh: Mesh, time: float) -> Mesh:
     """Smooth a surface by one implicit step of mean-curvature flow.
@@ -63,11 +66,14 @@ def _cotangent_operator(mesh: Mesh) -> tuple[csc_array, NDArray[np.float64]]:
     """Cotangent stiffness matrix, positive semidefinite, and lumped vertex areas."""
     corners = mesh.vertices[mesh.faces]
     double_area = 2 * face_areas(mesh)
+    # A sliver's cotangents are bounded; dividing by a larger area keeps the matrix positive semidefinite.
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    divisor = np.maximum(double_area, LEAST_HEIGHT * longest**2)
     row, column, weight = [], [], []
     for corner in range(3):
         i, j = mesh.faces[:, (corner + 1) % 3], mesh.faces[:, (corner + 2) % 3]
         to_i, to_j = (corners[:, (corner + step) % 3] - corners[:, corner] for step in (1, 2))
-        half_cotangent = 0.5 * (to_i * to_j).sum(axis=1) / double_area
+        half_cotangent = 0.5 * (to_i * to_j).sum(axis=1) / divisor
         row += [i, j, i, j]
         column += [j, i, i, j]
         weight += [-half_cotangent, -half_cotangent, half_cotangent, half_cotangent]
