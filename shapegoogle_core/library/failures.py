@@ -116,8 +116,8 @@ def read_only_error(path: Path) -> LibraryError:
     error : LibraryError
     """
     return LibraryError(
-        f"'{path}' is read-only: it can be searched, not changed; copy it to a place that can be written to "
-        "add or remove shapes"
+        f"'{path}' or its folder is read-only: it can be searched, not changed; copy it to a place that can "
+        "be written to add or remove shapes"
     )
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -436,13 +437,16 @@ class Library:
 def _is_file(path: Path) -> bool:
     """Whether there is a file at a path; a folder, or no way to know, is an error."""
     try:
-        if path.is_dir():
-            raise LibraryError(
-                f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
-            )
-        return path.exists()
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return False
     except (OSError, ValueError) as error:  # ValueError: a null character
         raise LibraryError(f"'{path}' cannot be reached ({error}); choose another place") from error
+    if stat.S_ISDIR(mode):
+        raise LibraryError(
+            f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
+        )
+    return True
 
 
 def _check_place(path: Path, *, read_only: bool) -> None:

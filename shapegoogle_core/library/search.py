@@ -87,6 +87,13 @@ class Search:
     def among_all(self, signature: ShapeSignature, top: int) -> list[Match]:
         """Compare the full bags of all shapes; else as `among_nearest_codes`."""
         query = round_bags(signature.bags)
+        while True:
+            best = self._scan(query, top)
+            if len(self._store.shapes([match.shape_id for match in best])) == len(best):
+                return best
+            # A writer removed one of the best meanwhile: what it had displaced must come in, so look again.
+
+    def _scan(self, query: NDArray[np.float32], top: int) -> list[Match]:
         best: list[Match] = []
         last_id = 0
         while True:

@@ -91,7 +91,8 @@ class Store:
 
     def is_empty(self) -> bool:
         """Whether nothing was ever committed to the file: it is new, or its making was interrupted."""
-        return bool(self._value("PRAGMA page_count") == 0)
+        tables = self._value("SELECT count(*) FROM sqlite_master")
+        return bool(tables == 0 and self._value("PRAGMA application_id") == 0)
 
     def initialise(self, model_identifier: str, model_content: bytes) -> None:
         """Make the tables and put the model in, unless another program did so in the meantime.

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: MIT
+"""Adding, replacing, removing and listing; what a library gives back."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+
+import numpy as np
+import pytest
+
+from shapegoogle_core.errors import LibraryError, MeshError
+from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.packing import round_bags
+from shapegoogle_core.mesh import Mesh
+
+PNG = b"\x89PNG\r\n\x1a\n made up"
+
+
+def names(library: Library) -> list[str]:
+    return [shape.name for shape in library.shapes()]
+
+
+def test_a_new_library_is_empty_and_knows_its_model(path, model):
+    with Library.open(path, model) as library:
+        assert len(library) == 0
+        assert library.model is model
+        assert list(library.shapes()) == []
+        assert library.sources() == {}
+    with Library.open(path) as library:
+        assert library.model.identifier == model.identifier
+        assert library.info() == {
+            "path": str(path),
+            "shapes": 0,
+            "sources": 0,
+            "failed": 0,
+            "model": model.identifier,
+            "model_name": "tiny",
+            "code_bits": 72,
+            "bag_size": model.bag_size,
+            "bytes": path.stat().st_size,
+            "schema": 1,
+        }
+
+
+def test_it_is_one_file(path, model, make_signature):
+    with Library.open(path, model) as library:
+        library.add_signature(make_signature(1), "one")
+        assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+
+
+def test_add_describes_the_mesh_and_remembers_what_it_was(path, model, meshes):
+    with Library.open(path, model) as library:
+        shape_id = library.add(
+            meshes[0], name="horse", source="animals.blend", object_name="Horse", thumbnail=PNG
+        )
+        (shape,) = library.shapes()
+        assert (shape.shape_id, shape.name, shape.source, shape.object_name) == (
+            shape_id,
+            "horse",
+            "animals.blend",
+            "Horse",
+        )
+        assert (shape.vertex_count, shape.face_count) == (len(meshes[0].vertices), len(meshes[0].faces))
+        assert shape.area == meshes[0].area
+        assert library.thumbnail(shape_id) == PNG
+
+
+def test_a_shape_without_a_name_takes_the_mesh_s(path, model, meshes):
+    with Library.open(path, model) as library:
+        library.add(meshes[0])
+        assert names(library) == [meshes[0].name]
+
+
+def test_signature_round_trip(path, model, make_signature):
+    signature = make_signature(3)
+    with Library.open(path, model) as library:
+        shape_id = library.add_signature(signature, "one")
+    with Library.open(path) as library:
+        back = library.signature(shape_id)
+        np.testing.assert_array_equal(back.bags, round_bags(signature.bags))
+        np.testing.assert_array_equal(back.code, signature.code)
+        assert (back.area, back.vertex_count, back.face_count) == (
+            signature.area,
+            signature.vertex_count,
+            signature.face_count,
+        )
+        again = library.signature(library.add_signature(back, "again"))
+        np.testing.assert_array_equal(again.bags, back.bags)
+
+
+def test_numpy_counts_are_taken_as_they_are(path, model, make_signature):
+    signature = make_signature(3)
+    odd = type(signature)(signature.bags, signature.code, np.float32(2), np.int64(7), np.int32(9))
+    with Library.open(path, model) as library:
+        back = library.signature(library.add_signature(odd, "one"))
+        assert (back.area, back.vertex_count, back.face_count) == (2.0, 7, 9)
+
+
+def test_adding_again_within_a_source_replaces(path, model, make_signature):
+    with Library.open(path, model) as library:
+        first = library.add_signature(make_signature(1), "horse", source="a.blend", thumbnail=PNG)
+        library.add_signature(make_signature(2), "cow", source="a.blend")
+        library.add_signature(make_signature(3), "horse", source="b.blend")
+        library.add_signature(make_signature(4), "horse", source="a.blend", object_name="Horse.001")
+        second = library.add_signature(make_signature(5), "horse", source="a.blend")
+        assert sorted(names(library)) == ["cow", "horse", "horse", "horse"]
+        np.testing.assert_array_equal(library.signature(second).code, make_signature(5).code)
+        assert library.thumbnail(second) is None
+        with pytest.raises(LibraryError, match=f"no shape {first}"):
+            library.signature(first)
+
+
+def test_adding_without_a_source_always_adds(path, model, make_signature):
+    with Library.open(path, model) as library:
+        ids = {library.add_signature(make_signature(1), "horse") for _ in range(3)}
+        assert len(ids) == len(library) == 3
+
+
+def test_ids_are_never_given_twice(path, model, make_signature):
+    with Library.open(path, model) as library:
+        first = library.add_signature(make_signature(1), "horse")
+        assert library.remove_shape(first)
+        assert not library.remove_shape(first)
+        assert library.add_signature(make_signature(2), "cow") > first
+
+
+def test_replace_source_swaps_all_shapes_of_a_file(path, model, make_signature):
+    with Library.open(path, model) as library:
+        library.add_signature(make_signature(0), "keep", source="other.obj")
+        library.replace_source(
+            "a.blend",
+            size=10,
+            mtime_ns=20,
+            sha256="ab",
+            shapes=[NewShape(make_signature(i), f"old {i}", f"Object.{i}", PNG) for i in range(4)],
+        )
+        ids = library.replace_source(
+            "a.blend",
+            size=11,
+            mtime_ns=21,
+            sha256="cd",
+            shapes=[NewShape(make_signature(i), f"new {i}", f"Object.{i}") for i in range(2)],
+        )
+        assert names(library) == ["keep", "new 0", "new 1"]
+        assert [shape.shape_id for shape in library.shapes()][1:] == ids
+        source = library.sources()["a.blend"]
+        assert (source.size, source.mtime_ns, source.sha256, source.error, source.shape_count) == (
+            11,
+            21,
+            "cd",
+            None,
+            2,
+        )
+    # Nothing of the old shapes is left in any table.
+    connection = sqlite3.connect(path)
+    for table in ("shapes", "codes", "bags"):
+        assert connection.execute(f"SELECT count(*) FROM {table}").fetchone() == (3,)
+    assert connection.execute("SELECT count(*) FROM thumbnails").fetchone() == (0,)
+    connection.close()
+
+
+def test_failed_files_are_remembered(path, model, make_signature):
+    with Library.open(path, model) as library:
+        library.replace_source("a.obj", size=1, mtime_ns=2, sha256="ab", error="'a.obj' has no faces")
+        library.replace_source(
+            "b.obj", size=1, mtime_ns=2, sha256=None, shapes=[NewShape(make_signature(1), "b")]
+        )
+        library.replace_source("c.blend", size=1, mtime_ns=2, sha256="ee")
+    with Library.open(path, read_only=True) as library:
+        assert {name: source.error for name, source in library.sources().items()} == {
+            "a.obj": "'a.obj' has no faces",
+            "b.obj": None,
+            "c.blend": None,
+        }
+        info = library.info()
+        assert (info["shapes"], info["sources"], info["failed"]) == (1, 3, 1)
+
+
+def test_a_file_that_was_only_touched_gets_its_new_time(path, model, make_signature):
+    with Library.open(path, model) as library:
+        library.replace_source(
+            "b.obj", size=1, mtime_ns=2, sha256="ab", shapes=[NewShape(make_signature(1), "b")]
+        )
+        assert library.update_source("b.obj", size=3, mtime_ns=4)
+        assert not library.update_source("unknown.obj", size=3, mtime_ns=4)
+        source = library.sources()["b.obj"]
+        assert (source.size, source.mtime_ns, source.sha256, source.shape_count) == (3, 4, "ab", 1)
+
+
+def test_remove_takes_all_of_a_source(path, model, make_signature):
+    with Library.open(path, model) as library:
+        for seed, source in enumerate(["a.obj", "a.obj", "b.obj"]):
+            library.add_signature(make_signature(seed), f"shape {seed}", source=source)
+        assert library.remove("a.obj")
+        assert not library.remove("a.obj")
+        assert names(library) == ["shape 2"]
+        assert list(library.sources()) == ["b.obj"]
+
+
+def test_remove_missing_takes_only_indexed_files_that_are_gone(path, model, make_signature, tmp_path):
+    folder, elsewhere = tmp_path / "meshes", tmp_path / "elsewhere"
+    folder.mkdir()
+    (folder / "there.obj").touch()
+    with Library.open(path, model) as library:
+        for file in (folder / "there.obj", folder / "gone.obj", elsewhere / "gone.obj"):
+            library.replace_source(
+                file, size=1, mtime_ns=1, sha256="ab", shapes=[NewShape(make_signature(1), file.name)]
+            )
+        label = str(folder / "a label, not a file")
+        library.add_signature(make_signature(2), "labelled", source=label)
+        with pytest.raises(LibraryError, match="elsewhere' is not there"):
+            library.remove_missing([folder, elsewhere])
+        assert len(library) == 4
+        assert library.remove_missing([folder]) == [str(folder / "gone.obj")]
+        assert library.remove_missing([folder]) == []
+        assert set(library.sources()) == {str(folder / "there.obj"), str(elsewhere / "gone.obj"), label}
+
+
+def test_a_long_listing_comes_complete_while_the_library_changes(path, model, make_signature, monkeypatch):
+    monkeypatch.setattr("shapegoogle_core.library.library.PAGE", 2)
+    with Library.open(path, model) as library:
+        for seed in range(7):
+            library.add_signature(make_signature(seed), f"shape {seed}")
+        listing = library.shapes()
+        first = next(listing)
+        library.remove_shape(first.shape_id)
+        assert [shape.name for shape in listing] == [f"shape {seed}" for seed in range(1, 7)]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names on Windows are always valid Unicode")
+def test_file_names_that_are_no_unicode(tmp_path, model, make_signature):
+    name = os.fsdecode(b"stra\xdfe.obj")
+    path = tmp_path / os.fsdecode(b"b\xfccher #1?.sglib")
+    with Library.open(path, model) as library:
+        library.replace_source(
+            name,
+            size=1,
+            mtime_ns=1,
+            sha256="ab",
+            shapes=[NewShape(make_signature(1), name, name)],
+            error=name,
+        )
+        library.add_signature(make_signature(1), name, source=name, object_name=name)
+        (shape,) = library.shapes()
+        assert (shape.name, shape.source, shape.object_name) == (name, name, name)
+        assert library.sources()[name].error == name
+        assert library.remove(name)
+    assert path.exists()
+
+
+def test_a_relative_path_and_a_string_will_do(tmp_path, model, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with Library.open("shapes 100%.sglib", model):
+        assert (tmp_path / "shapes 100%.sglib").exists()
+
+
+def test_a_bad_mesh_costs_nothing(path, model, meshes):
+    with Library.open(path, model) as library:
+        library.add(meshes[0], name="good")
+        points = Mesh(np.zeros((4, 3)), [[0, 1, 2], [0, 2, 3]], name="all in one place")
+        with pytest.raises(MeshError, match="all in one place"):
+            library.add(points)
+        assert names(library) == ["good"]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_bags_that_are_not_finite_are_refused(path, model, make_signature, value):
+    signature = make_signature(1)
+    bags = signature.bags.copy()
+    bags[2] = value
+    with (
+        Library.open(path, model) as library,
+        pytest.raises(LibraryError, match="'broken' has a bag with NaN or infinite"),
+    ):
+        library.add_signature(type(signature)(bags, signature.code, 1.0, 3, 1), "broken")
+
+
+def test_a_signature_of_another_model_is_refused(path, model, make_model, make_signature):
+    long_codes = make_model(code_bits=80)
+    with Library.open(path, model) as library:
+        signature = make_signature(1, of=long_codes)
+        with pytest.raises(
+            LibraryError, match=r"'horse' was described with another model.* 80 bits instead of .*72"
+        ):
+            library.add_signature(signature, "horse")
+        with pytest.raises(LibraryError, match="another model"):
+            library.replace_source(
+                "a", size=1, mtime_ns=1, sha256=None, shapes=[NewShape(signature, "horse")]
+            )
+        with pytest.raises(LibraryError, match="another model"):
+            library.query_signature(signature)
+        assert len(library) == 0
+        assert library.sources() == {}
+
+
+def test_one_of_many_fails_and_none_goes_in(path, model, make_signature):
+    with Library.open(path, model) as library:
+        library.replace_source(
+            "a", size=1, mtime_ns=1, sha256="ab", shapes=[NewShape(make_signature(0), "old")]
+        )
+        shapes = [
+            NewShape(make_signature(1), "new"),
+            # A picture that sqlite3 cannot take: the error comes in the middle of the transaction.
+            NewShape(make_signature(2), "newer", thumbnail=PNG.hex),  # type: ignore[arg-type]
+        ]
+        with pytest.raises(LibraryError, match="cannot take this value"):
+            library.replace_source("a", size=2, mtime_ns=2, sha256="cd", shapes=shapes)
+        assert names(library) == ["old"]
+        assert library.sources()["a"].sha256 == "ab"
+        library.add_signature(make_signature(3), "and on it goes")
+        assert len(library) == 2
+
+
+def test_unknown_shapes_are_named(path, model):
+    with Library.open(path, model) as library:
+        for ask in (library.signature, library.thumbnail):
+            with pytest.raises(LibraryError, match=r"shapes\.sglib' has no shape 7"):
+                ask(7)
