@@ -25,13 +25,13 @@ class Mending:
     floor, budget : int
         Fewest and most vertices.
     smoothing : float
-        Time of the mean-curvature flow as a share of the area; 0 leaves the surface as it is.
+        Time of the smoothing step as a share of the area (see `smooth`); 0 leaves the surface as it is.
     """
 
     close_holes: float = 0.45
     floor: int = 1000
     budget: int = 5000
-    smoothing: float = 1e-4
+    smoothing: float = 3e-4
 
 
 def mend(mesh: Mesh, mending: Mending) -> Mesh:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Removing noise by a step of mean-curvature flow."""
+"""Removing noise from a surface, independently of its resolution."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
@@ -17,24 +18,30 @@ LEAST_HEIGHT = 1e-6
 
 
 def smooth(mesh: Mesh, time: float) -> Mesh:
-    """Smooth a surface by one implicit step of mean-curvature flow.
+    """Smooth a surface by one implicit step that damps short waves and leaves long ones.
 
-    Solves (M + time · A · L) x' = M x for the positions, L the cotangent stiffness matrix, M the lumped vertex
-    areas and A the total area (Desbrun et al. 1999, "Implicit fairing"). A wave of length l on the surface is
-    damped by 1 / (1 + time · A · (2π/l)²), whatever the resolution: time = 1e-4 halves waves of 0.063 √A.
+    With L the cotangent stiffness matrix, M the lumped vertex areas and τ = time · area of the connected part,
+    the positions become x' = (1 + (τ M⁻¹ L)²)⁻¹ x: a wave of length l on the surface is damped by
+    1 / (1 + (τ (2π/l)²)²), whatever the resolution. That is implicit fairing (Desbrun et al. 1999) with the
+    squared Laplacian. For the same noise removed it shrinks a shape half as much as a backward Euler step of
+    mean-curvature flow, 1 / (1 + τ (2π/l)²). As 1 / (1 + s²) is the real part of 1 / (1 + is), one sparse
+    complex system does it.
 
     Parameters
     ----------
     mesh : Mesh
         Repaired.
     time : float
-        As a share of the area, so without unit; 0 returns the mesh itself.
+        As a share of the area, so without unit: waves shorter than 2π √(time · area) lose more than half of
+        their amplitude, 0.11 √area at 3e-4. 0 returns the mesh itself.
 
     Returns
     -------
     smoothed : Mesh
-        Boundary vertices stay where they are: free ones would be drawn inwards, and the sheets of a polygon soup
-        would come apart. The area is not restored afterwards: it falls mostly by the noise that goes.
+        Every connected part is smoothed as if it were alone; by the area of the whole, the many thin parts of a
+        plant or a bicycle would shrink to nothing. Boundary vertices stay where they are: free ones would be
+        drawn inwards, and the sheets of a polygon soup would come apart. The area is not restored afterwards:
+        it falls mostly by the noise that goes.
     """
     if time < 0:
         raise ValueError(f"time must not be negative, not {time}")
@@ -43,22 +50,20 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     edges, face_counts = unique_edges(mesh)
     free = np.ones(len(mesh.vertices), bool)
     free[edges[face_counts == 1]] = False
-    if not free.any():
+    inner = np.flatnonzero(free)
+    if len(inner) == 0:
         return mesh
     stiffness, mass = _cotangent_operator(mesh)
-    system = csc_array(diags_array(mass) + time * mass.sum() * stiffness)
-    # Solve for the displacement, which is small, rather than for positions far from the origin.
-    force = -time * mass.sum() * (stiffness @ mesh.vertices)
-    inner = np.flatnonzero(free)
-    # Symmetric and positive definite: no pivoting, and an ordering for symmetric patterns.
-    factor = splu(
-        system[inner][:, inner].tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    _, part = connected_components(stiffness, directed=False)
+    # Rows scaled by their part: parts share no entry, so the matrix stays symmetric.
+    flow = 1j * time * (diags_array(np.bincount(part, mass)[part]) @ stiffness)
+    # Solved for the displacement, which is small, rather than for positions that may be far from the origin.
+    force = -flow @ mesh.vertices
+    system = csc_array(diags_array(mass) + flow)[inner][:, inner].tocsc()
+    # Symmetric with a positive definite real part: no pivoting, and an ordering for symmetric patterns.
+    factor = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     vertices = mesh.vertices.copy()
-    vertices[inner] += factor.solve(force[inner])
+    vertices[inner] += factor.solve(force[inner]).real
     return Mesh(vertices, mesh.faces, mesh.name)
 
 
