@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: MIT
+"""The `shapegoogle` command: index folders, query with meshes, look into a library, train a model."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from importlib import metadata
+
+from shapegoogle_core import commands
+from shapegoogle_core.commands import INTERRUPTED, UNUSABLE, say
+from shapegoogle_core.errors import ShapeGoogleError
+
+__all__ = ["main"]
+
+# What a shell reports of a program that writes into a closed pipe, as in `shapegoogle query … | head`.
+CLOSED_PIPE = 141
+
+EXIT_CODES = """\
+exit codes:
+  0    all done
+  1    some inputs failed (a mesh that cannot be read, a folder that is missing or holds no meshes);
+       each is named on stderr, and the others are done
+  2    nothing can be done: wrong usage, or the library or model cannot be opened or written
+  130  interrupted; what was stored stays
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Left out, those of the command line.
+
+    Returns
+    -------
+    exit_code : int
+        See `EXIT_CODES`.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        # A file name that the terminal's encoding lacks must not end the run.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    options = _parser().parse_args(arguments)
+    run: Callable[[argparse.Namespace], int] = options.run
+    try:
+        exit_code = run(options)
+        sys.stdout.flush()
+    except ShapeGoogleError as error:
+        if options.verbose:
+            traceback.print_exc()
+        say(f"shapegoogle: {error}")
+        return UNUSABLE
+    except KeyboardInterrupt:
+        say("shapegoogle: interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Python flushes stdout once more at exit and must not stumble again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+    return exit_code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="shapegoogle",
+        description="Find a 3D shape again: in another pose, at another size, with another mesh.",
+        epilog="examples:\n"
+        "  shapegoogle index ~/models --library shapes.sglib\n"
+        "  shapegoogle query horse.obj --library shapes.sglib --top 5\n"
+        "  shapegoogle query *.stl --library shapes.sglib --json | jq -r '.matches[0].source'\n\n"
+        + EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    version = metadata.version("shapegoogle-core")
+    parser.add_argument("--version", action="version", version=f"shapegoogle {version}")
+    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    index = _command(
+        subparsers,
+        "index",
+        commands.index,
+        "put the meshes of folders into a library; only new and changed files are read",
+        "Files that cannot be read, take too long or crash their process are skipped and listed at the end.\n"
+        "They are tried again when they change, or with --retry.\n\n"
+        "examples:\n"
+        "  shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4\n"
+        "  shapegoogle index ~/models --library shapes.sglib --prune --json\n",
+    )
+    index.add_argument("inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or mesh file")
+    _library_option(index, "library file; made if there is none")
+    _jobs_option(index)
+    index.add_argument(
+        "--model",
+        metavar="FILE",
+        help="for a new library: a file made by `train`, or the name of a shipped model",
+    )
+    index.add_argument(
+        "--time-limit",
+        type=_positive_float,
+        default=300.0,
+        metavar="S",
+        help="seconds for one file (%(default)g)",
+    )
+    index.add_argument(
+        "--memory-limit",
+        type=_positive_int,
+        default=4096,
+        metavar="MB",
+        help="megabytes for one file (%(default)s); not enforced on macOS and Windows",
+    )
+    index.add_argument("--retry", action="store_true", help="try files again that failed before")
+    index.add_argument("--prune", action="store_true", help="forget files that are gone from these folders")
+    index.add_argument("--json", action="store_true", help="print one JSON object at the end")
+
+    query = _command(
+        subparsers,
+        "query",
+        commands.query,
+        "find the shapes of a library that are most like a mesh",
+        "With --json, one line for each mesh:\n"
+        '  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}\n'
+        'A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others go on.\n\n'
+        "examples:\n"
+        "  shapegoogle query horse.obj --library shapes.sglib\n"
+        "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n",
+    )
+    query.add_argument("meshes", nargs="+", metavar="MESH", help="mesh file")
+    _library_option(query)
+    query.add_argument(
+        "--top", type=_positive_int, default=10, metavar="N", help="how many matches (%(default)s)"
+    )
+    query.add_argument(
+        "--exact",
+        action="store_true",
+        help="compare all shapes in full: slower in a large library, misses nothing",
+    )
+    query.add_argument("--json", action="store_true", help="print one JSON object for each mesh")
+
+    info = _command(subparsers, "info", commands.info, "say what a library holds", "")
+    _library_option(info)
+    info.add_argument("--json", action="store_true", help="print one JSON object")
+
+    train = _command(
+        subparsers,
+        "train",
+        commands.train,
+        "learn a model from your own shapes",
+        "Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz\n\n"
+        "example:\n"
+        "  shapegoogle train ~/models --output mine.npz\n",
+    )
+    train.add_argument("inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or mesh file")
+    train.add_argument("--output", required=True, metavar="MODEL.npz", help="file to write the model to")
+    train.add_argument("--preset", default="default", metavar="NAME", help="settings: 'default' or 'paper'")
+    train.add_argument(
+        "--poses", action="store_true", help="the files of one folder are one shape in several poses"
+    )
+    train.add_argument(
+        "--versions",
+        type=_positive_int,
+        default=10,
+        metavar="N",
+        help="transformed versions to learn from, for each shape (%(default)s)",
+    )
+    train.add_argument("--seed", type=int, default=0, metavar="N", help="of all random choices (%(default)s)")
+    _jobs_option(train)
+    return parser
+
+
+def _command(
+    subparsers: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    summary: str,
+    details: str,
+) -> argparse.ArgumentParser:
+    parser = subparsers.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}.",
+        epilog=f"{details}\n{EXIT_CODES}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="show where in the program an error arose"
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def _library_option(parser: argparse.ArgumentParser, summary: str = "library file") -> None:
+    parser.add_argument("--library", required=True, metavar="FILE", help=summary)
+
+
+def _jobs_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--jobs", type=_positive_int, metavar="N", help="worker processes (default: one for each processor)"
+    )
+
+
+def _positive_int(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
+    return int(text)
+
+
+def _positive_float(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if not 0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be a number above 0, not {text!r}")
+    return number

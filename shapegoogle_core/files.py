@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: MIT
+"""Mesh files on disk: finding them, and telling whether they changed."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import json
+import os
+import stat
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh import MESH_SUFFIXES
+
+__all__ = ["ContentKey", "FileState", "absolute", "content_key", "examine", "find_meshes", "stamp"]
+
+# Copies of a file are recognised by content and suffix: the suffix decides how the content is read.
+ContentKey = tuple[str, str]
+
+
+def absolute(path: str | Path) -> Path:
+    """Return the path from the root, without "..", links left as they are: what a library calls a file."""
+    return Path(os.path.abspath(path))  # noqa: PTH100 - `resolve` would follow links
+
+
+def find_meshes(
+    inputs: Iterable[str | Path], on_error: Callable[[Path, str], None] | None = None
+) -> list[Path]:
+    """List the mesh files in folders and all folders below them.
+
+    Names that begin with a dot are passed over. Links to folders are followed, each folder once, so a circle
+    of links ends. A file that is named itself is taken whatever its name.
+
+    Parameters
+    ----------
+    inputs : iterable of str or Path
+        Folders and files.
+    on_error : callable, optional
+        Called with a path and the reason for each input that is missing, cannot be read or has no mesh in it;
+        the others go on. Left out: such an input raises.
+
+    Returns
+    -------
+    paths : list of Path
+        Absolute and sorted, each once.
+
+    Raises
+    ------
+    MeshError
+        For the first input that is missing, cannot be read or holds no mesh, unless `on_error` is given.
+    """
+
+    def report(path: Path, reason: str) -> None:
+        if on_error is None:
+            raise MeshError(f"'{path}' {reason}")
+        on_error(path, reason)
+
+    found: set[Path] = set()
+    for entry in inputs:
+        path = absolute(entry)
+        if not path.is_dir():
+            if os.path.lexists(path):
+                found.add(path)
+            else:
+                report(path, "does not exist; check the spelling")
+            continue
+        meshes = list(_meshes_below(path, report))
+        if not meshes:
+            suffixes = " ".join(sorted(MESH_SUFFIXES))
+            report(path, f"has no mesh files ({suffixes}) in it or below it")
+        found.update(meshes)
+    return sorted(found)
+
+
+def _meshes_below(top: Path, report: Callable[[Path, str], None]) -> Iterator[Path]:
+    seen: set[tuple[int, int]] = set()
+
+    def unreadable(error: OSError) -> None:
+        report(Path(error.filename), f"cannot be read: {error.strerror}")
+
+    for folder, subfolders, files in os.walk(top, followlinks=True, onerror=unreadable):
+        status = Path(folder).stat()
+        identity = (status.st_dev, status.st_ino)
+        if identity in seen:
+            subfolders.clear()
+            continue
+        seen.add(identity)
+        # Sorted, so that of two ways to one folder the same is taken every time.
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        for name in files:
+            if not name.startswith(".") and Path(name).suffix.lower() in MESH_SUFFIXES:
+                yield Path(folder, name)
+
+
+@dataclass(frozen=True)
+class FileState:
+    """A mesh file as it was when its content was hashed; a .gltf together with the files it refers to.
+
+    Attributes
+    ----------
+    path : Path
+    size : int
+        In bytes.
+    mtime_ns : int
+        Time of the last change, in nanoseconds.
+    sha256 : str
+        Hash of the content, in hexadecimal digits.
+    """
+
+    path: Path
+    size: int
+    mtime_ns: int
+    sha256: str
+
+    @property
+    def key(self) -> ContentKey:
+        """What a copy of this file has in common with it."""
+        return content_key(self.path, self.sha256)
+
+    def changed(self) -> bool:
+        """Whether the file was changed or removed since."""
+        try:
+            return stamp(self.path) != (self.size, self.mtime_ns)
+        except OSError:
+            return True
+
+
+def content_key(path: Path, sha256: str) -> ContentKey:
+    """Key of a content; see `ContentKey`."""
+    return sha256, path.suffix.lower()
+
+
+def stamp(path: Path) -> tuple[int, int]:
+    """Size in bytes and time of the last change: while both stay, the content is taken to be the same.
+
+    Raises
+    ------
+    OSError
+        If the file is missing or no ordinary file.
+    """
+    states = [part.stat() for part in _parts(path)]
+    return sum(state.st_size for state in states), max(state.st_mtime_ns for state in states)
+
+
+def examine(path: Path) -> FileState:
+    """Hash a file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    # First the time, then the content: a change in between is noticed later, not missed.
+    size, mtime_ns = stamp(path)
+    digests = []
+    for part in _parts(path):
+        with part.open("rb") as file:
+            digests.append(hashlib.file_digest(file, "sha256"))
+    if len(digests) > 1:
+        digests = [hashlib.sha256(b"".join(digest.digest() for digest in digests))]
+    return FileState(path, size, mtime_ns, digests[0].hexdigest())
+
+
+def _parts(path: Path) -> list[Path]:
+    """List the files that hold a shape: a .gltf keeps its coordinates in files beside it."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        # Reading a pipe or a device might never end.
+        raise OSError(errno.EINVAL, "it is no ordinary file")
+    if path.suffix.lower() != ".gltf":
+        return [path]
+    try:
+        uris = [buffer["uri"] for buffer in json.loads(path.read_bytes())["buffers"] if "uri" in buffer]
+        neighbours = [path.parent / unquote(uri) for uri in uris if not uri.startswith("data:")]
+        return [path, *(neighbour for neighbour in neighbours if neighbour.is_file())]
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        # Damaged: the reader will say how.
+        return [path]

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""Folders of small meshes, a small real model, and the command as users start it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from shapegoogle_core.files import examine
+from shapegoogle_core.indexing import find_meshes
+from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.model import ChannelWords, ShapeModel
+from shapegoogle_core.settings import ChannelSettings, ModelSettings
+from shapegoogle_core.workers import describe_file
+
+# `misbehaving` must be a module that worker processes can import too; they are given the same path.
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+def build_model(seed: int = 0) -> ShapeModel:
+    """An untrained model: six words, one bag of words and one of pairs, random projection and code."""
+    random = np.random.default_rng(seed)
+    settings = ModelSettings(
+        name="tiny",
+        channels=(ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6),),
+        mending=None,
+        laplacian="cotangent",
+        eigenpairs=20,
+        projected=16,
+        code_bits=64,
+    )
+    size = settings.bag_size
+    return ShapeModel(
+        settings=settings,
+        vocabularies=(ChannelWords(random.uniform(0.2, 1.0, (6, 3)), sigma=0.3),),
+        weights=np.ones(size, np.float32),
+        mean=np.zeros(size, np.float32),
+        projection=random.standard_normal((size, 16)).astype(np.float16),
+        directions=random.standard_normal((64, 16)).astype(np.float32),
+        thresholds=np.zeros(64, np.float32),
+        similarity_half=0.1,
+        similarity_slope=2.0,
+        trained_on="nothing: random numbers for tests",
+    )
+
+
+def write_mesh(path: Path, seed: int = 0, subdivisions: int = 2) -> Path:
+    """Write a lumpy ellipsoid, another one for each seed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    random = np.random.default_rng(seed)
+    mesh = trimesh.creation.icosphere(subdivisions)
+    centers = random.standard_normal((4, 3))
+    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
+    bumps = np.exp(-6 * (1 - mesh.vertices @ centers.T)) @ random.uniform(0, 0.7, 4)
+    mesh.vertices = mesh.vertices * (1 + bumps)[:, None] * random.uniform(0.6, 1.8, 3)
+    mesh.export(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def model() -> ShapeModel:
+    return build_model()
+
+
+@pytest.fixture(scope="session")
+def model_file(model: ShapeModel, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "tiny.npz"
+    model.save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def make_mesh() -> Callable[..., Path]:
+    return write_mesh
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Three sound meshes in two folders."""
+    write_mesh(tmp_path / "meshes" / "apple.off", seed=1)
+    write_mesh(tmp_path / "meshes" / "pear.obj", seed=2)
+    write_mesh(tmp_path / "meshes" / "more" / "plum.stl", seed=3)
+    return tmp_path / "meshes"
+
+
+@pytest.fixture
+def indexed(library: Library, folder: Path) -> Library:
+    """A library that knows `folder`, made without the time that worker processes take to start."""
+    for path in find_meshes([folder]):
+        state, described = examine(path), describe_file(path, library.model)
+        shape = NewShape(described.signature, path.name, thumbnail=described.thumbnail)
+        library.replace_source(
+            path, size=state.size, mtime_ns=state.mtime_ns, sha256=state.sha256, shapes=[shape]
+        )
+    return library
+
+
+@pytest.fixture
+def library_file(tmp_path: Path) -> Path:
+    return tmp_path / "shapes.sglib"
+
+
+@pytest.fixture
+def library(library_file: Path, model: ShapeModel) -> Iterator[Library]:
+    with Library.open(library_file, model) as opened:
+        yield opened
+
+
+def command_line(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "shapegoogle_core", *map(str, arguments)]
+
+
+def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
+    """Start the command in a process group of its own, as a terminal does."""
+    return subprocess.Popen(
+        command_line(*arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        env=os.environ | {"OMP_NUM_THREADS": "1", "PYTHONIOENCODING": "utf-8"},
+        start_new_session=True,
+        **options,  # type: ignore[call-overload]
+    )
+
+
+@pytest.fixture(scope="session")
+def shapegoogle() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run the command to its end."""
+
+    def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+        process = start(*arguments)
+        stdout, stderr = process.communicate()
+        return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+
+    return run
+
+
+@pytest.fixture
+def start_shapegoogle() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start the command; what still runs at the end of the test is killed."""
+    processes: list[subprocess.Popen[str]] = []
+
+    def run(*arguments: object) -> subprocess.Popen[str]:
+        processes.append(start(*arguments))
+        return processes[-1]
+
+    yield run
+    for process in processes:
+        process.kill()
+        process.communicate()

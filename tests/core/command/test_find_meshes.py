@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Which files a folder stands for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing import find_meshes
+
+
+def touch(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.touch()
+    return path
+
+
+def link(place: Path, target: Path) -> None:
+    try:
+        place.symlink_to(target)
+    except OSError as error:
+        pytest.skip(f"links cannot be made here: {error}")
+
+
+def test_all_formats_in_all_folders_below(tmp_path: Path) -> None:
+    names = ["a.obj", "b/c.PLY", "b/d.Stl", "b/e/f.off", "g.glb", "h.gltf"]
+    expected = [touch(tmp_path / name) for name in names]
+    for other in ("notes.txt", "b/texture.png", "no_suffix", "animals.blend"):
+        touch(tmp_path / other)
+    assert find_meshes([tmp_path]) == sorted(expected)
+
+
+def test_hidden_files_and_folders_are_passed_over(tmp_path: Path) -> None:
+    shown = touch(tmp_path / "horse.obj")
+    for hidden in ("._horse.obj", ".hidden.obj", ".trash/old.obj"):
+        touch(tmp_path / hidden)
+    assert find_meshes([tmp_path]) == [shown]
+
+
+def test_a_file_named_itself_is_taken_whatever_its_name(tmp_path: Path) -> None:
+    odd = touch(tmp_path / ".horse.xyz")
+    assert find_meshes([odd]) == [odd]
+
+
+def test_each_file_once_and_sorted(tmp_path: Path) -> None:
+    first, second = touch(tmp_path / "b" / "1.obj"), touch(tmp_path / "a" / "2.obj")
+    inputs = [first, tmp_path / "b", tmp_path, tmp_path / "a" / ".." / "a"]
+    assert find_meshes(inputs) == [second, first]
+
+
+def test_paths_are_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = touch(tmp_path / "models" / "horse.obj")
+    monkeypatch.chdir(tmp_path)
+    assert find_meshes(["models"]) == [mesh]
+    assert find_meshes(["models/horse.obj"]) == [mesh]
+
+
+def test_a_circle_of_links_ends(tmp_path: Path) -> None:
+    mesh = touch(tmp_path / "models" / "deep" / "horse.obj")
+    link(tmp_path / "models" / "deep" / "up", tmp_path / "models")
+    assert find_meshes([tmp_path / "models"]) == [mesh]
+
+
+def test_linked_folders_are_followed(tmp_path: Path) -> None:
+    touch(tmp_path / "store" / "horse.obj")
+    (tmp_path / "models").mkdir()
+    link(tmp_path / "models" / "linked", tmp_path / "store")
+    assert find_meshes([tmp_path / "models"]) == [tmp_path / "models" / "linked" / "horse.obj"]
+
+
+def test_missing_folder(tmp_path: Path) -> None:
+    with pytest.raises(MeshError, match="nowhere' does not exist"):
+        find_meshes([tmp_path / "nowhere"])
+
+
+def test_folder_without_meshes(tmp_path: Path) -> None:
+    touch(tmp_path / "notes.txt")
+    with pytest.raises(MeshError, match=r"has no mesh files \(.*\.obj.*\)"):
+        find_meshes([tmp_path])
+
+
+def test_with_a_callback_the_others_go_on(tmp_path: Path) -> None:
+    mesh = touch(tmp_path / "models" / "horse.obj")
+    (tmp_path / "empty").mkdir()
+    problems: dict[Path, str] = {}
+    found = find_meshes([tmp_path / "nowhere", tmp_path / "empty", tmp_path / "models"], problems.__setitem__)
+    assert found == [mesh]
+    assert list(problems) == [tmp_path / "nowhere", tmp_path / "empty"]
+    assert "does not exist" in problems[tmp_path / "nowhere"]
+    assert "has no mesh files" in problems[tmp_path / "empty"]

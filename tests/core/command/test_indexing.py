@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: MIT
+"""What is described, what is stored and what is left alone."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import misbehaving
+import numpy as np
+import pytest
+import trimesh
+
+from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
+from shapegoogle_core.library import Library
+
+Describe = Callable[[Path], list[str]]
+
+
+@pytest.fixture
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
+    """Names of the files that the workers described since the last call, sorted."""
+    file = tmp_path / "described.log"
+    monkeypatch.setenv("DESCRIBED_LOG", str(file))
+
+    def names() -> list[str]:
+        lines = file.read_text().split("\n")[:-1] if file.exists() else []
+        file.unlink(missing_ok=True)
+        return sorted(lines)
+
+    return names
+
+
+def index(library: Library, folder: Path, **options: object) -> IndexReport:
+    options = {"jobs": 1, "describe": misbehaving.describe_and_log} | options
+    return index_files(library, find_meshes([folder]), **options)  # type: ignore[arg-type]
+
+
+def counts(report: IndexReport) -> tuple[int, int, int, int]:
+    return report.added, report.updated, report.unchanged, len(report.failed)
+
+
+def names(library: Library) -> list[str]:
+    return sorted(shape.name for shape in library.shapes())
+
+
+def test_a_folder_becomes_a_library(library: Library, folder: Path, model, log) -> None:
+    outcomes: list[FileOutcome] = []
+    report = index(library, folder, progress=outcomes.append)
+    assert counts(report) == (3, 0, 0, 0)
+    assert report.seconds > 0
+    assert log() == ["apple.off", "pear.obj", "plum.stl"]
+    assert sorted((outcome.path, outcome.status) for outcome in outcomes) == [
+        (path, "added") for path in find_meshes([folder])
+    ]
+    assert [(shape.name, shape.source) for shape in sorted(library.shapes(), key=lambda s: s.source)] == [
+        (path.name, str(path)) for path in find_meshes([folder])
+    ]
+    # What the workers send back is what the model says here.
+    described = misbehaving.describe_file(folder / "apple.off", model).signature
+    match = library.query_signature(described, top=1)[0]
+    assert (match.name, match.distance) == ("apple.off", 0.0)
+    stored = library.signature(match.shape_id)
+    np.testing.assert_array_equal(stored.code, described.code)
+    assert (stored.vertex_count, stored.face_count, stored.area) == (162, 320, described.area)
+    assert library.thumbnail(match.shape_id).startswith(b"\x89PNG")
+
+    assert counts(index(library, folder)) == (0, 0, 3, 0)
+    assert log() == []
+
+
+def test_a_touched_file_is_not_described_again(indexed: Library, folder: Path, log) -> None:
+    os.utime(folder / "apple.off", ns=(1, 1))
+    assert counts(index(indexed, folder)) == (0, 0, 3, 0)
+    assert log() == []
+    assert indexed.sources()[str(folder / "apple.off")].mtime_ns == 1
+
+
+def test_a_changed_file_replaces_its_shape(indexed: Library, folder: Path, make_mesh, log) -> None:
+    before = {shape.source: shape for shape in indexed.shapes()}
+    make_mesh(folder / "apple.off", seed=9, subdivisions=3)
+    assert counts(index(indexed, folder)) == (0, 1, 2, 0)
+    assert log() == ["apple.off"]
+    after = {shape.source: shape for shape in indexed.shapes()}
+    assert len(after) == len(indexed) == 3
+    changed = {source for source in after if after[source] != before[source]}
+    assert changed == {str(folder / "apple.off")}
+    assert after[str(folder / "apple.off")].vertex_count == 642
+
+
+def test_only_new_files_are_described(indexed: Library, folder: Path, make_mesh, log) -> None:
+    make_mesh(folder / "quince.ply", seed=9)
+    assert counts(index(indexed, folder)) == (1, 0, 3, 0)
+    assert log() == ["quince.ply"]
+
+
+def test_copies_are_described_once_and_are_shapes_of_their_own(library: Library, folder: Path, log) -> None:
+    for number in range(8):
+        shutil.copy(folder / "apple.off", folder / f"copy{number}.off")
+    assert counts(index(library, folder)) == (11, 0, 0, 0)
+    assert log() == ["apple.off", "pear.obj", "plum.stl"]
+    assert len(library) == 11
+    match_names = [match.name for match in library.query_signature(library.signature(1), top=11)]
+    assert sorted(match_names) == names(library)
+
+
+def test_a_copy_of_a_known_file_is_not_described(indexed: Library, folder: Path, log) -> None:
+    shutil.copy(folder / "apple.off", folder / "more" / "another.off")
+    (folder / "pear.obj").rename(folder / "renamed.obj")
+    assert counts(index(indexed, folder)) == (2, 0, 2, 0)
+    assert log() == []
+    ids = {shape.name: shape.shape_id for shape in indexed.shapes()}
+    original, copy = indexed.signature(ids["apple.off"]), indexed.signature(ids["another.off"])
+    np.testing.assert_array_equal(original.bags, copy.bags)
+    assert indexed.thumbnail(ids["apple.off"]) == indexed.thumbnail(ids["another.off"])
+
+
+def test_contents_that_change_places(indexed: Library, folder: Path, make_mesh, log) -> None:
+    make_mesh(folder / "fig.off", seed=5, subdivisions=1)
+    assert counts(index(indexed, folder)) == (1, 0, 3, 0)
+    log()
+    (folder / "apple.off").rename(folder / "x")
+    (folder / "fig.off").rename(folder / "apple.off")
+    (folder / "x").rename(folder / "fig.off")
+    assert counts(index(indexed, folder)) == (0, 2, 2, 0)
+    vertex_counts = {shape.name: shape.vertex_count for shape in indexed.shapes()}
+    assert (vertex_counts["apple.off"], vertex_counts["fig.off"]) == (42, 162)
+
+
+def test_the_same_bytes_under_another_suffix_are_another_matter(library: Library, folder: Path) -> None:
+    shutil.copy(folder / "apple.off", folder / "apple.ply")
+    report = index(library, folder, describe=misbehaving.describe)
+    assert counts(report) == (3, 0, 0, 1)
+    assert report.failed[0][0] == folder / "apple.ply"
+
+
+def write_gltf(path: Path, buffer: str, mesh: trimesh.Trimesh) -> bytes:
+    """Write a .gltf whose coordinates lie in another file; returns what belongs in that file."""
+    points = mesh.vertices.astype("<f4").tobytes()
+    corners = mesh.faces.astype("<u4").tobytes()
+    low, high = mesh.vertices.min(axis=0).tolist(), mesh.vertices.max(axis=0).tolist()
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"uri": buffer, "byteLength": len(points) + len(corners)}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": len(points)},
+            {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": len(mesh.vertices), "type": "VEC3"}
+            | {"min": low, "max": high},
+            {"bufferView": 1, "componentType": 5125, "count": mesh.faces.size, "type": "SCALAR"},
+        ],
+    }
+    path.write_text(json.dumps(document))
+    return points + corners
+
+
+def test_a_gltf_changes_with_the_file_beside_it(library: Library, tmp_path: Path, log) -> None:
+    sphere = trimesh.creation.icosphere(2)
+    folder = tmp_path / "gltf"
+    for name in ("one", "two"):
+        (folder / name).mkdir(parents=True)
+    data = write_gltf(folder / "one" / "shape.gltf", "shape%20data.bin", sphere)
+    (folder / "one" / "shape data.bin").write_bytes(data)
+    # The same text beside other coordinates: no copy.
+    shutil.copy(folder / "one" / "shape.gltf", folder / "two" / "shape.gltf")
+    points = sphere.vertices.astype("<f4") * np.array([1, 1, 3], "<f4")
+    other = points.tobytes() + data[points.nbytes :]
+    (folder / "two" / "shape data.bin").write_bytes(other)
+    assert counts(index(library, folder)) == (2, 0, 0, 0)
+    assert log() == ["shape.gltf", "shape.gltf"]
+    areas = {shape.source: shape.area for shape in library.shapes()}
+    assert areas[str(folder / "two" / "shape.gltf")] > 1.5 * areas[str(folder / "one" / "shape.gltf")]
+
+    assert counts(index(library, folder)) == (0, 0, 2, 0)
+    (folder / "one" / "shape data.bin").write_bytes(other)
+    os.utime(folder / "one" / "shape data.bin", ns=(2**60, 2**60))
+    assert counts(index(library, folder)) == (0, 1, 1, 0)
+    # Now it is one, so it was not described.
+    assert log() == []
+
+
+def test_a_gltf_is_tried_again_when_its_missing_part_arrives(library: Library, tmp_path: Path) -> None:
+    folder = tmp_path / "gltf"
+    folder.mkdir()
+    data = write_gltf(folder / "shape.gltf", "shape.bin", trimesh.creation.icosphere(2))
+    report = index(library, folder, describe=misbehaving.describe)
+    assert counts(report) == (0, 0, 0, 1)
+    assert "shape.bin" in report.failed[0][1]
+    (folder / "shape.bin").write_bytes(data)
+    assert counts(index(library, folder, describe=misbehaving.describe)) == (1, 0, 0, 0)
+
+
+def test_a_gltf_with_its_coordinates_inside(library: Library, tmp_path: Path) -> None:
+    folder = tmp_path / "gltf"
+    folder.mkdir()
+    data = write_gltf(folder / "shape.gltf", "URI", trimesh.creation.icosphere(2))
+    uri = f"data:application/octet-stream;base64,{base64.b64encode(data).decode()}"
+    (folder / "shape.gltf").write_text((folder / "shape.gltf").read_text().replace("URI", uri))
+    assert counts(index(library, folder, describe=misbehaving.describe)) == (1, 0, 0, 0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such file names")
+def test_a_name_that_is_no_utf8(library: Library, tmp_path: Path, make_mesh) -> None:
+    odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/odd/b\xe4r.off"))
+    make_mesh(tmp_path / "odd" / "bear.off").rename(odd)
+    assert counts(index(library, odd.parent, describe=misbehaving.describe)) == (1, 0, 0, 0)
+    assert counts(index(library, odd.parent, describe=misbehaving.describe)) == (0, 0, 1, 0)
+    assert [shape.source for shape in library.shapes()] == [str(odd)]
+
+
+def test_a_shape_goes_when_its_file_becomes_bad(indexed: Library, folder: Path) -> None:
+    (folder / "apple.off").write_text("OFF\n")
+    report = index(indexed, folder, describe=misbehaving.describe)
+    assert counts(report) == (0, 0, 2, 1)
+    assert names(indexed) == ["pear.obj", "plum.stl"]
