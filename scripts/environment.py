@@ -169,11 +169,11 @@ def pip(folder: Path) -> list[str]:
 
 
 def create(folder: Path) -> None:
-    """Make an environment that has only pip, or mend one; one of another Python is replaced."""
+    """Make an environment that has only pip, or put pip into one; one whose Python is gone is replaced."""
     if not has_module("ensurepip") and not has_module("pip"):
         install_venv_module()
     command = [sys.executable, "-m", "venv", str(folder)]
-    if environment_version(folder) not in (None, python_version()):
+    if environment_version(folder) != python_version() or not interpreter(folder).exists():
         command.append("--clear")
     if has_module("ensurepip"):
         run(f"Making {folder}", command)

@@ -37,6 +37,13 @@ def environment():
 
 
 @pytest.fixture(scope="session")
+def demo(environment):
+    sys.modules["environment"] = environment  # what a script finds beside itself
+    yield load("demo")
+    del sys.modules["environment"]
+
+
+@pytest.fixture(scope="session")
 def export_blend_meshes():
     return load("export_blend_meshes")
 

@@ -2,14 +2,12 @@
 """Set-up: when it installs, when it must not, and what it says when it cannot."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-# pip refuses it before it looks for any package, so these tests need no network.
-BROKEN_PYPROJECT = "[build-system]\nrequires = 3\n"
 
 
 def test_an_old_python_is_refused_with_its_version(environment):
@@ -65,21 +63,30 @@ def test_the_python_of_an_environment_is_read_from_its_settings(environment, tmp
     assert environment.environment_version(tmp_path) == version
 
 
-def test_an_environment_of_another_python_is_not_used(environment, project):
-    settings = project / ".venv" / "pyvenv.cfg"
+def remove_nothing(environment, folder):
+    assert not environment.is_usable(folder), "it has no pip"
+
+
+def remove_python(environment, folder):
+    python = environment.interpreter(folder)
+    python.unlink()
+    python.symlink_to(folder / "absent")
+
+
+def change_python(environment, folder):
+    settings = folder / "pyvenv.cfg"
     settings.write_text(
         settings.read_text().replace(f"version = {environment.python_version()}", "version = 3.1")
     )
-    assert environment.environment_version(project / ".venv") == "3.1"
+    assert environment.environment_version(folder) == "3.1"
+
+
+@pytest.mark.parametrize("damage", [remove_nothing, remove_python, change_python])
+def test_an_unusable_environment_is_mended(environment, project, damage):
+    damage(environment, project / ".venv")
     assert not environment.is_usable(project / ".venv")
-
-
-def test_a_failed_installation_shows_the_output_of_pip_and_leaves_no_stamp(environment, project):
-    (project / "pyproject.toml").write_text(BROKEN_PYPROJECT)
-    with pytest.raises(environment.SetupError, match=r"(?s)Installing .*exit code \d+ of .*pyproject\.toml"):
-        environment.prepare(project, project / ".venv", ["demo"])
-    assert environment.read_stamp(project / ".venv") == {}
-    assert environment.is_usable(project / ".venv"), "the missing pip was not put in"
+    environment.create(project / ".venv")
+    assert environment.is_usable(project / ".venv")
 
 
 def test_without_ensurepip_pip_and_root_the_missing_package_is_named(environment, project, monkeypatch):
@@ -121,12 +128,14 @@ def test_enter_starts_the_script_again_inside_the_environment(project):
     assert arguments == ["two words", "--option"]
 
 
-def test_enter_ends_with_a_sentence_when_set_up_fails(project):
-    (project / "pyproject.toml").write_text(BROKEN_PYPROJECT)
+def test_enter_ends_with_the_output_of_pip_and_no_stamp_when_the_installation_fails(environment, project):
+    # pip refuses this before it looks for any package: the test needs no network.
+    (project / "pyproject.toml").write_text("[build-system]\nrequires = 3\n")
     probe = project / "scripts" / "probe.py"
     probe.write_text("import environment\nenvironment.enter([])\nprint('not reached')\n")
     result = subprocess.run([sys.executable, str(probe)], capture_output=True, text=True, check=False)
     assert result.returncode == 1
-    assert result.stderr.startswith("Set-up failed: Installing")
+    assert re.match(r"(?s)Set-up failed: Installing .*exit code \d+ of .*pyproject\.toml", result.stderr)
     assert "not reached" not in result.stdout
     assert "Traceback" not in result.stderr
+    assert environment.read_stamp(project / ".venv") == {}

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""The demo: its shapes, its files, and the whole of it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+from shapegoogle_core.mesh import Mesh, read_mesh
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "demo.py"
+
+
+def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks(demo):
+    creature = make_creature(demo.QUERY_KIND, demo.INDIVIDUAL)
+    assert demo.QUERY_KIND in demo.KINDS
+    assert set(demo.KINDS) <= set(CREATURE_KINDS)
+    assert demo.QUERY_POSE in creature.pose_names[demo.POSES_EACH :]
+    query = demo.query_mesh()
+    assert len(query.vertices) != len(creature.rest.vertices), "it is meshed anew"
+    assert query.area == pytest.approx(demo.QUERY_SCALE**2 * creature.rest.area, rel=0.05)
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb"])
+def test_meshes_are_written_once_and_read_back(demo, bumpy_mesh, tmp_path, suffix):
+    path = tmp_path / "new" / f"bumpy{suffix}"
+    demo.write_mesh(path, bumpy_mesh)
+    read = read_mesh(path)
+    np.testing.assert_allclose(read.vertices, bumpy_mesh.vertices, atol=1e-6)
+    np.testing.assert_array_equal(read.faces, bumpy_mesh.faces)
+
+    written = path.stat().st_mtime_ns
+    demo.write_mesh(path, bumpy_mesh)
+    assert path.stat().st_mtime_ns == written, "an unchanged file would be indexed again"
+    path.write_bytes(path.read_bytes()[:-10])
+    demo.write_mesh(path, bumpy_mesh)
+    np.testing.assert_array_equal(read_mesh(path).faces, bumpy_mesh.faces)
+
+
+@pytest.fixture
+def bumpy_mesh():
+    sphere = trimesh.creation.icosphere(2)
+    heights = 1 + 0.2 * np.sin(5 * sphere.vertices[:, :1])
+    return Mesh(sphere.vertices * heights, sphere.faces, "bumpy")
+
+
+@pytest.mark.long
+def test_the_demo_finds_the_horse_again(demo):
+    result = subprocess.run([sys.executable, str(SCRIPT)], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    answer = result.stdout.partition("query")[2]
+    ranks = [answer.find(f"{kind}-") for kind in demo.KINDS]
+    assert min(position for position in ranks if position >= 0) == ranks[demo.KINDS.index("horse")]
+    assert demo.PICTURE.stat().st_size > 50_000
