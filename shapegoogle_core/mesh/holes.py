@@ -23,24 +23,25 @@ LEAST_HEIGHT = 1e-6
 def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
     """Close boundary loops by fans of triangles round their centroids.
 
-    A loop is left open if it is wider than `max_diameter`, or if its lid is no smaller than 0.4 of the area of
-    the part (faces connected through edges) that it bounds: then it is the outline of a sheet, and a lid would
-    double it. Polygon soup of open sheets stays as it is.
+    A loop is left open if it is wider than `max_diameter`, or if its lid is no smaller than 0.4 of the area
+    of the part (faces connected through edges) that it bounds: then it is the outline of a sheet, and a lid
+    would double it. Polygon soup of open sheets stays as it is.
 
     Parameters
     ----------
     mesh : Mesh
-        Repaired; non-manifold edges are no boundary, and loops that touch themselves are cut into simple ones.
+        Repaired; non-manifold edges are no boundary, and loops that touch themselves are cut into simple
+        ones.
     max_diameter : float, optional
-        Largest width of a hole, twice the distance from its centroid to its farthest vertex, as a share of the
-        diagonal of the mesh's bounding box. 0 closes nothing.
+        Largest width of a hole, twice the distance from its centroid to its farthest vertex, as a share of
+        the diagonal of the mesh's bounding box. 0 closes nothing.
 
     Returns
     -------
     closed : Mesh
-        The same vertices and faces first, then one new vertex and a fan of faces for each hole. New faces run
-        against the faces across each boundary edge, so an oriented surface stays oriented. A loop of three edges
-        gets one face and no vertex.
+        The same vertices and faces first, then one new vertex and a fan of faces for each hole. New faces
+        run against the faces across each boundary edge, so an oriented surface stays oriented. A loop of
+        three edges gets one face and no vertex.
     """
     half_edges, owners = _boundary_half_edges(mesh)
     if max_diameter <= 0 or len(half_edges) == 0:
@@ -92,9 +93,9 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
     Returns
     -------
     loops : list of list of int
-        Indices of the edges of each loop in the order of a walk round it. Every edge is in one loop at most; no
-        loop passes a vertex twice. Edges of a walk that ends without returning (possible only where faces meet
-        in non-manifold edges) are in none.
+        Indices of the edges of each loop in the order of a walk round it. Every edge is in one loop at
+        most; no loop passes a vertex twice. Edges of a walk that ends without returning (possible only
+        where faces meet in non-manifold edges) are in none.
     """
     edges_at: dict[int, list[int]] = {}
     # Edges that leave a vertex come last: `pop` takes them first, which follows the direction of the faces.

@@ -65,7 +65,8 @@ def read_mesh(
     point_cloud : bool, optional
         Whether a file without faces is welcome. Faces are left out if there are any.
     max_faces : int, optional
-        A file with more triangles is refused, by its header where it has one, before memory is taken for them.
+        A file with more triangles is refused, by its header where it has one, before memory is taken for
+        them.
 
     Returns
     -------
@@ -75,15 +76,16 @@ def read_mesh(
     Raises
     ------
     MeshError
-        If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or holds no
-        surface (see `check_surface`).
+        If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or
+        holds no surface (see `check_surface`).
     """
     path = Path(path)
     name = path.name or str(path)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshError(
-            f"{name!r} is not a mesh file that can be read ({', '.join(sorted(MESH_SUFFIXES))}); convert it first"
+            f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
+            "convert it first"
         )
     try:
         if not path.is_file():

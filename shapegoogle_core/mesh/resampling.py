@@ -11,9 +11,10 @@ from shapegoogle_core.mesh.repair import repair
 
 __all__ = ["resample", "simplify", "subdivide"]
 
-# fast_simplification compares quadric errors with fixed numbers, from 2e-6 to 1e5 squared units in a hundred
-# rounds. On a mesh of unit size it would allow every collapse after a dozen rounds and ruin the shape (measured:
-# 5 to 60 % of the area left on soup); on this diagonal the rounds go from 1e-7 to 0.04 of it.
+# fast_simplification compares quadric errors with fixed numbers, from 2e-6 to 1e5 squared units in a
+# hundred rounds. On a mesh of unit size it would allow every collapse after a dozen rounds and ruin the
+# shape (measured: 5 to 60 % of the area left on soup); on this diagonal the rounds go from 1e-7 to 0.04 of
+# it.
 SIMPLIFIED_DIAGONAL = 1e4
 # Boundary vertices have no error of their own there, so sheets melt away from their outlines.
 LEAST_KEPT_AREA = 0.9
@@ -143,7 +144,8 @@ def _split(
     (a, b, c), (ma, _, _) = _turn(mesh.faces, midpoint, turned, count == 1)
     faces += [np.stack([a, b, ma], axis=1), np.stack([a, ma, c], axis=1)]
 
-    # Two: a corner face, and a four-sided rest along its shorter diagonal. Opposite the first corner: the whole edge.
+    # Two: a corner face, and a four-sided rest along its shorter diagonal. Opposite the first corner: the
+    # whole edge.
     turned = np.argmax(midpoint < 0, axis=1)
     (a, b, c), (_, mb, mc) = _turn(mesh.faces, midpoint, turned, count == 2)
     to_b = np.linalg.norm(vertices[mb] - vertices[b], axis=1) <= np.linalg.norm(

@@ -20,12 +20,12 @@ LEAST_HEIGHT = 1e-6
 def smooth(mesh: Mesh, time: float) -> Mesh:
     """Smooth a surface by one implicit step that damps short waves and leaves long ones.
 
-    With L the cotangent stiffness matrix, M the lumped vertex areas and τ = time · area of the connected part,
-    the positions become x' = (1 + (τ M⁻¹ L)²)⁻¹ x: a wave of length l on the surface is damped by
-    1 / (1 + (τ (2π/l)²)²), whatever the resolution. That is implicit fairing (Desbrun et al. 1999) with the
-    squared Laplacian. For the same noise removed it shrinks a shape half as much as a backward Euler step of
-    mean-curvature flow, 1 / (1 + τ (2π/l)²). As 1 / (1 + s²) is the real part of 1 / (1 + is), one sparse
-    complex system does it.
+    With L the cotangent stiffness matrix, M the lumped vertex areas and τ = time · area of the connected
+    part, the positions become x' = (1 + (τ M⁻¹ L)²)⁻¹ x: a wave of length l on the surface is damped by 1 /
+    (1 + (τ (2π/l)²)²), whatever the resolution. That is implicit fairing (Desbrun et al. 1999) with the
+    squared Laplacian. For the same noise removed it shrinks a shape half as much as a backward Euler step
+    of mean-curvature flow, 1 / (1 + τ (2π/l)²). As 1 / (1 + s²) is the real part of 1 / (1 + is), one
+    sparse complex system does it.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     Returns
     -------
     smoothed : Mesh
-        Every connected part is smoothed as if it were alone; by the area of the whole, the many thin parts of a
-        plant or a bicycle would shrink to nothing. Boundary vertices stay where they are: free ones would be
-        drawn inwards, and the sheets of a polygon soup would come apart. The area is not restored afterwards:
-        it falls mostly by the noise that goes.
+        Every connected part is smoothed as if it were alone; by the area of the whole, the many thin parts
+        of a plant or a bicycle would shrink to nothing. Boundary vertices stay where they are: free ones
+        would be drawn inwards, and the sheets of a polygon soup would come apart. The area is not restored
+        afterwards: it falls mostly by the noise that goes.
     """
     if time < 0:
         raise ValueError(f"time must not be negative, not {time}")

@@ -54,7 +54,7 @@ def lines_of(file: BinaryIO, comment: bytes = b"#") -> Iterator[tuple[int, list[
         number += 1
         if len(line) == LONGEST_LINE:
             raise FormatError(
-                f"line {number} is longer than {LONGEST_LINE:,} bytes: this is no text; export it again"
+                f"has a line {number} of more than {LONGEST_LINE:,} bytes: it is no text; export it again"
             )
         if comment:
             line = line.partition(comment)[0]

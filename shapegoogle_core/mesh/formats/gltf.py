@@ -49,7 +49,9 @@ def read_gltf(path: Path, max_faces: int) -> Geometry:
     ------
     FormatError
     """
-    return _read(path.read_bytes(), "gltf", path.parent, max_faces)
+    data = path.read_bytes()
+    _check(_parse(data), max_faces)
+    return _load(data, "gltf", path.parent)
 
 
 def read_glb(path: Path, max_faces: int) -> Geometry:
@@ -70,58 +72,47 @@ def read_glb(path: Path, max_faces: int) -> Geometry:
     FormatError
     """
     with path.open("rb") as file:
-        magic, version, length = np.frombuffer(file.read(12).ljust(12, b"\0"), "<u4").tolist()
-    if magic != _MAGIC or version != 2:
-        raise FormatError("does not begin like a binary glTF 2 file (.glb): it is empty or another format")
-    if length > file_size(path):
-        raise FormatError(
-            f"claims {length:,} bytes but has {file_size(path):,}; it was cut short: copy or export it again"
-        )
-    return _read(path.read_bytes(), "glb", path.parent, max_faces)
+        start = np.frombuffer(file.read(20).ljust(20, b"\0"), "<u4").tolist()
+        magic, version, length, json_length, json_type = start
+        if magic != _MAGIC or version != 2:
+            raise FormatError("does not begin like a binary glTF 2 file (.glb); export it again")
+        if length > file_size(path) or 20 + json_length > length or json_type != _JSON_CHUNK:
+            raise FormatError(
+                f"claims {length:,} bytes, {json_length:,} of them JSON, but has {file_size(path):,}; "
+                "it is damaged or was cut short: copy or export it again"
+            )
+        _check(_parse(file.read(json_length)), max_faces)
+    return _load(path.read_bytes(), "glb", path.parent)
 
 
-def _read(data: bytes, kind: str, folder: Path, max_faces: int) -> Geometry:
+def _load(data: bytes, kind: str, folder: Path) -> Geometry:
     import trimesh
 
-    _check(_header(data, kind), max_faces)
-
-    class Neighbours(trimesh.resolvers.Resolver):
-        """Files that the glTF names, if they are regular files in its folder or below."""
-
-        def __init__(self) -> None:
-            self.folder = folder.resolve()
-
-        def get(self, name: str) -> bytes:
-            neighbour = (self.folder / unquote(name)).resolve()
-            if not neighbour.is_relative_to(self.folder) or not neighbour.is_file():
-                raise FormatError(f"needs the file {name!r}, which is not beside it; copy both together")
-            return neighbour.read_bytes()
-
-        def keys(self) -> list[str]:
-            return []
-
-        def namespaced(self, namespace: str) -> Neighbours:
-            return self
-
-        def write(self, name: str, data: bytes) -> None:
-            raise PermissionError(name)
-
+    neighbours: Any = _Neighbours(folder)
     with _quiet():
         scene = trimesh.load_scene(
-            io.BytesIO(data), file_type=kind, resolver=Neighbours(), process=False, skip_materials=True
+            io.BytesIO(data), file_type=kind, resolver=neighbours, process=False, skip_materials=True
         )
-    return _flatten(scene)
+        return _flatten(scene)
 
 
-def _header(data: bytes, kind: str) -> dict[str, Any]:
-    """Return the JSON part."""
-    if kind == "glb":
-        length, chunk = np.frombuffer(data[12:20].ljust(8, b"\0"), "<u4").tolist()
-        if chunk != _JSON_CHUNK or 20 + length > len(data):
-            raise FormatError(
-                "has no complete JSON chunk; it is damaged or was cut short: copy or export it again"
-            )
-        data = data[20 : 20 + length]
+class _Neighbours:
+    """What trimesh asks for the other files that a glTF names: regular files in its folder or below."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+
+    def __getitem__(self, name: str) -> bytes:
+        return self.get(name)
+
+    def get(self, name: str) -> bytes:
+        neighbour = (self.folder / unquote(name)).resolve()
+        if not neighbour.is_relative_to(self.folder) or not neighbour.is_file():
+            raise FormatError(f"needs the file {name!r}, which is not beside it; copy both together")
+        return neighbour.read_bytes()
+
+
+def _parse(data: bytes) -> dict[str, Any]:
     try:
         header = json.loads(data)
     except (ValueError, RecursionError) as error:
@@ -135,6 +126,9 @@ def _header(data: bytes, kind: str) -> dict[str, Any]:
 
 def _check(header: dict[str, Any], max_faces: int) -> None:
     """Refuse what trimesh would misread, and counts beyond the buffers, before any memory is asked for."""
+    version = str(header["asset"].get("version", "2.0"))
+    if version.partition(".")[0] != "2":
+        raise FormatError(f"is glTF {version}, which cannot be read; export it as glTF 2.0")
     for extension, method in _COMPRESSIONS.items():
         if extension in header.get("extensionsRequired", []):
             raise FormatError(
@@ -156,9 +150,7 @@ def _check(header: dict[str, Any], max_faces: int) -> None:
             indices = accessors[primitive["indices"]] if "indices" in primitive else positions
             for accessor in (positions, indices):
                 if "sparse" in accessor or "bufferView" not in accessor:
-                    raise FormatError(
-                        "has sparse positions or indices, which cannot be read; export it without them"
-                    )
+                    raise FormatError("has sparse positions or indices, which cannot be read; export it anew")
             if positions.get("normalized"):
                 raise FormatError(
                     "has normalised positions, which cannot be read; export it without quantisation"
@@ -166,8 +158,8 @@ def _check(header: dict[str, Any], max_faces: int) -> None:
             faces += indices["count"] // 3 if mode == _TRIANGLES else max(indices["count"] - 2, 0)
         faces_of_mesh.append(faces)
     # A mesh may stand in the scene many times.
-    total = sum(faces_of_mesh[node["mesh"]] for node in header.get("nodes", []) if "mesh" in node)
-    check_face_count(total, max_faces)
+    placed = sum(faces_of_mesh[node["mesh"]] for node in header.get("nodes", []) if "mesh" in node)
+    check_face_count(max(placed, sum(faces_of_mesh)), max_faces)
     _check_tree(header)
 
 
@@ -192,15 +184,17 @@ def _check_accessor(header: dict[str, Any], index: int, accessor: dict[str, Any]
         or (count and offset + (count - 1) * stride + item > available)
     ):
         raise FormatError(
-            f"claims {count:,} values of {item} bytes in accessor {index}, but its buffer has {available:,} bytes; "
-            "it is damaged or was cut short: copy or export it again"
+            f"claims {count:,} values of {item} bytes in accessor {index}, but its buffer has "
+            f"{available:,}; it is damaged or was cut short: copy or export it again"
         )
 
 
 def _check_tree(header: dict[str, Any]) -> None:
-    """Refuse nodes with two parents: trimesh would keep one of them, and a circle has no place at all."""
-    children = [child for node in header.get("nodes", []) for child in node.get("children", [])]
-    if len(set(children)) < len(children):
+    """Refuse nodes in two places: trimesh would keep one of them, and a circle has no place at all."""
+    places = [child for node in header.get("nodes", []) for child in node.get("children", [])]
+    # A node may be the root of several scenes.
+    places += {root for scene in header.get("scenes", []) for root in scene.get("nodes", [])}
+    if len(set(places)) < len(places):
         raise FormatError("has a node with two parents, which glTF does not allow; export it again")
 
 
@@ -218,7 +212,8 @@ def _flatten(scene: Any) -> Geometry:
         triangles = np.asarray(getattr(geometry, "faces", np.empty((0, 3))), np.int64)
         if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(geometry.vertices)):
             raise FormatError(
-                f"has a face that names a vertex beyond the {len(geometry.vertices):,} of its part; it is damaged"
+                f"has a face that names none of the {len(geometry.vertices):,} vertices of its part; "
+                "it is damaged"
             )
         vertices.append(np.asarray(geometry.vertices, np.float64) @ transform[:3, :3].T + transform[:3, 3])
         mirrored = np.linalg.det(transform[:3, :3]) < 0

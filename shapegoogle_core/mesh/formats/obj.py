@@ -43,7 +43,9 @@ def read_obj(path: Path, max_faces: int) -> Geometry:
                     vertex_count = len(coordinates) // 3
                     polygons.append([_corner(word, vertex_count) for word in words[1:]])
             except (ValueError, OverflowError) as error:
-                raise FormatError(f"line {number} cannot be read ({error}); the file is damaged") from error
+                raise FormatError(
+                    f"has a line {number} that cannot be read ({error}); it is damaged or was cut short"
+                ) from error
     if not coordinates:
         raise FormatError("has no vertex lines: it is empty, or no OBJ file; export it again")
     return points_of(coordinates), polygons.triangles()

@@ -74,7 +74,9 @@ def read_off(path: Path, max_faces: int) -> Geometry:
                 "it was cut short: copy or export it again"
             ) from None
         except (ValueError, OverflowError) as error:
-            raise FormatError(f"line {number} cannot be read ({error}); the file is damaged") from error
+            raise FormatError(
+                f"has a line {number} that cannot be read ({error}); it is damaged or was cut short"
+            ) from error
     return points_of(coordinates), polygons.triangles()
 
 

@@ -141,8 +141,8 @@ def _check_counts(elements: list[_Element], byte_order: str, remaining: int, max
         needed += element.count * (sum(sizes) if byte_order else 2 * len(sizes))
         if element.count < 0 or needed > remaining + 1:
             raise FormatError(
-                f"claims {element.count:,} times the element {element.name!r}, which takes {needed:,} bytes or more, "
-                f"but only {remaining:,} are left; it is damaged or was cut short: copy or export it again"
+                f"claims {element.count:,} times the element {element.name!r}, {needed:,} bytes or more, but "
+                f"only {remaining:,} are left; it is damaged or was cut short: copy or export it again"
             )
 
 
@@ -162,8 +162,8 @@ def _coordinate_positions(element: _Element) -> list[int]:
 
 def _cut_short(element: _Element) -> FormatError:
     return FormatError(
-        f"ends before its {element.count:,} times the element {element.name!r} are complete; it was cut short: "
-        "copy or export it again"
+        f"ends before its {element.count:,} times the element {element.name!r} are complete; it was cut "
+        "short: copy or export it again"
     )
 
 
@@ -178,7 +178,7 @@ def _text_points(lines: Iterator[tuple[int, list[bytes]]], element: _Element) ->
             coordinates.extend((float(words[x]), float(words[y]), float(words[z])))
         except (ValueError, IndexError) as error:
             raise FormatError(
-                f"line {number} after the header cannot be read ({error}); it is damaged"
+                f"has no {element.name} in line {number} after its header ({error}); it is damaged"
             ) from error
     return points_of(coordinates)
 
@@ -202,7 +202,7 @@ def _text_triangles(
             polygons.append(map(int, words[start + 1 : start + 1 + size]))
         except (ValueError, IndexError, OverflowError) as error:
             raise FormatError(
-                f"line {number} after the header cannot be read ({error}); it is damaged"
+                f"has no {element.name} in line {number} after its header ({error}); it is damaged"
             ) from error
     return polygons.triangles()
 
@@ -245,7 +245,7 @@ def _binary_lists(
 
 
 def _row_like_first(data: bytes, element: _Element, byte_order: str) -> np.dtype[np.void] | None:
-    """Type of a row whose lists are as long as the first row's, as in most files; None if that runs past the end."""
+    """Type of a row with lists as long as the first row's, as in most files; None if that passes the end."""
     fields: list[tuple[str, str, tuple[int, ...]]] = []
     for index, each in enumerate(element.properties):
         length = 0

@@ -56,8 +56,8 @@ def read_stl(path: Path, max_faces: int) -> Geometry:
     if len(header) < _HEADER_BYTES:
         raise FormatError(f"has only {size} bytes, which is no STL file; copy or export it again")
     raise FormatError(
-        f"claims {count:,} triangles, which take {_HEADER_BYTES + count * _TRIANGLE.itemsize:,} bytes, but has "
-        f"{size:,}; it is no STL file, damaged or cut short: copy or export it again"
+        f"claims {count:,} triangles, which take {_HEADER_BYTES + count * _TRIANGLE.itemsize:,} bytes, but "
+        f"has {size:,}; it is no STL file, damaged or cut short: copy or export it again"
     )
 
 
@@ -75,11 +75,13 @@ def _read_text(path: Path, max_faces: int) -> Geometry:
                     coordinates.extend(map(float, words[1:]))
                 except ValueError as error:
                     raise FormatError(
-                        f"line {number} cannot be read ({error}); the file is damaged"
+                        f"has a line {number} that cannot be read ({error}); it is damaged or was cut short"
                     ) from error
             elif keyword == b"endfacet":
                 if len(coordinates) != last_end + 9:
-                    raise FormatError(f"line {number} ends a facet that is no triangle; the file is damaged")
+                    raise FormatError(
+                        f"has a facet that is no triangle before line {number}; it is damaged"
+                    )
                 last_end = len(coordinates)
                 check_face_count(last_end // 9, max_faces)
             ended = keyword == b"endsolid" or (keyword == b"end" and words[1:2] == [b"solid"])
