@@ -40,8 +40,8 @@ def find_meshes(
     inputs : iterable of str or Path
         Folders and files.
     on_error : callable, optional
-        Called with a path and the reason for each input that is missing, cannot be read or has no mesh in it;
-        the others go on. Left out: such an input raises.
+        Called with the path and a sentence for each input that is missing, cannot be read or has no mesh in
+        it; the others go on. Left out: such an input raises.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def find_meshes(
     def report(path: Path, reason: str) -> None:
         if on_error is None:
             raise MeshError(f"'{path}' {reason}")
-        on_error(path, reason)
+        on_error(path, f"{path.name!r} {reason}")
 
     found: set[Path] = set()
     for entry in inputs:
