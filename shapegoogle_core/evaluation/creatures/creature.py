@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.evaluation.creatures import birds_and_reptiles, crawlers, mammals, objects, swimmers
+from shapegoogle_core.evaluation.creatures import (
+    bipeds,
+    birds,
+    crawlers,
+    objects,
+    quadrupeds,
+    reptiles,
+    swimmers,
+)
 from shapegoogle_core.evaluation.creatures.skeleton import Skeleton
 from shapegoogle_core.evaluation.creatures.skinning import pose_vertices, skin_weights
 from shapegoogle_core.evaluation.creatures.surface import skin_mesh
@@ -22,8 +30,10 @@ __all__ = ["CREATURE_KINDS", "Creature", "make_creature"]
 FloatArray = NDArray[np.float64]
 
 _KINDS: dict[str, Callable[[np.random.Generator], Skeleton]] = {
-    **mammals.KINDS,
-    **birds_and_reptiles.KINDS,
+    **bipeds.KINDS,
+    **quadrupeds.KINDS,
+    **birds.KINDS,
+    **reptiles.KINDS,
     **swimmers.KINDS,
     **crawlers.KINDS,
     **objects.KINDS,
