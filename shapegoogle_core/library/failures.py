@@ -100,7 +100,7 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
                 f"'{path}' cannot take it: a name, picture or bag is over a gigabyte; leave it out"
             )
         case _:
-            return LibraryError(f"'{path}' cannot be used ({_name(error)}: {error}); update Shape Google")
+            return damaged(path, f"{_name(error)}: {error}")
 
 
 def read_only_error(path: Path) -> LibraryError:

@@ -16,7 +16,7 @@ from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.search import Search
-from shapegoogle_core.library.store import Store
+from shapegoogle_core.library.store import Store, round_bags
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 
@@ -84,9 +84,8 @@ class Library:
         exists = _is_file(path)
         if not exists:
             _check_place(path, read_only=read_only)
-            model = (
-                model or load_model()
-            )  # before the file is made: a missing model must not leave one behind
+            # Before the file is made: a missing model must not leave one behind.
+            model = model or load_model()
         store = Store(path, create=not exists, read_only=read_only, timeout=timeout)
         try:
             if store.is_empty():
@@ -430,8 +429,8 @@ class Library:
                 f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
                 f"{self._model.code_bits}; describe it with library.model"
             )
-        if not np.isfinite(signature.bags).all():
-            raise LibraryError(f"{name!r} has a bag with NaN or infinite entries; describe it again")
+        if not np.isfinite(round_bags(signature.bags)).all():
+            raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")
 
 
 def _is_file(path: Path) -> bool:

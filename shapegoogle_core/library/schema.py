@@ -5,7 +5,13 @@ A shape's row is spread over four tables, so that loading all codes touches abou
 neither bags (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
-__all__ = ["APPLICATION_ID", "SCHEMA", "SCHEMA_VERSION"]
+import numpy as np
+
+__all__ = ["APPLICATION_ID", "BAG_TYPE", "SCHEMA", "SCHEMA_VERSION"]
+
+# Half floats, little-endian. On 70 PSB shapes (2,448 entries, square-rooted, L1) they move
+# distances by less than 0.05 % and leave the order of the ten nearest as it is, for half the room.
+BAG_TYPE = np.dtype("<f2")
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
@@ -38,7 +44,6 @@ CREATE TABLE codes (
 );
 CREATE TABLE bags (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    exponent INTEGER NOT NULL,
     halves BLOB NOT NULL
 );
 CREATE TABLE thumbnails (

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.packing import round_bags
-from shapegoogle_core.library.store import Store
+from shapegoogle_core.library.store import Store, round_bags
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -31,17 +32,20 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.failures import damaged, library_error, read_only_error
-from shapegoogle_core.library.packing import pack_bags, unpack_bags
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.schema import APPLICATION_ID, SCHEMA, SCHEMA_VERSION
+from shapegoogle_core.library.schema import APPLICATION_ID, BAG_TYPE, SCHEMA, SCHEMA_VERSION
 
-__all__ = ["Store"]
+__all__ = ["Store", "round_bags"]
 
 SELECT_SHAPES = """
 SELECT shapes.id, name, coalesce(path, ''), object_name, vertex_count, face_count, area
 FROM shapes LEFT JOIN sources ON sources.id = source_id
 """
 
+# In seconds. A commit shuts readers out, and SQLite lets them ask again only every 100 ms. One commit right
+# after the other would starve them (for 11 s in a trial; 0.1 s with the pause), so a writer pauses for as
+# long as its last change took. One that describes shapes in between never waits.
+LONGEST_PAUSE = 0.1
 # SQLite before 3.32 takes at most 999 parameters in one statement.
 IDS_AT_ONCE = 500
 
@@ -67,6 +71,7 @@ class Store:
     def __init__(self, path: Path, *, create: bool, read_only: bool, timeout: float) -> None:
         self.path = path
         self.timeout = timeout
+        self._next_write = 0.0
         with self._explained():
             self._connection = sqlite3.connect(
                 _uri(path, "rwc" if create else "rw"), uri=True, timeout=timeout, isolation_level=None
@@ -254,7 +259,6 @@ class Store:
 
     def _insert(self, source_id: int | None, shape: NewShape) -> int:
         signature = shape.signature
-        halves, exponent = pack_bags(signature.bags)
         shape_id = self._connection.execute(
             "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area)"
             " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?)",
@@ -269,7 +273,8 @@ class Store:
         ).lastrowid
         assert shape_id is not None  # an INSERT that did not raise has made a row
         self._connection.execute("INSERT INTO codes VALUES (?, ?)", (shape_id, signature.code.tobytes()))
-        self._connection.execute("INSERT INTO bags VALUES (?, ?, ?)", (shape_id, exponent, halves))
+        halves = signature.bags.astype(BAG_TYPE).tobytes()
+        self._connection.execute("INSERT INTO bags VALUES (?, ?)", (shape_id, halves))
         if shape.thumbnail is not None:
             self._connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         return shape_id
@@ -326,7 +331,7 @@ class Store:
     def bags(self, shape_ids: Sequence[int], bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
         """Return ids (sorted; unknown ones left out) and bags (n, bag_size) of these shapes."""
         return self._unpacked(
-            self._rows_with_ids("SELECT shape_id, exponent, halves FROM bags WHERE shape_id", shape_ids),
+            self._rows_with_ids("SELECT shape_id, halves FROM bags WHERE shape_id", shape_ids),
             bag_size,
         )
 
@@ -334,7 +339,7 @@ class Store:
         """Return ids and bags (n, bag_size) of the next shapes by id; start with `last_id` 0."""
         return self._unpacked(
             self._rows(
-                "SELECT shape_id, exponent, halves FROM bags WHERE shape_id > ? ORDER BY shape_id LIMIT ?",
+                "SELECT shape_id, halves FROM bags WHERE shape_id > ? ORDER BY shape_id LIMIT ?",
                 last_id,
                 limit,
             ),
@@ -354,10 +359,10 @@ class Store:
     # -- helpers --------------------------------------------------------------------------------------------
 
     def _unpacked(
-        self, rows: list[tuple[int, int, bytes]], bag_size: int
+        self, rows: list[tuple[int, bytes]], bag_size: int
     ) -> tuple[list[int], NDArray[np.float32]]:
-        halves = self._matrix([row[2] for row in rows], np.dtype("<f2"), bag_size)
-        return [row[0] for row in rows], unpack_bags(halves, np.array([row[1] for row in rows], np.int32))
+        halves = self._matrix([row[1] for row in rows], BAG_TYPE, bag_size)
+        return [row[0] for row in rows], halves.astype(np.float32)
 
     def _matrix(self, blobs: list[bytes], dtype: np.dtype[Any], width: int) -> NDArray[Any]:
         if any(len(blob) != width * dtype.itemsize for blob in blobs):
@@ -386,8 +391,12 @@ class Store:
         if self.read_only:
             raise read_only_error(self.path)
         # IMMEDIATE takes the writer's lock at once; two that want it after reading would block each other.
+        time.sleep(max(0.0, self._next_write - time.monotonic()))
+        started = time.monotonic()
         with self._explained(), self._transaction("BEGIN IMMEDIATE"):
             yield self._connection
+        ended = time.monotonic()
+        self._next_write = ended + min(ended - started, LONGEST_PAUSE)
 
     @contextmanager
     def _transaction(self, begin: str) -> Iterator[None]:
@@ -406,6 +415,24 @@ class Store:
             yield
         except sqlite3.Error as error:
             raise library_error(error, self.path, self.timeout) from error
+        except UnicodeDecodeError as error:
+            raise damaged(self.path, "a name is no text") from error
+
+
+def round_bags(bags: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Bags as they would come back from a store.
+
+    Parameters
+    ----------
+    bags : array of float32
+
+    Returns
+    -------
+    rounded : array of float32
+        To 11 significant bits; infinite where half floats end, beyond 65,504.
+    """
+    with np.errstate(over="ignore"):
+        return bags.astype(BAG_TYPE).astype(np.float32)
 
 
 def _uri(path: Path, mode: str) -> str:
@@ -418,9 +445,9 @@ def _uri(path: Path, mode: str) -> str:
 
 
 def _encoded(text: str) -> bytes:
-    """Bytes of a name. File names on Linux need not be valid UTF-8; sqlite3 takes them only as bytes."""
-    return text.encode("utf-8", "surrogateescape")
+    """Bytes of a name. File names need not be valid Unicode; sqlite3 takes such ones only as bytes."""
+    return text.encode("utf-8", "surrogatepass")
 
 
 def _decoded(content: bytes) -> str:
-    return content.decode("utf-8", "surrogateescape")
+    return content.decode("utf-8", "surrogatepass")

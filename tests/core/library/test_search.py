@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.library import Library, search
-from shapegoogle_core.library.packing import round_bags
+from shapegoogle_core.library.store import round_bags
 
 
 @pytest.fixture
@@ -26,11 +27,19 @@ def small_portions(monkeypatch, model):
     monkeypatch.setattr(search, "BAG_ENTRIES_AT_ONCE", 7 * model.bag_size)
 
 
-@pytest.fixture
-def filled(path, model, make_signature):
+@pytest.fixture(scope="module")
+def sixty_shapes(tmp_path_factory, model, make_signature):
+    path = tmp_path_factory.mktemp("sixty") / "shapes.sglib"
     with Library.open(path, model) as library:
         for seed in range(60):
             library.add_signature(make_signature(seed), f"shape {seed}", source=f"{seed}.obj")
+    return path
+
+
+@pytest.fixture
+def filled(path, sixty_shapes):
+    shutil.copy(sixty_shapes, path)
+    with Library.open(path) as library:
         yield library
 
 
