@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.repair import repair
 
 __all__ = ["resample", "simplify", "subdivide"]
@@ -18,6 +18,15 @@ __all__ = ["resample", "simplify", "subdivide"]
 SIMPLIFIED_DIAGONAL = 1e4
 # Boundary vertices have no error of their own there, so sheets melt away from their outlines.
 LEAST_KEPT_AREA = 0.9
+
+# New edges inside an old face are split later than its sides, so that a thin face becomes a zigzag between
+# points on its sides; without that (and flips) it would become ever thinner faces.
+INNER_EDGE = 1.5
+LEAST_OF_ROUND = 0.75
+FLIP_TOLERANCE = 1e-9
+MOST_FLIP_ROUNDS = 100  # ends sooner but for rounding
+
+Indices = NDArray[np.int64]
 
 
 def resample(mesh: Mesh, floor: int = 1000, budget: int = 5000) -> Mesh:
@@ -93,10 +102,11 @@ def _collapse(mesh: Mesh, budget: int, keep_boundary: bool) -> Mesh:
 
 
 def subdivide(mesh: Mesh, floor: int) -> Mesh:
-    """Split the longest edges at their midpoints until there are `floor` vertices.
+    """Split long edges at their midpoints until there are `floor` vertices.
 
-    Every face of a split edge is split there, so the surface stays as it is, point by point, and stays
-    connected; long thin triangles become even ones.
+    Every face of a split edge is split there, and within the old faces, which are flat, edges are flipped to
+    make the triangles as even as can be (Delaunay). So the surface stays as it is, point by point, and stays
+    connected, and long thin faces become even ones.
 
     Parameters
     ----------
@@ -109,65 +119,112 @@ def subdivide(mesh: Mesh, floor: int) -> Mesh:
     subdivided : Mesh
         The same vertices first. A few more than `floor` where edges of the same length are split together.
     """
-    while len(mesh.vertices) < floor:
-        edges, edge_of_side = _edges(mesh)
-        length = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-        missing = floor - len(mesh.vertices)
-        # Halves of an edge may be longer than another whole one: go down to half the longest in one round.
-        # Edges of the same length go together, so that the result does not depend on rounding.
+    vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
+    parent = np.arange(len(faces))
+    while len(vertices) < floor:
+        edges, edge_of_side, inner = _edges(faces, parent)
+        length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
+        length[inner] /= INNER_EDGE
+        missing = floor - len(vertices)
+        # Not all at once: splitting and flipping leave other edges. Edges of the same length go together, so
+        # that the result does not depend on rounding.
         least = np.partition(length, -missing)[-missing] if missing < len(length) else 0.0
-        mesh = _split(mesh, edges, edge_of_side, length >= (1 - 1e-6) * max(least, 0.5 * length.max()))
-    return mesh
+        chosen = length >= (1 - 1e-6) * max(least, LEAST_OF_ROUND * length.max())
+        vertices, faces, parent = _split(vertices, faces, parent, edges, edge_of_side, chosen)
+        faces = _flip(vertices, faces, parent)
+    return mesh if len(vertices) == len(mesh.vertices) else Mesh(vertices, faces, mesh.name)
 
 
-def _edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Undirected edges, (e, 2), and for each face the edges opposite its corners, (m, 3)."""
-    sides = np.sort(mesh.faces[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2).astype(np.int64), axis=1)
-    keys, edge = np.unique(sides[:, 0] * len(mesh.vertices) + sides[:, 1], return_inverse=True)
-    return np.stack(np.divmod(keys, len(mesh.vertices)), axis=1), edge.reshape(-1, 3)
+def _edges(faces: Indices, parent: Indices) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+    """Edges, (e, 2), for each face those opposite its corners, (m, 3), and which lie inside an old face."""
+    sides = np.sort(faces[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2), axis=1)
+    count = int(faces.max()) + 1
+    keys, first, edge = np.unique(sides[:, 0] * count + sides[:, 1], return_index=True, return_inverse=True)
+    edge = edge.reshape(-1, 3)
+    last = np.empty(len(keys), np.int64)
+    last[edge.ravel()] = np.arange(edge.size)
+    inner = (first != last) & (parent[first // 3] == parent[last // 3])
+    return np.stack(np.divmod(keys, count), axis=1), edge, inner
 
 
 def _split(
-    mesh: Mesh, edges: NDArray[np.int64], edge_of_side: NDArray[np.int64], chosen: NDArray[np.bool_]
-) -> Mesh:
-    """Split the chosen edges and with them all their faces."""
-    midpoints = mesh.vertices[edges[chosen]].mean(axis=1)
-    vertices = np.concatenate([mesh.vertices, midpoints])
+    vertices: FloatArray,
+    faces: Indices,
+    parent: Indices,
+    edges: Indices,
+    edge_of_side: Indices,
+    chosen: NDArray[np.bool_],
+) -> tuple[FloatArray, Indices, Indices]:
+    """Split the chosen edges and with them all their faces; new faces take the parents of old ones."""
+    midpoints = vertices[edges[chosen]].mean(axis=1)
     midpoint_of_edge = np.full(len(edges), -1)
-    midpoint_of_edge[chosen] = len(mesh.vertices) + np.arange(len(midpoints))
+    midpoint_of_edge[chosen] = len(vertices) + np.arange(len(midpoints))
+    vertices = np.concatenate([vertices, midpoints])
     midpoint = midpoint_of_edge[edge_of_side]  # opposite each corner; -1: not split
     count = (midpoint >= 0).sum(axis=1)
-    faces = [mesh.faces[count == 0].astype(np.int64)]
+    new_faces, new_parents = [faces[count == 0]], [parent[count == 0]]
 
-    # One edge split: two faces. Turn the faces so that the split edge lies opposite the first corner.
-    turned = np.argmax(midpoint >= 0, axis=1)
-    (a, b, c), (ma, _, _) = _turn(mesh.faces, midpoint, turned, count == 1)
-    faces += [np.stack([a, b, ma], axis=1), np.stack([a, ma, c], axis=1)]
+    def add(which: NDArray[np.bool_], *corners: tuple[Indices, Indices, Indices]) -> None:
+        new_faces.extend(np.stack(each, axis=1) for each in corners)
+        new_parents.extend([parent[which]] * len(corners))
 
-    # Two: a corner face, and a four-sided rest along its shorter diagonal. Opposite the first corner: the
-    # whole edge.
-    turned = np.argmax(midpoint < 0, axis=1)
-    (a, b, c), (_, mb, mc) = _turn(mesh.faces, midpoint, turned, count == 2)
-    to_b = np.linalg.norm(vertices[mb] - vertices[b], axis=1) <= np.linalg.norm(
-        vertices[mc] - vertices[c], axis=1
-    )
-    faces += [
-        np.stack([a, mc, mb], axis=1),
-        np.stack([mc, b, np.where(to_b, mb, c)], axis=1),
-        np.stack([np.where(to_b, b, mc), c, mb], axis=1),
-    ]
-
+    # One edge split: two faces. Turned so that the split edge lies opposite the first corner.
+    a, b, c, ma, _, _ = _turn(faces, midpoint, np.argmax(midpoint >= 0, axis=1), count == 1)
+    add(count == 1, (a, b, ma), (a, ma, c))
+    # Two: a corner, and the rest along one of its diagonals. Opposite the first corner: the whole edge.
+    whole = np.argmax(midpoint < 0, axis=1)
+    a, b, c, _, mb, mc = _turn(faces, midpoint, whole, count == 2)
+    add(count == 2, (a, mc, mb), (mc, b, mb), (b, c, mb))
     # Three: four faces.
-    (a, b, c), (ma, mb, mc) = _turn(mesh.faces, midpoint, turned, count == 3)
-    faces += [np.stack(corners, axis=1) for corners in ((a, mc, mb), (mc, b, ma), (mb, ma, c), (ma, mb, mc))]
-    return Mesh(vertices, np.concatenate(faces), mesh.name)
+    a, b, c, ma, mb, mc = _turn(faces, midpoint, whole, count == 3)
+    add(count == 3, (a, mc, mb), (mc, b, ma), (mb, ma, c), (ma, mb, mc))
+    return vertices, np.concatenate(new_faces), np.concatenate(new_parents)
 
 
-def _turn(
-    faces: NDArray[np.int32], midpoint: NDArray[np.int64], first: NDArray[np.int64], which: NDArray[np.bool_]
-) -> tuple[tuple[NDArray[np.int64], ...], tuple[NDArray[np.int64], ...]]:
-    """Corners and midpoints opposite them of some faces, turned so that corner `first` comes first."""
-    rows = np.flatnonzero(which)
-    order = (first[rows, None] + np.arange(3)) % 3
-    corners = faces[rows[:, None], order].astype(np.int64)
-    return tuple(corners.T), tuple(midpoint[rows[:, None], order].T)
+def _turn(faces: Indices, midpoint: Indices, first: Indices, which: NDArray[np.bool_]) -> Indices:
+    """Corners of some faces and the midpoints opposite, (6, k), turned so that corner `first` comes first."""
+    rows = np.flatnonzero(which)[:, None]
+    order = (first[rows] + np.arange(3)) % 3
+    return np.concatenate([faces[rows, order], midpoint[rows, order]], axis=1).T
+
+
+def _flip(vertices: FloatArray, faces: Indices, parent: Indices) -> Indices:
+    """Flip edges inside old faces until every triangle is Delaunay in its plane (Lawson 1977)."""
+    faces = faces.copy()
+    for _ in range(MOST_FLIP_ROUNDS):
+        _, edge_of_side, inner = _edges(faces, parent)
+        order = np.argsort(edge_of_side.ravel(), kind="stable")
+        order = order[inner[edge_of_side.ravel()[order]]]
+        one, other = order[0::2], order[1::2]  # the two sides of each inner edge
+        cotangents = _opposite_cotangents(vertices, faces)
+        total = cotangents.ravel()[one] + cotangents.ravel()[other]
+        # Each face takes part in its most urgent flip only, and only if its neighbour's is the same.
+        urgent = np.flatnonzero(total < -FLIP_TOLERANCE)
+        urgent = urgent[np.argsort(total[urgent], kind="stable")]
+        if len(urgent) == 0:
+            break
+        best = np.full(len(faces), len(urgent))
+        rank = np.arange(len(urgent))
+        np.minimum.at(best, one[urgent] // 3, rank)
+        np.minimum.at(best, other[urgent] // 3, rank)
+        agreed = (best[one[urgent] // 3] == rank) & (best[other[urgent] // 3] == rank)
+        one, other = one[urgent[agreed]], other[urgent[agreed]]
+        p, i, j = (faces[one // 3, (one % 3 + step) % 3] for step in range(3))
+        q = faces[other // 3, other % 3]
+        faces[one // 3] = np.stack([p, i, q], axis=1)
+        faces[other // 3] = np.stack([q, j, p], axis=1)
+    return faces
+
+
+def _opposite_cotangents(vertices: FloatArray, faces: Indices) -> FloatArray:
+    """Cotangent of the angle at each corner, (m, 3)."""
+    corners = vertices[faces]
+    to_next = np.roll(corners, -1, axis=1) - corners
+    to_last = np.roll(corners, 1, axis=1) - corners
+    double_area = np.linalg.norm(np.cross(to_next[:, 0], to_last[:, 0]), axis=1)
+    # A face without area has the cotangents of a very low one.
+    longest = np.linalg.norm(to_next, axis=2).max(axis=1)
+    cotangents: FloatArray = (to_next * to_last).sum(axis=2) / np.maximum(double_area, 1e-12 * longest**2)[
+        :, None
+    ]
+    return cotangents

@@ -11,7 +11,16 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FormatError", "Geometry", "Polygons", "check_face_count", "lines_of", "points_of"]
+__all__ = [
+    "FormatError",
+    "Geometry",
+    "Polygons",
+    "check_face_count",
+    "fan_triangles",
+    "file_size",
+    "lines_of",
+    "points_of",
+]
 
 # Vertices (n, 3) and triangles (m, 3); indices are not checked yet.
 Geometry = tuple[NDArray[np.float64], NDArray[np.int64]]

@@ -79,9 +79,7 @@ def _read_text(path: Path, max_faces: int) -> Geometry:
                     ) from error
             elif keyword == b"endfacet":
                 if len(coordinates) != last_end + 9:
-                    raise FormatError(
-                        f"has a facet that is no triangle before line {number}; it is damaged"
-                    )
+                    raise FormatError(f"has a facet that is no triangle before line {number}; it is damaged")
                 last_end = len(coordinates)
                 check_face_count(last_end // 9, max_faces)
             ended = keyword == b"endsolid" or (keyword == b"end" and words[1:2] == [b"solid"])

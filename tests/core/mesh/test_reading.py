@@ -252,10 +252,12 @@ class TestPly:
         data = data.replace(b"end_header\n", b"end_header\n35.0\n")
         assert volume(read_mesh(write(tmp_path, "camera.ply", data))) == pytest.approx(VOLUME)
 
-    @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian"])
-    def test_cut_short(self, tmp_path, kind):
-        for cut in (1 if kind != "ascii" else 16, 30, 150, 230):
-            refuse(write(tmp_path, "cut.ply", ply(kind=kind)[:-cut]), "cut short")
+    def test_cut_short(self, tmp_path):
+        for cut in (1, 30, 150, 230):
+            refuse(write(tmp_path, "cut.ply", ply()[:-cut]), "cut short")
+        lines = ply(kind="ascii").splitlines(keepends=True)
+        for count in range(9, len(lines)):
+            refuse(write(tmp_path, "cut.ply", b"".join(lines[:count])), "cut short")
 
     @pytest.mark.parametrize("element", ["vertex 8", "face 12"])
     @pytest.mark.parametrize("count", [10**6, 10**9, 10**15, -1])
