@@ -48,7 +48,9 @@ def blend_shapes(folder: Path, poses: int) -> list:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--preset", action="append", choices=["default", "paper"], help="default: both")
     parser.add_argument("--blend-meshes", type=Path, help="folder made by export_blend_meshes.py")
     parser.add_argument("--individuals", type=int, default=12, help="of each kind of creature")

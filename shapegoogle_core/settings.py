@@ -197,7 +197,26 @@ class ModelSettings:
 PAPER_AREA = 40_000.0
 PAPER_TIMES = (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
 
+# The authors' later, wider range: 2⁵ … 2¹² at their area, two times per octave; here for unit area.
+WIDE_TIMES = tuple(float(f"{2.0**exponent / PAPER_AREA:.4g}") for exponent in np.arange(5, 12.5, 0.5))
+
 PRESETS: dict[str, ModelSettings] = {
+    "default": ModelSettings(
+        name="default",
+        channels=(
+            ChannelSettings(
+                "hks",
+                {"times": WIDE_TIMES, "multiply_by_time": True, "normalize": True},
+                bags=("area", "plain", "pairs"),
+            ),
+            ChannelSettings("log-hks", {"times": WIDE_TIMES}, bags=("area", "plain", "pairs")),
+            ChannelSettings(
+                "si-hks",
+                {"alpha": 2.0, "tau_start": -13.0, "tau_end": 0.0, "tau_step": 0.125, "frequencies": 6},
+                bags=("area", "plain", "pairs"),
+            ),
+        ),
+    ),
     "paper": ModelSettings(
         name="paper",
         channels=(
