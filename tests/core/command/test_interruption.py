@@ -26,14 +26,11 @@ def many(tmp_path: Path, make_mesh) -> Path:
     return tmp_path / "meshes"
 
 
-def wait_for_sources(path: Path, wanted: int, process: subprocess.Popen[str]) -> None:
+def wait_for_sources(library: Library, wanted: int, process: subprocess.Popen[str]) -> None:
     """Wait until the running command has stored so many files."""
-    while True:
-        with Library.open(path, read_only=True) as library:
-            if len(library.sources()) >= wanted:
-                return
+    while len(library.sources()) < wanted:
         assert process.poll() is None, "the command ended too early"
-        time.sleep(0.02)
+        time.sleep(0.05)
 
 
 def wait_until_gone(group: int) -> None:
@@ -61,7 +58,7 @@ def check_the_rest(library: Library, many: Path, library_file: Path, shapegoogle
 
 def test_kill_9(library: Library, many: Path, library_file: Path, start_shapegoogle, shapegoogle) -> None:
     process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
-    wait_for_sources(library_file, 3, process)
+    wait_for_sources(library, 3, process)
     process.kill()
     process.wait()
     # The workers notice that nobody waits for them any more.
@@ -71,7 +68,7 @@ def test_kill_9(library: Library, many: Path, library_file: Path, start_shapegoo
 
 def test_control_c(library: Library, many: Path, library_file: Path, start_shapegoogle, shapegoogle) -> None:
     process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
-    wait_for_sources(library_file, 3, process)
+    wait_for_sources(library, 3, process)
     # As a terminal does: to the command and its workers.
     os.killpg(process.pid, signal.SIGINT)
     stdout, stderr = process.communicate()
@@ -117,14 +114,14 @@ def hanging_run(library: Library, tmp_path: Path, make_mesh):
 
 
 def test_a_hanging_worker_does_not_outlive_kill_9(library: Library, hanging_run) -> None:
-    wait_for_sources(library.path, 1, hanging_run)
+    wait_for_sources(library, 1, hanging_run)
     hanging_run.kill()
     hanging_run.wait()
     wait_until_gone(hanging_run.pid)
 
 
 def test_control_c_ends_a_hanging_worker(library: Library, hanging_run) -> None:
-    wait_for_sources(library.path, 1, hanging_run)
+    wait_for_sources(library, 1, hanging_run)
     os.killpg(hanging_run.pid, signal.SIGINT)
     hanging_run.communicate()
     wait_until_gone(hanging_run.pid)
