@@ -9,6 +9,7 @@ Everything it makes stands in the folder `demo`. Run again, it only does what ha
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
 import time
@@ -132,6 +133,8 @@ def write_picture() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args(arguments)
     environment.enter(["demo"])
+    # For matrices as small as these, threads cost more than they bring. Read when numpy is imported.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
 
     started = time.monotonic()
     print(f"Making {len(KINDS)} creatures in {POSES_EACH} poses each ...", flush=True)
