@@ -43,7 +43,9 @@ def check_surface(mesh: Mesh) -> None:
         )
     if count < 4:
         raise MeshError(f"{mesh.name!r} has only {count} vertices; a shape needs at least 4")
-    corners = mesh.vertices[np.unique(mesh.faces)]
+    used = np.zeros(count, bool)
+    used[mesh.faces] = True
+    corners = mesh.vertices[used]
     with np.errstate(over="ignore"):
         extent = float(np.ptp(corners, axis=0).max())
     if extent <= 4 * np.finfo(np.float64).eps * float(np.abs(corners).max()):

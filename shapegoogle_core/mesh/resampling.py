@@ -69,36 +69,35 @@ def simplify(mesh: Mesh, budget: int) -> Mesh:
     simplified : Mesh
         Repaired.
     """
-    simplified = _collapse(mesh, budget, keep_boundary=True)
-    if len(simplified.vertices) > budget:
-        smaller = _collapse(simplified, budget, keep_boundary=False)
-        if smaller.area >= LEAST_KEPT_AREA * simplified.area:
-            simplified = smaller
-    return simplified
+    first = True  # may lose any area: that of noise, for one
+    for keep_boundary in (True, False):
+        exhausted = False
+        while len(mesh.vertices) > budget and not exhausted:
+            # A closed surface has twice as many faces as vertices, a soup fewer: keep the ratio.
+            target = int(len(mesh.faces) * budget / len(mesh.vertices))
+            simplified = _collapse(mesh, target, keep_boundary)
+            if len(simplified.faces) == 0 or (not first and simplified.area < LEAST_KEPT_AREA * mesh.area):
+                break
+            # Once all rounds are through, another run would only allow larger errors.
+            exhausted = len(simplified.faces) > 1.01 * target or len(simplified.vertices) == len(
+                mesh.vertices
+            )
+            mesh, first = simplified, False
+    return mesh
 
 
-def _collapse(mesh: Mesh, budget: int, keep_boundary: bool) -> Mesh:
+def _collapse(mesh: Mesh, face_count: int, keep_boundary: bool) -> Mesh:
     import fast_simplification
 
-    while len(mesh.vertices) > budget:
-        origin = mesh.vertices.min(axis=0)
-        unit = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / SIMPLIFIED_DIAGONAL
-        # A closed surface has twice as many faces as vertices, a soup fewer: keep the ratio that there is.
-        target = int(len(mesh.faces) * budget / len(mesh.vertices))
-        vertices, faces = fast_simplification.simplify(
-            (mesh.vertices - origin) / unit,
-            np.array(mesh.faces),
-            target_count=target,
-            preserve_border=keep_boundary,
-        )
-        simplified = repair(Mesh(vertices * unit + origin, faces, mesh.name))
-        stuck = len(faces) > 1.01 * target or len(simplified.vertices) >= len(mesh.vertices)
-        if len(simplified.faces) == 0:
-            break
-        mesh = simplified
-        if stuck:
-            break  # all rounds are through; another run would only allow larger errors
-    return mesh
+    origin = mesh.vertices.min(axis=0)
+    unit = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / SIMPLIFIED_DIAGONAL
+    vertices, faces = fast_simplification.simplify(
+        (mesh.vertices - origin) / unit,
+        np.array(mesh.faces),
+        target_count=face_count,
+        preserve_border=keep_boundary,
+    )
+    return repair(Mesh(vertices * unit + origin, faces, mesh.name))
 
 
 def subdivide(mesh: Mesh, floor: int) -> Mesh:
