@@ -122,7 +122,7 @@ def _per_place(mesh: Mesh, rng: Random) -> FloatArray:
 
 
 def _places(mesh: Mesh) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Distinct positions of the vertices, in order of appearance, and the number of each vertex's position."""
+    """Distinct positions of the vertices, in order of appearance, and every vertex's position number."""
     _, first, place = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
     order = first.argsort()
     return mesh.vertices[first[order]], order.argsort()[place.reshape(-1)]

@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of meshes on the processor alone: a depth-buffer rasteriser in numpy."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.rendering.views import canonical_view
+
+__all__ = ["render", "thumbnail"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_NEUTRAL = np.array([0.74, 0.77, 0.82])
+_SUPERSAMPLING = 2
+_MARGIN = 0.04
+# Towards the light in picture coordinates (right, up, towards the viewer), and from the other side a weaker
+# one.
+_KEY_LIGHT = np.array([-0.45, 0.65, 0.61])
+_FILL_LIGHT = np.array([0.75, 0.1, 0.65])
+# Corners whose faces meet at more than this angle stay sharp.
+_SMOOTH_COSINE = np.cos(np.radians(50))
+_MAX_SAMPLES = 2_000_000
+
+
+def render(
+    mesh: Mesh,
+    colors: ArrayLike | None = None,
+    size: tuple[int, int] = (256, 256),
+    background: tuple[int, int, int] | None = (255, 255, 255),
+    view: ArrayLike | None = None,
+) -> Image.Image:
+    """Draw a mesh, or a point cloud, in orthographic projection, filling the picture.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    colors : (3,) or (n, 3) array_like, optional
+        sRGB in 0…1, one for all or one per vertex; a neutral grey by default.
+    size : (width, height)
+        In pixels.
+    background : (red, green, blue) or None
+        0…255 each; None leaves it transparent.
+    view : (3, 3) array_like, optional
+        Rotation whose rows point right, up and towards the viewer; `canonical_view` by default.
+
+    Returns
+    -------
+    image : PIL.Image.Image
+        "RGB", or "RGBA" when the background is transparent.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no vertices.
+    ValueError
+        If the size is not positive or the colours do not fit the mesh.
+    """
+    if len(mesh.vertices) == 0:
+        raise MeshError(f"{mesh.name!r} has no vertices, so there is nothing to draw")
+    if min(size) < 1:
+        raise ValueError(f"a picture needs a positive size, not {size}")
+    vertex_colors = _vertex_colors(mesh, colors)
+    rotation = canonical_view(mesh) if view is None else np.asarray(view, float)
+    width, height = (extent * _SUPERSAMPLING for extent in size)
+    points = _fit(mesh.vertices @ rotation.T, width, height)
+    if mesh.is_point_cloud:
+        shaded, covered = _draw_points(points, vertex_colors, width, height)
+    else:
+        shaded, covered = _draw_faces(points, mesh.faces, vertex_colors, width, height)
+    return _compose(shaded, covered, size, background)
+
+
+def thumbnail(mesh: Mesh, size: int = 128, colors: ArrayLike | None = None) -> bytes:
+    """Small picture of a mesh as PNG, on a transparent background.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    size : int
+        Width and height in pixels.
+    colors : (3,) or (n, 3) array_like, optional
+        As for `render`.
+
+    Returns
+    -------
+    png : bytes
+        A few kilobytes: 64 grey or colour levels are kept.
+    """
+    picture = render(mesh, colors, (size, size), None)
+    with io.BytesIO() as file:
+        picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", optimize=True)
+        return file.getvalue()
+
+
+def _vertex_colors(mesh: Mesh, colors: ArrayLike | None) -> FloatArray:
+    count = len(mesh.vertices)
+    given = _NEUTRAL if colors is None else np.asarray(colors, float)
+    if given.shape not in ((3,), (count, 3)):
+        raise ValueError(
+            f"{mesh.name!r}: colors must have shape (3,) or ({count}, 3), one per vertex, not {given.shape}"
+        )
+    if not ((given >= 0) & (given <= 1)).all():
+        raise ValueError(f"{mesh.name!r}: colors must be between 0 and 1")
+    return np.broadcast_to(given, (count, 3))
+
+
+def _fit(points: FloatArray, width: int, height: int) -> FloatArray:
+    """Scale and move to pixels: x right, y down, z in pixels towards the viewer."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = (high - low)[:2]
+    # A line seen from its end, or a single point, has no extent to fit.
+    wide = extent > 1e-9 * (high - low).max()
+    scale = (1 - 2 * _MARGIN) * float(np.min(np.array([width, height])[wide] / extent[wide], initial=np.inf))
+    scale = scale if wide.any() else 0.0
+    placed: FloatArray = (points - (low + high) / 2) * [scale, -scale, scale] + [width / 2, height / 2, 0]
+    return placed
+
+
+def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    """Pixel rows that triangles cover: triangle, row, first column and number of columns of every span."""
+    by_height = np.take_along_axis(tips, tips[:, :, 1].argsort(axis=1)[:, :, None], axis=1)
+    top, middle, bottom = by_height[:, 0], by_height[:, 1], by_height[:, 2]
+    first = np.clip(np.ceil(top[:, 1] - 0.5), 0, height).astype(np.int64)
+    last = np.clip(np.ceil(bottom[:, 1] - 0.5), 0, height).astype(np.int64)
+    rows_per_face = np.maximum(last - first, 0)
+    face = np.repeat(np.arange(len(tips)), rows_per_face)
+    row = first[face] + _counting(rows_per_face)
+    y = row + 0.5
+
+    def crossing(a: FloatArray, b: FloatArray) -> FloatArray:
+        rise = np.where(b[face, 1] > a[face, 1], b[face, 1] - a[face, 1], 1)
+        share = np.clip((y - a[face, 1]) / rise, 0, 1)
+        column: FloatArray = a[face, 0] + share * (b[face, 0] - a[face, 0])
+        return column
+
+    one = crossing(top, bottom)
+    other = np.where(y < middle[face, 1], crossing(top, middle), crossing(middle, bottom))
+    left = np.clip(np.ceil(np.minimum(one, other) - 0.5), 0, width).astype(np.int64)
+    right = np.clip(np.ceil(np.maximum(one, other) - 0.5), 0, width).astype(np.int64)
+    return face, row, left, np.maximum(right - left, 0)
+
+
+def _counting(lengths: IntArray) -> IntArray:
+    """0 … length − 1 for every length, one after the other."""
+    ends = np.cumsum(lengths)
+    counted: IntArray = np.arange(int(lengths.sum())) - np.repeat(ends - lengths, lengths)
+    return counted
+
+
+def _barycentric(tips: FloatArray, column: IntArray, row: IntArray) -> FloatArray:
+    """Barycentric coordinates (s, 3) of pixel centres in their triangles (s, 3, 3)."""
+    x, y = column + 0.5, row + 0.5
+    a, b, c = (tips[:, corner, :2] for corner in range(3))
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+    area = np.where(area == 0, 1, area)
+    second = ((x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (y - a[:, 1])) / area
+    third = ((b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])) / area
+    weights: FloatArray = np.clip(np.stack([1 - second - third, second, third], axis=1), 0, 1)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return weights
+
+
+def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
+    """Index of the nearest triangle at every pixel, −1 where there is none."""
+    depth = tips[:, :, 2]
+    low = float(depth.min())
+    scale = 2**30 / float(np.ptp(depth)) if np.ptp(depth) > 0 else 0.0
+    buffer = np.full(width * height, -1, np.int64)
+    # z = z0 + slope · (x − x0, y − y0), the triangle's plane.
+    u, v = tips[:, 1] - tips[:, 0], tips[:, 2] - tips[:, 0]
+    normal = np.cross(u, v)
+    upright = np.where(normal[:, 2] == 0, 1, normal[:, 2])
+    slope = np.where(normal[:, 2:] == 0, 0, -normal[:, :2] / upright[:, None])
+    least, most = depth.min(axis=1), depth.max(axis=1)
+
+    face, row, left, columns = _spans(tips, height, width)
+    ends = np.cumsum(columns)
+    start = 0
+    while start < len(face):
+        stop = max(int(np.searchsorted(ends, (ends[start - 1] if start else 0) + _MAX_SAMPLES)), start + 1)
+        part = slice(start, stop)
+        of_face = np.repeat(face[part], columns[part])
+        x = np.repeat(left[part], columns[part]) + _counting(columns[part])
+        y = np.repeat(row[part], columns[part])
+        z = (
+            tips[of_face, 0, 2]
+            + slope[of_face, 0] * (x + 0.5 - tips[of_face, 0, 0])
+            + slope[of_face, 1] * (y + 0.5 - tips[of_face, 0, 1])
+        )
+        # Triangles seen edge-on have wild slopes; their corners bound the depth.
+        z = np.clip(z, least[of_face], most[of_face])
+        keys = (((z - low) * scale).astype(np.int64) << 32) | of_face
+        np.maximum.at(buffer, y * width + x, keys)
+        start = stop
+    nearest: IntArray = np.where(buffer < 0, -1, buffer & 0xFFFFFFFF)
+    return nearest
+
+
+def _corner_normals(tips: FloatArray, faces: NDArray[np.int32], count: int) -> FloatArray:
+    """Return unit normals at the corners of every face, (m, 3, 3): smooth where neighbours bend little."""
+    normals = np.cross(tips[:, 1] - tips[:, 0], tips[:, 2] - tips[:, 0])
+    summed = np.stack(
+        [np.bincount(faces.ravel(), np.repeat(normals[:, axis], 3), minlength=count) for axis in range(3)],
+        axis=1,
+    )
+    tiny = np.finfo(float).tiny
+    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), tiny)
+    smooth = summed / np.maximum(np.linalg.norm(summed, axis=1, keepdims=True), tiny)
+    corners: FloatArray = smooth[faces]
+    sharp = np.einsum("mcd,md->mc", corners, unit) < _SMOOTH_COSINE
+    corners[sharp] = np.broadcast_to(unit[:, None], corners.shape)[sharp]
+    return corners
+
+
+def _draw_faces(
+    points: FloatArray, faces: NDArray[np.int32], colors: FloatArray, width: int, height: int
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    tips = points[faces]
+    nearest = _nearest_faces(tips, width, height)
+    pixels = np.flatnonzero(nearest >= 0)
+    face = nearest[pixels]
+    row, column = np.divmod(pixels, width)
+    weights = _barycentric(tips[face], column, row)
+    normals = np.einsum("pc,pcd->pd", weights, _corner_normals(tips, faces, len(points))[face])
+    picture = np.zeros((height * width, 3))
+    picture[pixels] = _shade(np.einsum("pc,pcd->pd", weights, colors[faces[face]]), normals * [1, -1, 1])
+    covered = nearest >= 0
+    return picture.reshape(height, width, 3), covered.reshape(height, width)
+
+
+def _shade(colors: FloatArray, normals: FloatArray) -> FloatArray:
+    """Two lights and a soft rim; both sides of a face are lit, for soup has no inside."""
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    normals = np.where(normals[:, 2:] < 0, -normals, normals)
+    key = np.maximum(normals @ (_KEY_LIGHT / np.linalg.norm(_KEY_LIGHT)), 0)
+    fill = np.maximum(normals @ (_FILL_LIGHT / np.linalg.norm(_FILL_LIGHT)), 0)
+    light = 0.34 + 0.58 * key + 0.2 * fill
+    rim = 0.75 + 0.25 * np.clip(normals[:, 2] / 0.35, 0, 1)
+    shaded: FloatArray = np.clip(colors * (light * rim)[:, None], 0, 1)
+    return shaded
+
+
+def _draw_points(
+    points: FloatArray, colors: FloatArray, width: int, height: int
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Square splats, nearer ones lighter and in front."""
+    # About as large as the gaps between points: the picture's area shared out among them.
+    reach = int(np.clip(0.45 * np.sqrt(width * height / len(points)), 1, 8))
+    steps = np.arange(-reach, reach + 1)
+    depth = points[:, 2]
+    order = depth.argsort(kind="stable")
+    span = max(float(np.ptp(depth)), np.finfo(float).tiny)
+    shaded = colors * (0.55 + 0.45 * (depth - depth.min()) / span)[:, None]
+    picture = np.zeros((height, width, 3))
+    covered = np.zeros((height, width), bool)
+    column = np.floor(points[order, 0]).astype(np.int64)[:, None, None] + steps[None, :, None]
+    row = np.floor(points[order, 1]).astype(np.int64)[:, None, None] + steps[None, None, :]
+    column, row = np.broadcast_arrays(column, row)
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    # Assignment in order of depth: the last one, the nearest, stays.
+    owner = np.broadcast_to(order[:, None, None], inside.shape)[inside]
+    picture[row[inside], column[inside]] = shaded[owner]
+    covered[row[inside], column[inside]] = True
+    return picture, covered
+
+
+def _compose(
+    shaded: FloatArray,
+    covered: NDArray[np.bool_],
+    size: tuple[int, int],
+    background: tuple[int, int, int] | None,
+) -> Image.Image:
+    width, height = size
+    blocks = (height, _SUPERSAMPLING, width, _SUPERSAMPLING)
+    share = covered.reshape(blocks).mean(axis=(1, 3))
+    total = (shaded * covered[:, :, None]).reshape(*blocks, 3).mean(axis=(1, 3))
+    if background is not None:
+        mixed = total + (1 - share)[:, :, None] * np.asarray(background, float) / 255
+        return Image.fromarray(np.round(255 * mixed).astype(np.uint8))
+    color = total / np.maximum(share, 1 / _SUPERSAMPLING**2)[:, :, None]
+    return Image.fromarray(np.round(255 * np.dstack([color, share])).astype(np.uint8))

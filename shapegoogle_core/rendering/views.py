@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: MIT
+"""From where to look at a shape so that one knows what it is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from shapegoogle_core.mesh import Mesh, face_areas
+
+__all__ = ["canonical_view", "look_from"]
+
+FloatArray = NDArray[np.float64]
+
+_AXES = np.eye(3)
+# In front of a shape: +z where y is up (glTF and most files), −y where z is up (Blender).
+_FRONT_OF_UP = {1: np.array([0.0, 0.0, 1.0]), 2: np.array([0.0, -1.0, 0.0])}
+_TURN, _RAISE = np.radians(28), np.radians(18)
+# Cosine to the front below which a view counts as one from the side.
+_SIDEWAYS = 0.3
+# An extent below this share of the next larger one is clearly the thinnest.
+_THIN = 0.75
+_LEAN_TO_Z = 1.2
+
+
+def look_from(direction: ArrayLike, up: ArrayLike) -> FloatArray:
+    """View from a direction.
+
+    Parameters
+    ----------
+    direction : (3,) array_like
+        From the shape towards the viewer.
+    up : (3,) array_like
+        What points up in the picture; must not be parallel to `direction`.
+
+    Returns
+    -------
+    view : (3, 3) array
+        A rotation: its rows are what points right, up and towards the viewer.
+    """
+    toward = np.asarray(direction, float)
+    right = np.cross(np.asarray(up, float), toward)
+    if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(toward) * np.linalg.norm(up):
+        raise ValueError("the view's direction and up must not be parallel")
+    toward = toward / np.linalg.norm(toward)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(toward, right), toward])
+
+
+def canonical_view(mesh: Mesh) -> FloatArray:
+    """Three-quarter view that shows most of a shape, upright if it can be told what is up.
+
+    Files have y or z up and rarely say which. An axis along which the shape is clearly thinnest is not up: a
+    standing figure is seen from the front, a flat thing from above. Otherwise up is whichever of the two has
+    the wider base, z if they are much alike. The view is then from where the shape is broadest, turned and
+    raised a little.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    view : (3, 3) array
+        As from `look_from`.
+    """
+    points, weights = _surface_samples(mesh)
+    centred = points - np.average(points, axis=0, weights=weights)
+    covariance = (centred * weights[:, None]).T @ centred / weights.sum()
+
+    extents = np.ptp(mesh.vertices, axis=0)
+    thin = int(extents.argmin())
+    clearly_thin = extents[thin] < _THIN * np.sort(extents)[1]
+    candidates = [axis for axis in (2, 1) if not (clearly_thin and axis == thin)]
+    base_widths = {axis: _base_width(centred, axis) for axis in candidates}
+    up_axis = max(candidates, key=lambda axis: base_widths[axis] * (_LEAN_TO_Z if axis == 2 else 1))
+    up, front = _AXES[up_axis], _FRONT_OF_UP[up_axis]
+    # Look along the direction in which the shape is thin seen from above.
+    ground = np.stack([front, np.cross(up, front)])
+    _, flat_directions = np.linalg.eigh(ground @ covariance @ ground.T)
+    side = flat_directions[:, 0] @ ground
+    toward_front = float(side @ front)
+    # Stay on the front side; where that is open, on the right, so that like shapes look the same way.
+    if toward_front < -_SIDEWAYS or (abs(toward_front) <= _SIDEWAYS and side @ np.cross(up, front) < 0):
+        side = -side
+    across = np.cross(up, side)
+    turn = _TURN if across @ front >= 0 else -_TURN
+    level = np.cos(turn) * side + np.sin(turn) * across
+    return look_from(np.cos(_RAISE) * level + np.sin(_RAISE) * up, up)
+
+
+def _surface_samples(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """Points and weights that stand for the surface, not for where its vertices happen to be dense."""
+    areas = face_areas(mesh)
+    if areas.sum() > 0:
+        return mesh.vertices[mesh.faces].mean(axis=1), areas
+    return mesh.vertices, np.ones(len(mesh.vertices))
+
+
+def _base_width(centred: FloatArray, axis: int) -> float:
+    """How wide the lowest twentieth of a shape is along an axis, as a share of the whole shape's width."""
+    heights = centred[:, axis]
+    base = centred[heights <= heights.min() + 0.05 * np.ptp(heights)]
+    others = [other for other in range(3) if other != axis]
+    return float(
+        np.prod(np.ptp(base[:, others], axis=0)) / max(np.prod(np.ptp(centred[:, others], axis=0)), 1e-300)
+    )
