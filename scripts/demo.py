@@ -82,7 +82,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
     import trimesh
 
     content = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type=path.suffix[1:])
-    data = content.encode() if isinstance(content, str) else content
+    data = content.encode() if isinstance(content, str) else bytes(content)
     if not path.is_file() or path.read_bytes() != data:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
