@@ -18,9 +18,9 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas
 
 __all__ = ["LAPLACIANS", "Operator", "build_operator", "cotangent", "fem1", "robust"]
 
-# A corner thinner than this sine is treated as if it had it: its cotangent would otherwise swamp its
-# neighbours'. Relative (a sine has no unit), and far below the angles of a usable triangle.
-SMALLEST_SINE = 1e-6
+# A face lower than this share of its longest side counts as that high: a sliver's cotangents would
+# otherwise swamp its neighbours'. Relative, so it holds in any unit.
+LEAST_HEIGHT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +46,14 @@ class Operator:
 
 def _corner_cotangents(mesh: Mesh) -> FloatArray:
     """(m, 3) cotangent of the angle at each corner."""
-    cotangents = np.empty(mesh.faces.shape)
     corners = mesh.vertices[mesh.faces]
-    for corner in range(3):
-        u = corners[:, (corner + 1) % 3] - corners[:, corner]
-        v = corners[:, (corner + 2) % 3] - corners[:, corner]
-        cosine = np.einsum("ij,ij->i", u, v)
-        sine = np.linalg.norm(np.cross(u, v), axis=1)
-        length_product = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-        smallest = np.maximum(SMALLEST_SINE * length_product, np.finfo(float).tiny)
-        cotangents[:, corner] = cosine / np.maximum(sine, smallest)
+    sides = np.roll(corners, -1, axis=1) - corners  # side k goes from corner k to the next one
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    # One divisor for all corners of a face keeps its part of the matrix positive semi-definite.
+    double_areas = np.maximum(2 * face_areas(mesh), LEAST_HEIGHT * longest**2)
+    # At corner k one side leaves and one arrives, which turns the sign of their product.
+    products = -np.einsum("fki,fki->fk", sides, np.roll(sides, 1, axis=1))
+    cotangents: FloatArray = products / np.maximum(double_areas, np.finfo(float).tiny)[:, None]
     return cotangents
 
 

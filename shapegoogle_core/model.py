@@ -17,16 +17,20 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.errors import MeshError, ModelError
-from shapegoogle_core.mesh import Mesh, check_surface, mend, repair
+from shapegoogle_core.mending import mend
+from shapegoogle_core.mesh import Mesh, check_surface, repair
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
-from shapegoogle_core.vocabulary import hard_words, soft_words
+from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model"]
 
 FORMAT = 1
 """Version of the model file; a file with a higher one is refused."""
+
+SHIPPED = ("default", "paper")
+"""Models inside the package, made by `scripts/train_default_model.py`."""
 
 FloatBags = NDArray[np.float32]
 
@@ -261,6 +265,23 @@ class ShapeModel:
         """
         return np.packbits(self.embed(bags) @ self.directions.T + self.thresholds > 0, axis=1)
 
+    def comparable(self, bags: FloatBags) -> FloatBags:
+        """Vectors between which `row_distances` is this model's distance.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        vectors : (n, p) or (n, B) array of float32
+            "cosine": projected. "l1": the bags, divided by how many stand side by side.
+        """
+        if self.settings.metric == "cosine":
+            return self.embed(bags)
+        count = sum(len(channel.bags) for channel in self.settings.channels)
+        return np.asarray(bags, np.float32) / np.float32(count)
+
     def distances(self, query: FloatBags, bags: FloatBags) -> FloatArray:
         """Distance of one shape's bags to others', as `settings.metric` says.
 
@@ -274,12 +295,7 @@ class ShapeModel:
         distances : (n,) array
             ≥ 0. "cosine": 1 - cos of the projections. "l1": Σ|f - f'|, averaged over the bags.
         """
-        if self.settings.metric == "l1":
-            count = sum(len(channel.bags) for channel in self.settings.channels)
-            totals = np.abs(np.asarray(bags, np.float64) - np.asarray(query, np.float64)).sum(axis=1)
-            return np.asarray(totals / count, dtype=np.float64)
-        cosines = self.embed(bags).astype(np.float64) @ self.embed(query[None])[0]
-        return np.asarray(np.clip(1 - cosines, 0, 2), dtype=np.float64)
+        return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
 
     def similarity(self, distances: FloatArray) -> FloatArray:
         """Turn distances into a similarity from 0 to 1.
@@ -413,6 +429,25 @@ class ShapeModel:
             raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
 
 
+def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:
+    """Distance between the rows of two arrays.
+
+    Parameters
+    ----------
+    metric : {"cosine", "l1"}
+    first, second : (n, p) arrays
+        From `ShapeModel.comparable`; one of them may have a single row.
+
+    Returns
+    -------
+    distances : (n,) array
+        ≥ 0.
+    """
+    if metric == "l1":
+        return np.asarray(np.abs(first - second).sum(axis=1, dtype=np.float64))
+    return np.asarray(np.clip(1 - (first * second).sum(axis=1, dtype=np.float64), 0, 2))
+
+
 def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     """Mend a mesh and scale it to the working area.
 
@@ -503,19 +538,15 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     ModelError
         If there is no such file, or it is no model.
     """
-    shipped = {
-        entry.name.removesuffix(".npz"): entry
-        for entry in (resources.files("shapegoogle_core") / "models").iterdir()
-        if entry.name.endswith(".npz")
-    }
     key = "default" if path is None else str(path)
-    if key in shipped:
-        return ShapeModel.from_bytes(shipped[key].read_bytes(), f"the shipped model {key!r}")
+    if key in SHIPPED:
+        data = (resources.files("shapegoogle_core") / "models" / f"{key}.npz").read_bytes()
+        return ShapeModel.from_bytes(data, f"the shipped model {key!r}")
     try:
         data = Path(key).read_bytes()
     except OSError as error:
         raise ModelError(
             f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
-            f"`shapegoogle train`, or one of {', '.join(sorted(shipped))}"
+            f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
         ) from error
     return ShapeModel.from_bytes(data, repr(key))

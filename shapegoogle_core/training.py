@@ -9,13 +9,14 @@ versions of two different shapes.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing import get_context
+from typing import Protocol, TypeVar
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -24,17 +25,32 @@ from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, t
 from shapegoogle_core.hashing import SimilaritySensitiveHashing
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model import ChannelWords, FloatBags, ShapeModel, prepare, shape_bags
+from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection
+from shapegoogle_core.model import ChannelWords, FloatBags, ShapeModel, prepare, row_distances, shape_bags
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
 
-__all__ = ["TrainingShape", "learn_projection", "train_model"]
+__all__ = ["TrainingShape", "train_model"]
+
+PAIRS = 10_000
+"""Of each kind, to learn the codes and the similarity from."""
 
 logger = logging.getLogger(__name__)
 
-Progress = Callable[[Iterable[object], str, int], Iterable[object]]
+T = TypeVar("T")
+
+
+class Progress(Protocol):
+    """Shows how far a loop is, as tqdm does."""
+
+    def __call__(self, iterable: Iterable[T], description: str, total: int, /) -> Iterable[T]:
+        """Wrap an iterable of a known length."""
+
+
+def _silent(iterable: Iterable[T], _description: str, _total: int, /) -> Iterable[T]:
+    return iterable
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,19 +120,19 @@ def train_model(
         raise ModelError(f"a model needs at least 8 different shapes to learn from, not {len(shapes)}")
     random = np.random.default_rng(seed)
     plan = _plan_versions(shapes, versions, random)
-    show = progress or (lambda iterable, description, total: iterable)
+    show = progress or _silent
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
-        sample = [plan[i] for i in random.permutation(len(plan))[: max(400, len(plan) // 8)]]
-        tasks = pool.map(_sample_descriptors, [settings] * len(sample), sample, chunksize=2)
-        samples = [s for s in show(tasks, "descriptors", len(sample)) if isinstance(s, list)]
+        chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
+        sampling = pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen], chunksize=2)
+        samples = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
         if len(samples) < 8:
-            raise ModelError(f"only {len(samples)} of {len(sample)} training shapes could be used")
+            raise ModelError(f"only {len(samples)} of {len(chosen)} training shapes could be used")
         vocabularies = _learn_vocabularies(settings, samples, seed)
-        tasks = pool.map(_version_bags, [settings] * len(plan), [vocabularies] * len(plan), plan, chunksize=2)
-        results = list(show(tasks, "bags", len(plan)))
-    usable = [index for index, bags in enumerate(results) if isinstance(bags, np.ndarray)]
-    bags = np.array([results[index] for index in usable], dtype=np.float32)
-    labels = np.array([plan[index].label for index in usable])
+        describing = pool.map(partial(_version_bags, settings, vocabularies), plan, chunksize=2)
+        described = list(show(describing, "bags", len(plan)))
+    usable = [(version.label, bag) for version, bag in zip(plan, described, strict=True) if bag is not None]
+    labels = np.array([label for label, _ in usable])
+    bags = np.array([bag for _, bag in usable], dtype=np.float32)
     return fit_metric(settings, vocabularies, bags, labels, seed=seed, trained_on=trained_on)
 
 
@@ -209,13 +225,11 @@ def fit_metric(
     weights = np.ones(bags.shape[1], np.float32)
     if settings.inverse_document_frequency:
         # Soft bags contain every word a little; a word occurs where it has more than its mean share.
-        threshold = float(bags.mean())
-        weights = InverseDocumentFrequency(threshold).fit(bags).weights_.astype(np.float32)
+        weighting = InverseDocumentFrequency(float(bags.mean())).fit(bags.astype(np.float64))
+        weights = weighting.weights_.astype(np.float32)
     bags = bags * weights
     mean, projection = learn_projection(bags, labels, settings.projected, settings.shrinkage)
-    first, second, similar = _training_pairs(labels, random, count=20_000)
-    codes = SimilaritySensitiveHashing(settings.code_bits, random_state=seed)
-    model = ShapeModel(
+    untrained = ShapeModel(
         settings=settings,
         vocabularies=vocabularies,
         weights=weights,
@@ -227,95 +241,17 @@ def fit_metric(
         similarity_slope=1.0,
         trained_on=trained_on,
     )
-    vectors = model.embed(bags)
-    codes.fit(vectors[first], vectors[second], similar)
-    distances = np.array(
-        [model.distances(bags[a], bags[b : b + 1])[0] for a, b in zip(first, second, strict=True)]
-    )
-    half, slope = _calibrate(distances, similar)
-    return ShapeModel(
-        settings=settings,
-        vocabularies=vocabularies,
-        weights=weights,
-        mean=mean,
-        projection=model.projection,
-        directions=codes.directions_.astype(np.float32),
-        thresholds=codes.thresholds_.astype(np.float32),
+    first, second, similar = choose_pairs(labels, random, count=PAIRS)
+    vectors = untrained.embed(bags).astype(np.float64)
+    hashing = SimilaritySensitiveHashing(settings.code_bits, random_state=seed)
+    hashing.fit(vectors[first], vectors[second], similar)
+    compared = untrained.comparable(bags)
+    distances = row_distances(settings.metric, compared[first], compared[second])
+    half, slope = calibrate(distances, similar)
+    return replace(
+        untrained,
+        directions=hashing.directions_.astype(np.float32),
+        thresholds=hashing.thresholds_.astype(np.float32),
         similarity_half=half,
         similarity_slope=slope,
-        trained_on=trained_on,
     )
-
-
-def learn_projection(
-    bags: FloatBags, labels: NDArray[np.int64], dimensions: int, shrinkage: float
-) -> tuple[FloatBags, FloatBags]:
-    """Learn the metric: regularised linear discriminants of the training shapes.
-
-    Principal components first; there, directions are scaled by the inverse root of the spread within
-    shapes (their versions), shrunk towards a sphere, so that what transformations change counts less.
-
-    Parameters
-    ----------
-    bags : (n, B) array
-    labels : (n,) array of int
-        Which shape each bag belongs to.
-    dimensions : int
-        p, at most; never more than the bags span.
-    shrinkage : float
-        γ in S = (1 - γ) S_within + γ tr(S_within)/p · I, from 0 to 1.
-
-    Returns
-    -------
-    mean : (B,) array of float32
-    projection : (B, p) array of float32
-    """
-    mean = bags.mean(axis=0)
-    centered = (bags - mean).astype(np.float64)
-    if len(centered) > bags.shape[1]:
-        variances, components = scipy.linalg.eigh(centered.T @ centered / len(centered))
-    else:  # the small side of the Gram matrix
-        variances, left = scipy.linalg.eigh(centered @ centered.T / len(centered))
-        components = centered.T @ (left / np.sqrt(np.maximum(variances, 1e-300) * len(centered)))
-    order = np.argsort(variances)[::-1][:dimensions]
-    order = order[variances[order] > 1e-9 * variances.max()]
-    components = components[:, order]
-    reduced = centered @ components
-    _, group = np.unique(labels, return_inverse=True)
-    counts = np.bincount(group)
-    centers = np.stack([np.bincount(group, column) / counts for column in reduced.T], axis=1)
-    residuals = reduced - centers[group]
-    within = residuals.T @ residuals / len(residuals)
-    sphere = np.trace(within) / len(within)
-    shrunk = (1 - shrinkage) * within + shrinkage * sphere * np.eye(len(within))
-    values, vectors = scipy.linalg.eigh(shrunk)
-    projection = components @ (vectors / np.sqrt(values)) * np.sqrt(sphere)
-    return mean.astype(np.float32), projection.astype(np.float32)
-
-
-def _training_pairs(
-    labels: NDArray[np.int64], random: np.random.Generator, count: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """As many positive as negative pairs of versions."""
-    members = [np.flatnonzero(labels == label) for label in np.unique(labels)]
-    members = [m for m in members if len(m) > 1]
-    positive = [
-        random.choice(members[i], 2, replace=False) for i in random.integers(len(members), size=count)
-    ]
-    negative = random.integers(len(labels), size=(4 * count, 2))
-    negative = negative[labels[negative[:, 0]] != labels[negative[:, 1]]][:count]
-    pairs = np.concatenate([np.array(positive), negative])
-    return pairs[:, 0], pairs[:, 1], np.arange(len(pairs)) < len(positive)
-
-
-def _calibrate(distances: FloatArray, similar: NDArray[np.bool_]) -> tuple[float, float]:
-    """Logistic regression of `similar` on the logarithm of the distance: half point and slope."""
-    from sklearn.linear_model import LogisticRegression
-
-    usable = distances > 0
-    logarithms = np.log(distances[usable])[:, None]
-    regression = LogisticRegression(C=1e6, class_weight="balanced").fit(logarithms, similar[usable])
-    slope = -float(regression.coef_[0, 0])
-    if not slope > 0:
-        raise ModelError("the training shapes cannot be told apart: give more varied ones")
-    return float(np.exp(regression.intercept_[0] / slope)), slope

@@ -12,8 +12,9 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.spectrum import compute_spectrum
-from shapegoogle_core.vocabulary import Vocabulary, hard_words, soft_words
+from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
+from shapegoogle_core.words import hard_words, soft_words
 
 
 @parametrize_with_checks([Vocabulary(words=3), InverseDocumentFrequency()])

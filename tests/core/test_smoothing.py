@@ -9,7 +9,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapegoogle_core.mesh import Mesh, repair, smooth, unique_edges
+from shapegoogle_core.mesh import Mesh, repair, unique_edges
+from shapegoogle_core.smoothing import smooth
 
 BALLS = {n: trimesh.creation.icosphere(subdivisions=n) for n in (3, 4, 5)}
 

@@ -4,17 +4,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
+from shapegoogle_core.laplacian import cotangent
+from shapegoogle_core.mesh.mesh import Mesh, unique_edges
 
 __all__ = ["smooth"]
-
-# Faces lower than this share of their longest side count as that high.
-LEAST_HEIGHT = 1e-6
 
 
 def smooth(mesh: Mesh, time: float) -> Mesh:
@@ -53,7 +50,8 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     inner = np.flatnonzero(free)
     if len(inner) == 0:
         return mesh
-    stiffness, mass = _cotangent_operator(mesh)
+    operator = cotangent(mesh)
+    stiffness, mass = operator.stiffness, operator.lumped_mass
     _, part = connected_components(stiffness, directed=False)
     # Rows scaled by their part: parts share no entry, so the matrix stays symmetric.
     flow = 1j * time * (diags_array(np.bincount(part, mass)[part]) @ stiffness)
@@ -65,26 +63,3 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     vertices = mesh.vertices.copy()
     vertices[inner] += factor.solve(force[inner]).real
     return Mesh(vertices, mesh.faces, mesh.name)
-
-
-def _cotangent_operator(mesh: Mesh) -> tuple[csc_array, NDArray[np.float64]]:
-    """Cotangent stiffness matrix, positive semidefinite, and lumped vertex areas."""
-    corners = mesh.vertices[mesh.faces]
-    double_area = 2 * face_areas(mesh)
-    # A sliver's cotangents are bounded; dividing by a larger area keeps the matrix positive semidefinite.
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    divisor = np.maximum(double_area, LEAST_HEIGHT * longest**2)
-    row, column, weight = [], [], []
-    for corner in range(3):
-        i, j = mesh.faces[:, (corner + 1) % 3], mesh.faces[:, (corner + 2) % 3]
-        to_i, to_j = (corners[:, (corner + step) % 3] - corners[:, corner] for step in (1, 2))
-        half_cotangent = 0.5 * (to_i * to_j).sum(axis=1) / divisor
-        row += [i, j, i, j]
-        column += [j, i, i, j]
-        weight += [-half_cotangent, -half_cotangent, half_cotangent, half_cotangent]
-    count = len(mesh.vertices)
-    stiffness = coo_array(
-        (np.concatenate(weight), (np.concatenate(row), np.concatenate(column))), shape=(count, count)
-    )
-    mass = np.bincount(mesh.faces.ravel(), np.repeat(double_area / 6, 3), minlength=count).astype(np.float64)
-    return csc_array(stiffness), mass

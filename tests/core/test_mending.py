@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import FrozenInstanceError
-from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mending, Mesh, mend, read_mesh, unique_edges
+from shapegoogle_core.mending import Mending, mend
+from shapegoogle_core.mesh import Mesh, read_mesh, unique_edges
 
 BALL = trimesh.creation.icosphere(subdivisions=5)
 
@@ -72,16 +71,12 @@ def test_low_poly_props_reach_the_floor(shape):
     assert (unique_edges(mended)[1] == 2).all()
 
 
-DATA = Path(os.environ.get("SHAPEGOOGLE_DATA") or Path(__file__).parents[4] / "shared" / "data")
-
-
 @pytest.mark.real_data
 @pytest.mark.parametrize("pattern", ["psb/m1[0-2]*.ply", "tosca/*0.ply", "tosca_remeshed/*_01.ply"])
-def test_real_meshes(pattern):
+def test_real_meshes(pattern, data_folder):
     """Polygon soup, open boundaries, thousands of parts: all are mended, and something is left of each."""
-    paths = sorted(DATA.glob(pattern))
-    if not paths:
-        pytest.skip(f"no {pattern} in {DATA}")
+    paths = sorted(data_folder.glob(pattern))
+    assert paths
     for path in paths[:20]:
         mesh = read_mesh(path)
         mended = mend(mesh, Mending())

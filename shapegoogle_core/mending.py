@@ -9,7 +9,7 @@ from shapegoogle_core.mesh.holes import close_holes
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.repair import check_surface, repair
 from shapegoogle_core.mesh.resampling import resample
-from shapegoogle_core.mesh.smoothing import smooth
+from shapegoogle_core.smoothing import smooth
 
 __all__ = ["Mending", "mend"]
 
