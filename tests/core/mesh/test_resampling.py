@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -29,6 +29,10 @@ def is_closed_manifold(mesh: Mesh) -> bool:
 def is_oriented(mesh: Mesh) -> bool:
     half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     return len(np.unique(half_edges, axis=0)) == len(half_edges)
+
+
+def part_count(mesh: Mesh) -> int:
+    return len(trimesh.graph.connected_components(mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2)))
 
 
 def bumpy_ball() -> Mesh:
@@ -143,14 +147,49 @@ class TestSimplify:
         assert len(after.vertices) <= 3000
         assert after.area == pytest.approx(before.area, rel=0.01)
 
-    def test_soup_keeps_its_surface(self):
-        """Ten thousand small sheets cannot be had with five thousand vertices; the surface counts more."""
+    def test_soup_becomes_a_connected_surface(self):
+        """The faces of a sphere pulled apart: sixty thousand vertices, no edge with two faces."""
+        ball = trimesh.creation.icosphere(subdivisions=5)
+        gap = np.random.default_rng(0).normal(size=(len(ball.faces), 1, 3)) * 1e-3
+        before = Mesh(
+            (ball.vertices[ball.faces] + gap).reshape(-1, 3), np.arange(ball.faces.size).reshape(-1, 3)
+        )
+        assert part_count(before) == len(ball.faces)
+        after = simplify(before, 5000)
+        assert 4500 <= len(after.vertices) <= 5000
+        assert after.area == pytest.approx(before.area, rel=0.1)
+        assert part_count(after) == 1
+        assert np.isin(after.vertices, before.vertices).all()
+
+    def test_many_parts_keep_their_area(self):
+        """A floor of 1,600 tiles: collapsing edges reaches the budget, but at the cost of whole tiles."""
+        tile = trimesh.creation.box((0.999, 0.999, 0.1))
+        places = np.stack(np.meshgrid(np.arange(40), np.arange(40), [0.0]), axis=-1).reshape(-1, 1, 3)
+        vertices = (places + tile.vertices).reshape(-1, 3)
+        faces = (len(tile.vertices) * np.arange(1600)[:, None, None] + tile.faces).reshape(-1, 3)
+        before = Mesh(vertices, faces)
+        after = simplify(before, 4000)
+        assert len(after.vertices) <= 4000
+        assert after.area == pytest.approx(before.area, rel=0.1)
+        assert part_count(after) < 50
+
+    def test_scattered_leaves(self):
+        """Ten thousand of them cannot be had with five thousand vertices: the budget counts more."""
         rng = np.random.default_rng(0)
         leaf = np.array([[-1, 0, 0], [0, -0.4, 0.1], [1, 0, 0], [0, 0.4, 0.1]]) * 0.005
         vertices = (rng.uniform(-1, 1, (10_000, 1, 3)) + leaf).reshape(-1, 3)
         faces = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(10_000)[:, None, None]).reshape(-1, 3)
-        before = Mesh(vertices, faces)
-        assert simplify(before, 5000).area >= 0.9 * before.area
+        after = simplify(Mesh(vertices, faces), 5000)
+        assert 4500 <= len(after.vertices) <= 5000
+
+    @settings(max_examples=100, deadline=None)
+    @given(st.integers(0, 2**32 - 1), st.integers(5, 60), st.integers(1, 150), st.integers(4, 40))
+    def test_budget_holds_for_any_faces(self, seed, vertex_count, face_count, budget):
+        rng = np.random.default_rng(seed)
+        faces = rng.integers(0, vertex_count, (face_count, 3))
+        mesh = repair(Mesh(rng.normal(size=(vertex_count, 3)), faces))
+        assume(not mesh.is_point_cloud)
+        assert len(resample(mesh, floor=4, budget=budget).vertices) <= budget
 
     def test_noisy_surface(self):
         before = bumpy_ball()
@@ -170,7 +209,20 @@ class TestResample:
         assert len(resample(mesh_of(BALL), 100, 3000).vertices) <= 3000
         assert len(resample(mesh_of(BOX), 100, 3000).vertices) >= 100
 
-    def test_deterministic(self):
-        first, second = (resample(bumpy_ball(), 1000, 2500) for _ in range(2))
+    def test_budget_holds_where_subdividing_overshoots(self):
+        """Edges of one length are split together: a sphere's 2,562 vertices become 10,242."""
+        ball = trimesh.creation.icosphere(subdivisions=4)
+        assert len(subdivide(mesh_of(ball), 5000).vertices) > 5000
+        after = resample(mesh_of(ball), 5000, 5000)
+        assert 4900 < len(after.vertices) <= 5000
+        assert is_closed_manifold(after)
+
+    @pytest.mark.parametrize("soup", [False, True])
+    def test_deterministic(self, soup):
+        mesh = bumpy_ball()
+        if soup:
+            mesh = Mesh(mesh.vertices[mesh.faces].reshape(-1, 3), np.arange(mesh.faces.size).reshape(-1, 3))
+        first, second = (resample(mesh, 1000, 2500) for _ in range(2))
+        assert len(first.vertices) <= 2500
         assert np.array_equal(first.vertices, second.vertices)
         assert np.array_equal(first.faces, second.faces)
