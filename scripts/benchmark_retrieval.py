@@ -42,7 +42,7 @@ def read_labels(data: Path) -> dict[str, list[tuple[Path, str, int]]]:
 
 
 def null_shapes(tosca: Sequence[tuple[Path, str, int]]) -> dict[str, Path]:
-    """The lowest pose of each class."""
+    """Find the lowest pose of each class."""
     nulls: dict[str, tuple[int, Path]] = {}
     for path, name, pose in tosca:
         if name not in nulls or pose < nulls[name][0]:

@@ -60,8 +60,7 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=REPOSITORY / "shapegoogle_core" / "models")
     arguments = parser.parse_args()
 
-    from tqdm import tqdm
-
+    from shapegoogle_core.progress import progress_bar
     from shapegoogle_core.settings import PRESETS
     from shapegoogle_core.training import train_model
 
@@ -79,8 +78,8 @@ def main() -> int:
             PRESETS[preset],
             versions=arguments.versions,
             jobs=arguments.jobs,
-            trained_on=f"{sources}, {arguments.poses} poses and {arguments.versions} transformed versions of each",
-            progress=lambda items, description, total: tqdm(items, description, total),
+            trained_on=f"{sources}; of each {arguments.poses} poses, {arguments.versions} transformed versions",
+            progress=progress_bar,
         )
         path = arguments.output / f"{preset}.npz"
         model.save(path)

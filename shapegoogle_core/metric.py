@@ -7,9 +7,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model import FloatBags
 
 __all__ = ["calibrate", "choose_pairs", "learn_projection"]
 

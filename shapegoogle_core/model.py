@@ -14,15 +14,14 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.errors import MeshError, ModelError
-from shapegoogle_core.mending import mend
-from shapegoogle_core.mesh import Mesh, check_surface, repair
+from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, prepare, shape_bags
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.settings import ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
-from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model"]
 
@@ -31,8 +30,6 @@ FORMAT = 1
 
 SHIPPED = ("default", "paper")
 """Models inside the package, made by `scripts/train_default_model.py`."""
-
-FloatBags = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,14 +74,6 @@ class WordMap:
     def nearest(self) -> NDArray[np.int64]:
         """(n,) most likely word of each vertex."""
         return np.asarray(self.words.argmax(axis=1), dtype=np.int64)
-
-
-@dataclass(frozen=True, eq=False)
-class ChannelWords:
-    """The learnt vocabulary of one channel: `centers` (V, d) and `sigma`."""
-
-    centers: FloatArray
-    sigma: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,10 +172,13 @@ class ShapeModel:
         MeshError
             If the mesh has no surface.
         """
-        bags = shape_bags(self.settings, self.vocabularies, self.spectrum(mesh)) * self.weights
+        # On matrices of this size a second BLAS thread only doubles the processor time.
+        with threadpool_limits(1, user_api="blas"):
+            bags = shape_bags(self.settings, self.vocabularies, self.spectrum(mesh)) * self.weights
+            code = self.codes(bags[None])[0]
         return ShapeSignature(
             bags=bags,
-            code=self.codes(bags[None])[0],
+            code=code,
             area=mesh.area,
             vertex_count=len(mesh.vertices),
             face_count=len(mesh.faces),
@@ -446,79 +438,6 @@ def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArra
     if metric == "l1":
         return np.asarray(np.abs(first - second).sum(axis=1, dtype=np.float64))
     return np.asarray(np.clip(1 - (first * second).sum(axis=1, dtype=np.float64), 0, 2))
-
-
-def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
-    """Mend a mesh and scale it to the working area.
-
-    Parameters
-    ----------
-    settings : ModelSettings
-    mesh : Mesh
-
-    Returns
-    -------
-    prepared : Mesh
-        Of area `settings.area`, centred on its bounding box.
-
-    Raises
-    ------
-    MeshError
-        If the mesh has no surface.
-    """
-    check_surface(mesh)
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    # To unit size first: squares of very small or very large coordinates would leave the range of floats.
-    centered = Mesh((mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low), mesh.faces, mesh.name)
-    mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
-    area = mended.area
-    if not area > 0:
-        raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
-    return Mesh(mended.vertices * np.sqrt(settings.area / area), mended.faces, mesh.name)
-
-
-def channel_words(
-    settings: ModelSettings, channel: int, vocabulary: ChannelWords, spectrum: Spectrum
-) -> FloatArray:
-    """Words θ(x) of one channel at every vertex, (n, V)."""
-    chosen = settings.channels[channel]
-    descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
-    if chosen.soft:
-        return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
-    return hard_words(descriptors, vocabulary.centers)
-
-
-def shape_bags(
-    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], spectrum: Spectrum
-) -> FloatBags:
-    """All bags of a shape side by side, before tf-idf.
-
-    Parameters
-    ----------
-    settings : ModelSettings
-    vocabularies : tuple of ChannelWords
-    spectrum : Spectrum
-
-    Returns
-    -------
-    bags : (B,) array of float32
-        Of pairs of words the upper triangle, an entry off the diagonal counting for both its halves: every
-        bag sums to 1, or its squares do with `settings.square_root`.
-    """
-    blocks = []
-    for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
-        words = channel_words(settings, index, vocabulary, spectrum)
-        upper = np.triu_indices(channel.words)
-        for kind in channel.bags:
-            if "pairs" in kind:
-                pairs = spatially_sensitive_bag(
-                    words, spectrum, channel.pair_time, area_weighted=kind == "pairs"
-                )
-                bag = ((2 - np.eye(channel.words)) * pairs)[upper]
-            else:
-                bag = bag_of_features(words, spectrum.mass if kind == "area" else None)
-            blocks.append(np.sqrt(np.maximum(bag, 0)) if settings.square_root else bag)
-    return np.concatenate(blocks).astype(np.float32)
 
 
 def load_model(path: str | Path | None = None) -> ShapeModel:

@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from shapegoogle_core.describing import ChannelWords, FloatBags, prepare, shape_bags
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, transform
 from shapegoogle_core.hashing import SimilaritySensitiveHashing
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection
-from shapegoogle_core.model import ChannelWords, FloatBags, ShapeModel, prepare, row_distances, shape_bags
+from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.vocabulary import Vocabulary

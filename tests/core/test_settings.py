@@ -9,8 +9,8 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
+from shapegoogle_core.describing import ChannelWords, shape_bags
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.model import ChannelWords, shape_bags
 from shapegoogle_core.settings import BAGS, DESCRIPTORS, PRESETS, ChannelSettings, ModelSettings
 from shapegoogle_core.spectrum import compute_spectrum
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ChannelWords, ShapeModel, ShapeSignature
+from shapegoogle_core.describing import ChannelWords
+from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 
 SignatureMaker = Callable[..., ShapeSignature]

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""From a mesh to its bags: the steps of figure 2 that need vocabularies, and nothing else that is learnt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mending import mend
+from shapegoogle_core.mesh import Mesh, check_surface, repair
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.words import hard_words, soft_words
+
+__all__ = ["ChannelWords", "FloatBags", "channel_words", "prepare", "shape_bags"]
+
+FloatBags = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelWords:
+    """The learnt vocabulary of one channel.
+
+    Attributes
+    ----------
+    centers : (V, d) array
+        The words, in the unit of the descriptor.
+    sigma : float
+        Width of the soft words, in the same unit.
+    """
+
+    centers: FloatArray
+    sigma: float
+
+
+def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
+    """Mend a mesh and scale it to the working area.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    mesh : Mesh
+
+    Returns
+    -------
+    prepared : Mesh
+        Of area `settings.area`, centred on its bounding box.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no surface.
+    """
+    check_surface(mesh)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    # To unit size first: squares of very small or very large coordinates would leave the range of floats.
+    centered = Mesh((mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low), mesh.faces, mesh.name)
+    mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
+    area = mended.area
+    if not area > 0:
+        raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
+    return Mesh(mended.vertices * np.sqrt(settings.area / area), mended.faces, mesh.name)
+
+
+def channel_words(
+    settings: ModelSettings, channel: int, vocabulary: ChannelWords, spectrum: Spectrum
+) -> FloatArray:
+    """Express one channel's descriptors of a shape in words.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    channel : int
+        Index of the channel.
+    vocabulary : ChannelWords
+        Of that channel.
+    spectrum : Spectrum
+
+    Returns
+    -------
+    words : (n, V) array
+        θ(x) at every vertex.
+    """
+    chosen = settings.channels[channel]
+    descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+    if chosen.soft:
+        return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
+    return hard_words(descriptors, vocabulary.centers)
+
+
+def shape_bags(
+    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], spectrum: Spectrum
+) -> FloatBags:
+    """All bags of a shape side by side, before tf-idf.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    vocabularies : tuple of ChannelWords
+    spectrum : Spectrum
+
+    Returns
+    -------
+    bags : (B,) array of float32
+        Of pairs of words the upper triangle, an entry off the diagonal counting for both its halves: every
+        bag sums to 1, or its squares do with `settings.square_root`.
+    """
+    blocks = []
+    for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
+        words = channel_words(settings, index, vocabulary, spectrum)
+        upper = np.triu_indices(channel.words)
+        for kind in channel.bags:
+            if "pairs" in kind:
+                pairs = spatially_sensitive_bag(
+                    words, spectrum, channel.pair_time, area_weighted=kind == "pairs"
+                )
+                bag = ((2 - np.eye(channel.words)) * pairs)[upper]
+            else:
+                bag = bag_of_features(words, spectrum.mass if kind == "area" else None)
+            blocks.append(np.sqrt(np.maximum(bag, 0)) if settings.square_root else bag)
+    return np.concatenate(blocks).astype(np.float32)
