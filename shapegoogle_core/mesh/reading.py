@@ -3,39 +3,44 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.formats import (
-    FormatError,
-    read_glb,
-    read_gltf,
-    read_obj,
-    read_off,
-    read_ply,
-    read_stl,
-)
-from shapegoogle_core.mesh.formats.common import Geometry
+from shapegoogle_core.mesh.formats import Checked, FormatError, check_obj, check_off, check_ply, check_stl
+from shapegoogle_core.mesh.gltf import check_glb, check_gltf
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.repair import check_surface
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
-_READERS: dict[str, Callable[[Path, int], Geometry]] = {
-    ".obj": read_obj,
-    ".ply": read_ply,
-    ".stl": read_stl,
-    ".off": read_off,
-    ".glb": read_glb,
-    ".gltf": read_gltf,
+# What each file must pass before trimesh parses it.
+_CHECKS: dict[str, Callable[[bytes, int], Checked]] = {
+    ".obj": check_obj,
+    ".ply": check_ply,
+    ".stl": check_stl,
+    ".off": check_off,
+    ".glb": check_glb,
+    ".gltf": check_gltf,
 }
 
-MESH_SUFFIXES = frozenset(_READERS)
+MESH_SUFFIXES = frozenset(_CHECKS)
 """What `read_mesh` reads, in lower case with the dot."""
+
+# A file is read as a whole. The longest spelling, a text STL, takes about 300 bytes a face; textures in a
+# glTF come on top.
+_BYTES_PER_FACE = 400
+_OTHER_BYTES = 500_000_000
 
 # How files that are often misnamed begin.
 _BEGINNINGS = {
@@ -81,8 +86,8 @@ def read_mesh(
     """
     path = Path(path)
     name = path.name or str(path)
-    reader = _READERS.get(path.suffix.lower())
-    if reader is None:
+    check = _CHECKS.get(path.suffix.lower())
+    if check is None:
         raise MeshError(
             f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
             "convert it first"
@@ -97,13 +102,21 @@ def read_mesh(
                 else "does not exist"
             )
             raise MeshError(f"{str(path)!r} {what}; give the path of a mesh file")
-        if path.stat().st_size == 0:
-            raise MeshError(f"{name!r} is empty (0 bytes); copy or export it again")
-        vertices, faces = reader(path, max_faces)
+        checked = check(_read(path, max_faces), max_faces)
+        vertices, faces = _parse(checked.data, path, max_faces)
+        if checked.faces is not None and checked.faces != len(faces):
+            raise FormatError(
+                f"announces {checked.faces:,} triangles, but {len(faces):,} can be read; it is damaged or "
+                "was cut short: copy or export it again"
+            )
     except MeshError:
         raise
     except FormatError as error:
         raise MeshError(f"{name!r} {error}{_misnamed(path)}") from error
+    except IndexError as error:
+        raise MeshError(
+            f"{name!r} names a vertex or part that is not there ({error}); it is damaged or was cut short"
+        ) from error
     except OSError as error:
         raise MeshError(
             f"{name!r} cannot be read: {error.strerror or error}; check the disk and its permissions"
@@ -120,6 +133,92 @@ def read_mesh(
     mesh = Mesh(vertices, faces, name)
     check_surface(mesh)
     return mesh
+
+
+def _read(path: Path, max_faces: int) -> bytes:
+    size = path.stat().st_size
+    if size == 0:
+        raise FormatError("is empty (0 bytes); copy or export it again")
+    if size > _OTHER_BYTES + _BYTES_PER_FACE * max_faces:
+        raise FormatError(
+            f"has {size:,} bytes, more than a mesh with the limit of {max_faces:,} faces takes; "
+            "simplify it first, or raise max_faces"
+        )
+    return path.read_bytes()
+
+
+def _parse(data: bytes, path: Path, max_faces: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Let trimesh parse a file."""
+    import trimesh  # takes a second
+
+    neighbours: Any = _Neighbours(path.parent, max_faces)
+    with _quiet():
+        scene = trimesh.load_scene(
+            io.BytesIO(data),
+            file_type=path.suffix[1:].lower(),
+            resolver=neighbours,
+            process=False,
+            maintain_order=True,
+            skip_materials=True,
+        )
+        return _flatten(scene)
+
+
+def _flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Put all parts of a trimesh scene in their places and into one list of triangles."""
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
+    if scene.graph.nodes_geometry:
+        placed = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
+    else:  # a glTF without a scene; its meshes have no place
+        placed = [(np.eye(4), name) for name in scene.geometry]
+    for transform, name in placed:
+        part = scene.geometry[name]
+        points = np.asarray(part.vertices, np.float64)
+        triangles = np.asarray(getattr(part, "faces", ()), np.int64).reshape(-1, 3)
+        strange = triangles[(triangles < 0) | (triangles >= len(points))]
+        if len(strange):
+            raise FormatError(
+                f"has a face that names vertex {strange[0]}, but its part has {len(points):,} vertices "
+                "(counted from 0); it is damaged or was cut short"
+            )
+        vertices.append(points @ transform[:3, :3].T + transform[:3, 3])
+        mirrored = np.linalg.det(transform[:3, :3]) < 0
+        faces.append((triangles[:, ::-1] if mirrored else triangles) + count)
+        count += len(points)
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+class _Neighbours:
+    """What trimesh asks for the other files that a glTF names: regular files in its folder or below."""
+
+    def __init__(self, folder: Path, max_faces: int) -> None:
+        self.folder = folder.resolve()
+        self.max_faces = max_faces
+
+    def __getitem__(self, name: str) -> bytes:
+        return self.get(name)
+
+    def get(self, name: str) -> bytes:
+        neighbour = (self.folder / unquote(name)).resolve()
+        if not neighbour.is_relative_to(self.folder) or not neighbour.is_file():
+            raise FormatError(f"needs the file {name!r}, which is not beside it; copy both together")
+        return _read(neighbour, self.max_faces)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep trimesh's log and numpy's warnings off the user's terminal; what matters is raised."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # numpy before 2.4 only warns of numbers that it cannot read, and leaves the rest out.
+            warnings.filterwarnings("error", message="string or file could not be read to its end")
+            yield
+    finally:
+        log.setLevel(level)
 
 
 def _point_cloud(points: Mesh) -> Mesh:

@@ -312,7 +312,7 @@ class TestOff:
             write(tmp_path, "huge.off", off().replace(b"8 12 0", b"8000000000 12 0")),
             "8,000,000,000 vertices",
         )
-        refuse(write(tmp_path, "range.off", off(faces=[*TRIANGLES, (0, 1, -2)])), "vertex -2")
+        refuse(write(tmp_path, "range.off", off(faces=[*TRIANGLES, (0, 1, -2)])), "range of its vertices")
         refuse(write(tmp_path, "counts.off", off().replace(b"8 12 0", b"many")), "counts")
 
 
@@ -512,7 +512,7 @@ def test_memory_running_out_is_said(tmp_path, monkeypatch):
     def exhausted(path, max_faces):
         raise MemoryError
 
-    monkeypatch.setitem(read_mesh.__globals__["_READERS"], ".obj", exhausted)
+    monkeypatch.setitem(read_mesh.__globals__["_CHECKS"], ".obj", exhausted)
     refuse(write(tmp_path, "a.obj", obj()), "memory")
 
 
