@@ -78,7 +78,7 @@ def main() -> int:
             PRESETS[preset],
             versions=arguments.versions,
             jobs=arguments.jobs,
-            trained_on=f"{sources}; of each {arguments.poses} poses, {arguments.versions} transformed versions",
+            trained_on=f"{sources}, {arguments.poses} poses and {arguments.versions} versions of each",
             progress=progress_bar,
         )
         path = arguments.output / f"{preset}.npz"

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.files import examine
 from shapegoogle_core.indexing import find_meshes
 from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 from shapegoogle_core.workers import describe_file

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.describing import ChannelWords
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 
