@@ -140,6 +140,9 @@ def check_stl(data: bytes, max_faces: int) -> Checked:
     )
 
 
+_Order = Literal["<", ">"]  # little, big endian
+
+
 class _Property(NamedTuple):
     name: str
     type: str  # numpy's name, which PLY knows too
@@ -243,7 +246,7 @@ def _ply_text(text: bytes, elements: list[_Element]) -> tuple[list[_Element], by
 
 
 def _ply_binary(
-    data: bytes, elements: list[_Element], position: int, order: Literal["<", ">"]
+    data: bytes, elements: list[_Element], position: int, order: _Order
 ) -> tuple[list[_Element], bytes, int]:
     """Return elements and bytes for trimesh, and how many triangles the faces make."""
     kept, body, triangle_count = list[_Element](), b"", 0
@@ -263,9 +266,11 @@ def _ply_binary(
         if position > len(data):
             raise _ply_cut_short(element)
         rows = data[begin:position]
-        if element.name == "face" and (sizes[0] not in (3, 4) or (sizes != sizes[0]).any()):
-            # trimesh takes the first row's size for all.
-            element, rows = _ply_triangles(data, starts, sizes, element, order)
+        if element.name == "face":
+            list_count = sum(bool(each.count_type) for each in element.properties)
+            if list_count > 1 or sizes[0] not in (3, 4) or (sizes != sizes[0]).any():
+                # trimesh takes the lengths in the first row for all rows.
+                element, rows = _ply_triangles(data, starts, sizes, element, order)
         if element.name in ("vertex", "face"):
             kept.append(element)
             body += rows
@@ -280,7 +285,7 @@ def _ply_cut_short(element: _Element) -> FormatError:
 
 
 def _ply_lists(
-    data: bytes, position: int, element: _Element, order: Literal["<", ">"]
+    data: bytes, position: int, element: _Element, order: _Order
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
     """Where the corners of each face begin, how many they are, and where the faces end."""
     steps, gap = [], 0
@@ -319,7 +324,7 @@ def _ply_lists(
     return np.array(starts), np.array(sizes), position
 
 
-def _dtype(name: str, order: Literal["<", ">"]) -> np.dtype[np.generic]:
+def _dtype(name: str, order: _Order) -> np.dtype[np.generic]:
     return np.dtype(name).newbyteorder(order)
 
 
@@ -328,7 +333,7 @@ def _ply_triangles(
     starts: NDArray[np.int64],
     sizes: NDArray[np.int64],
     element: _Element,
-    order: Literal["<", ">"],
+    order: _Order,
 ) -> tuple[_Element, bytes]:
     """Return faces of any sizes as fans of triangles."""
     (corners,) = (each for each in element.properties if each.name == "vertex_indices")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+import re
 import struct
 from pathlib import Path
 
@@ -223,6 +224,16 @@ class TestObj:
         assert len(mesh.vertices) == 8
         assert volume(mesh) == pytest.approx(VOLUME)
 
+    def test_texture_does_not_split_vertices(self, tmp_path):
+        text = obj().decode().replace("f ", "vt 0 0\nvt 1 1\nf ")
+        text = "\n".join(
+            re.sub(r" (\d+)", rf" \1/{1 + index % 2}", line) if line.startswith("f") else line
+            for index, line in enumerate(text.split("\n"))
+        )
+        mesh = read_mesh(write(tmp_path, "seams.obj", text.encode()))
+        assert np.array_equal(mesh.vertices, POINTS)
+        assert mesh.faces.tolist() == [list(face) for face in TRIANGLES]
+
     @pytest.mark.parametrize("face", ["f 0 1 2", "f 1 2 99", "f 1 2 -9", "f 1 x 3", "v 1 2", "v 1 2 zz"])
     def test_damaged_lines(self, tmp_path, face):
         refuse(write(tmp_path, "bad.obj", obj() + face.encode() + b"\n"))
@@ -251,6 +262,40 @@ class TestPly:
         )
         data = data.replace(b"end_header\n", b"end_header\n35.0\n")
         assert volume(read_mesh(write(tmp_path, "camera.ply", data))) == pytest.approx(VOLUME)
+
+    @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
+    def test_polygons_of_many_sizes(self, tmp_path, kind):
+        """Faces of 1 to 6 corners; those of one or two are no surface."""
+        points = np.array([[2, 0, 0], [1, 2, 0], [-1, 2, 0], [-2, 0, 0], [-1, -2, 0], [1, -2, 0]], float)
+        faces = [range(size) for size in (5, 3, 6, 1, 4, 2, 6)]
+        mesh = read_mesh(write(tmp_path, "sizes.ply", ply(points, faces, kind)))
+        assert len(mesh.faces) == 3 + 1 + 4 + 2 + 4
+        assert mesh.area == pytest.approx(10 + 2 + 12 + 6 + 12)
+
+    def test_sizes_that_add_up_to_as_many_bytes(self, tmp_path):
+        """A triangle, a quad and a pentagon take as much room as three quads."""
+        points = np.array([[2, 0, 0], [1, 2, 0], [-1, 2, 0], [-2, 0, 0], [0, -3, 0]], float)
+        mesh = read_mesh(write(tmp_path, "sum.ply", ply(points, [range(4), range(3), range(5)])))
+        assert mesh.faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]
+
+    def test_texture_does_not_split_vertices(self, tmp_path):
+        """Texture coordinates at every corner, of one length or not, as scanners and MeshLab write them."""
+        head = ply(faces=TRIANGLES).replace(
+            b"property list uchar int vertex_indices",
+            b"property list uchar int vertex_indices\nproperty list uchar float texcoord",
+        )
+        head = head[: head.index(b"end_header\n") + 11 + 13 * 8]
+        for sizes in ([6] * 12, [6, 0] * 6):
+            rows = b"".join(
+                struct.pack(f"<BB3iB{size}f", 1, 3, *face, size, *np.arange(index, index + size))
+                for index, (face, size) in enumerate(zip(TRIANGLES, sizes, strict=True))
+            )
+            mesh = read_mesh(write(tmp_path, "texture.ply", head + rows + b"and more"))
+            assert np.array_equal(mesh.vertices, POINTS)
+            assert mesh.faces.tolist() == [list(face) for face in TRIANGLES]
+        data = ply(kind="ascii").replace(b"property uchar red", b"property float s\nproperty float t")
+        data = data.replace(b" 7\n", b" 0.5 0.25\n\n")
+        assert np.array_equal(read_mesh(write(tmp_path, "seam.ply", data)).vertices, POINTS)
 
     def test_cut_short(self, tmp_path):
         for cut in (1, 30, 150, 230):
@@ -286,6 +331,11 @@ class TestStl:
         data = stl_text() + stl_text(POINTS + 10)
         assert volume(read_mesh(write(tmp_path, "two.stl", data))) == pytest.approx(2 * VOLUME)
 
+    def test_any_name(self, tmp_path):
+        for name in ("vertex 1 2", "a solid of facets", "Würfel"):
+            data = stl_text().replace(b"solid box", f"SOLID {name}".encode("latin-1"))
+            assert volume(read_mesh(write(tmp_path, "name.stl", data))) == pytest.approx(VOLUME)
+
     def test_binary_that_begins_with_solid(self, tmp_path):
         assert len(read_mesh(write(tmp_path, "solid.stl", b"solid" + stl()[5:])).faces) == 12
 
@@ -312,7 +362,7 @@ class TestOff:
             write(tmp_path, "huge.off", off().replace(b"8 12 0", b"8000000000 12 0")),
             "8,000,000,000 vertices",
         )
-        refuse(write(tmp_path, "range.off", off(faces=[*TRIANGLES, (0, 1, -2)])), "range of its vertices")
+        refuse(write(tmp_path, "range.off", off(faces=[*TRIANGLES, (0, 1, -2)])), "vert")
         refuse(write(tmp_path, "counts.off", off().replace(b"8 12 0", b"many")), "counts")
 
 
@@ -439,6 +489,12 @@ def test_too_many_faces(tmp_path, name):
     path = write(tmp_path, name, FILES[name])
     refuse(path, "12 faces", "limit of 11", max_faces=11)
     assert len(read_mesh(path, max_faces=12).faces) == 12
+
+
+def test_file_beyond_any_mesh_of_that_size(tmp_path):
+    path = write(tmp_path, "huge.obj", obj())
+    os.truncate(path, 600_000_000)  # a hole, which takes no room
+    refuse(path, "600,000,000 bytes", "limit of 12", max_faces=12)
 
 
 @pytest.mark.parametrize("suffix", sorted(MESH_SUFFIXES))
