@@ -84,7 +84,7 @@ def _absolute_faces(lines: list[bytes]) -> Iterator[bytes]:
 
 def check_off(data: bytes, max_faces: int) -> Checked:
     """Compare the counts of an OFF text with its lines."""
-    text = re.sub(rb"#.*", b"", data).strip()
+    text = re.sub(rb"#.*|[^\x00-\x7f]", b"", data).strip()
     # Some files of the Princeton and ModelNet collections have "OFF3514 3546 0" in one line.
     keyword = re.match(rb"(?:ST)?C?N?OFF\s*(?:(\d+)[ \t]+(\d+)(?!\S))?.*", text)
     if keyword is None:
@@ -125,12 +125,19 @@ def check_stl(data: bytes, max_faces: int) -> Checked:
         check_face_count(count, max_faces)
         return Checked(data, count)
     if data.lstrip()[:5].lower() == b"solid":
-        text = re.sub(rb"^\s*(end ?)?solid\b.*", rb"\1solid", data.lower(), flags=re.MULTILINE)
+        text = re.sub(rb"[^\x00-\x7f]", b"?", data.lower())
+        text = re.sub(rb"^\s*(end ?)?solid\b.*", rb"\1solid", text, flags=re.MULTILINE)
         text = text.replace(b"end solid", b"endsolid")
         if text.split()[-1] != b"endsolid":
             raise FormatError("ends before the word endsolid: it was cut short; copy or export it again")
-        facet_count = len(re.findall(rb"^\s*endfacet\b", text, re.MULTILINE))
+        facet_count = text.count(b"endfacet")
         check_face_count(facet_count, max_faces)
+        triangles = re.findall(rb"(?:\bvertex(?:[ \t]+[-+.\w]+){3}[ \t\r]*\n\s*){3}end", text)
+        if not 3 * len(triangles) == 3 * facet_count == text.count(b"vertex"):
+            raise FormatError(
+                f"has {facet_count:,} facets, of which {len(triangles):,} are triangles; it is damaged or "
+                "was cut short: copy or export it again"
+            )
         return Checked(text, facet_count)
     if len(data) < 84:
         raise FormatError(f"has only {len(data)} bytes, which is no STL file; copy or export it again")
