@@ -84,7 +84,7 @@ def _absolute_faces(lines: list[bytes]) -> Iterator[bytes]:
 
 def check_off(data: bytes, max_faces: int) -> Checked:
     """Compare the counts of an OFF text with its lines."""
-    text = re.sub(rb"#.*|[^\x00-\x7f]", b"", data).strip()
+    text = re.sub(rb"[^\x00-\x7f]", b"?", re.sub(rb"#.*", b"", data)).strip()
     # Some files of the Princeton and ModelNet collections have "OFF3514 3546 0" in one line.
     keyword = re.match(rb"(?:ST)?C?N?OFF\s*(?:(\d+)[ \t]+(\d+)(?!\S))?.*", text)
     if keyword is None:

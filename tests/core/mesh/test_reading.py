@@ -323,6 +323,14 @@ class TestStl:
         refuse(write(tmp_path, "cut.stl", stl_text()[:-20]), "cut short")
         refuse(write(tmp_path, "cut.stl", stl_text()[:500]), "cut short")
 
+    def test_facets_that_are_no_triangles(self, tmp_path):
+        second = b"endfacet\nfacet normal 0 0 0\n outer loop\n"
+        first, rest = stl_text().split(b" endloop\n" + second, 1)
+        *lines, last = first.splitlines(keepends=True)
+        data = b"".join(lines) + b" endloop\n" + second + last + rest  # two vertices, then four
+        refuse(write(tmp_path, "moved.stl", data), "12 facets", "damaged")
+        refuse(write(tmp_path, "two.stl", stl_text().replace(b"0.0 0.0 0.0", b"0.0 0.0", 1)), "damaged")
+
     def test_count_beyond_the_file(self, tmp_path):
         data = stl()[:80] + struct.pack("<I", 2**32 - 1) + stl()[84:]
         refuse(write(tmp_path, "huge.stl", data), "4,294,967,295 triangles")
@@ -363,6 +371,9 @@ class TestOff:
             "8,000,000,000 vertices",
         )
         refuse(write(tmp_path, "range.off", off(faces=[*TRIANGLES, (0, 1, -2)])), "vert")
+        refuse(write(tmp_path, "letter.off", off().replace(b"3.0", b"3\xff0", 1)))
+        remark = off().replace(b"OFF", "OFF # Würfel".encode("latin-1"))
+        assert len(read_mesh(write(tmp_path, "remark.off", remark)).faces) == 12
         refuse(write(tmp_path, "counts.off", off().replace(b"8 12 0", b"many")), "counts")
 
 
