@@ -126,7 +126,8 @@ def _union_of_components(operator: Operator, component: np.ndarray, k: int) -> t
                 operator.mass[vertices][:, vertices].tocsc(),
             )
             pairs[index] = _smallest_pairs(part, min(wanted[index], k, len(vertices)))
-        threshold = np.sort(np.concatenate([values for values, _ in pairs]))[k - 1]
+        known = np.sort(np.concatenate([values for values, _ in pairs]))
+        threshold = known[k - 1] if len(known) >= k else np.inf
         # A component whose largest known eigenvalue lies below the k-th overall may hide more below it.
         pending = [
             index
