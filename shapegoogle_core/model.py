@@ -6,7 +6,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import zipfile
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib import resources
@@ -76,7 +75,7 @@ class WordMap:
         return np.asarray(self.words.argmax(axis=1), dtype=np.int64)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ShapeModel:
     """All that is learnt, and the settings it was learnt with.
 
@@ -130,6 +129,9 @@ class ShapeModel:
                 np.isfinite(words.centers).all() and words.sigma > 0
             ):
                 raise ModelError("the model's vocabulary is damaged")
+
+    def __repr__(self) -> str:
+        return f"ShapeModel({self.name!r}, {self.identifier})"
 
     @property
     def bag_size(self) -> int:
@@ -387,21 +389,11 @@ class ShapeModel:
             )
         except ModelError:
             raise
-        except (
-            OSError,
-            EOFError,
-            zipfile.BadZipFile,
-            zipfile.LargeZipFile,
-            ValueError,
-            KeyError,
-            TypeError,
-        ) as error:
+        except Exception as error:
+            # Damaged archives make zipfile, zlib, numpy and json fail in every way.
             raise ModelError(
                 f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
             ) from error
-        except (RuntimeError, NotImplementedError, IndexError, AttributeError) as error:
-            # what zipfile raises for encrypted or unknown members, and JSON of another form
-            raise ModelError(f"{origin} is not a Shape Google model ({error})") from error
 
     def save(self, path: str | Path) -> None:
         """Write the model to a file, by convention `.npz`.

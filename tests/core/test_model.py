@@ -9,6 +9,7 @@ from importlib import resources
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,7 +20,7 @@ from shapegoogle_core.model import ShapeModel, load_model
 # Relative L1 change of the bags that each invariance may cost, with the default model.
 RIGID_BOUND = 1e-3
 ORDER_BOUND = 1e-3
-REFINEMENT_BOUND = 0.06
+REFINEMENT_BOUND = 0.03
 
 
 @pytest.fixture(scope="module")
@@ -80,8 +81,8 @@ def test_refinement_hardly_changes_a_bag(shape, shapes, model):
     mesh = shapes.bumpy(4, shape)  # 2,562 vertices; refined 10,242, above the budget
     refined = change(model, mesh, split_faces(mesh))
     assert refined < REFINEMENT_BOUND
-    others = [change(model, mesh, shapes.bumpy(4, other)) for other in range(4) if other != shape]
-    assert refined < 0.5 * min(others)
+    torus = trimesh.creation.torus(1.0, 0.4)
+    assert refined < 0.1 * change(model, mesh, Mesh(torus.vertices, torus.faces))
 
 
 def test_signature_says_what_was_given(bumpy, model):
@@ -114,8 +115,6 @@ def test_distance_to_itself_is_zero_and_similarity_falls(shapes, model):
 
 
 def test_low_poly_props_have_a_signature(model):
-    import trimesh
-
     box = trimesh.creation.box((1, 2, 3))
     assert np.isfinite(model.describe(Mesh(box.vertices, box.faces)).bags).all()
 

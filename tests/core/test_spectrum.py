@@ -132,7 +132,9 @@ def test_components_have_a_zero_each_and_the_union_of_their_spectra(shapes):
 def test_one_large_component_of_few_vertices_beside_a_small_one_of_many(shapes):
     """Weyl's law promises the coarse component more pairs than it has vertices; the other makes up for it."""
     box, ball = trimesh.creation.box((10, 10, 10)), shapes.sphere(3)
-    both = Mesh(np.concatenate([box.vertices, ball.vertices + 20]), np.concatenate([box.faces, ball.faces + 8]))
+    both = Mesh(
+        np.concatenate([box.vertices, ball.vertices + 20]), np.concatenate([box.faces, ball.faces + 8])
+    )
     spectrum = compute_spectrum(both, 100)
     assert len(spectrum.eigenvalues) == 100
     assert (np.abs(spectrum.eigenvectors[:8]) > 0).any(axis=0).sum() == 8
