@@ -57,9 +57,13 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
         If the mesh has no surface.
     """
     check_surface(mesh)
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    used, corner = np.unique(mesh.faces, return_inverse=True)  # a stray vertex far off must not set the scale
+    vertices = mesh.vertices[used]
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
-    centered = Mesh((mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low), mesh.faces, mesh.name)
+    centered = Mesh(
+        (vertices - (low + high) / 2) / np.linalg.norm(high - low), corner.reshape(-1, 3), mesh.name
+    )
     mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
     area = mended.area
     if not area > 0:
@@ -85,9 +89,18 @@ def channel_words(
     -------
     words : (n, V) array
         θ(x) at every vertex.
+
+    Raises
+    ------
+    MeshError
+        If the shape has no such descriptor.
     """
     chosen = settings.channels[channel]
-    descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+    try:
+        descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+    except ValueError as error:
+        # The parameters were tried with the settings: it is the shape that has, say, no positive eigenvalue.
+        raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
     if chosen.soft:
         return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
     return hard_words(descriptors, vocabulary.centers)
@@ -108,7 +121,8 @@ def shape_bags(
     -------
     bags : (B,) array of float32
         Of pairs of words the upper triangle, an entry off the diagonal counting for both its halves: every
-        bag sums to 1, or its squares do with `settings.square_root`.
+        bag sums to 1, or its squares do with `settings.square_root` (nearly: where a truncated kernel is
+        negative, its root is taken as 0).
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):

@@ -35,7 +35,8 @@ def heat_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray:
     Returns
     -------
     heat : (n,) array
-        K_t(x, y) for all y, in 1 / squared mesh units; its integral over the component of x is 1.
+        K_t(x, y) for all y, in 1 / squared mesh units; its integral is 1, unless the component of x was left
+        out of the spectrum.
     """
     decay = np.exp(-spectrum.eigenvalues * _positive_times(time))
     heat: FloatArray = spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source])
@@ -93,7 +94,8 @@ def scale_invariant_hks(
     alpha : float
         Base of the logarithmic scale, > 1.
     tau : (s,) array_like, optional
-        Evenly spaced exponents; t = α^τ in squared mesh units. Default 1 to 25 in steps of 1/16.
+        Evenly spaced exponents; t = α^τ in squared mesh units. Default 1 to 25 in steps of 1/16, made for
+        shapes of some 10⁴ squared units (TOSCA); other units need other exponents.
     frequencies : int
         How many of the lowest frequencies to keep, from ω = 0.
 
@@ -162,16 +164,21 @@ def wave_kernel_signature(
     if positive.sum() < 2:
         raise ValueError("the wave kernel signature needs at least two positive eigenvalues")
     log_eigenvalues = np.log(spectrum.eigenvalues[positive])
-    if isinstance(energies, int):
+    if np.ndim(energies) == 0:
+        count = int(np.asarray(energies))
+        if count < 1:
+            raise ValueError(f"energies must be at least 1, not {count}")
         low, high = log_eigenvalues[0], log_eigenvalues[-1]
         if sigma is None:
             # σ = 7 steps and a margin of 2σ at both ends: high - low = (energies - 1 + 28) steps.
-            sigma = 7 * (high - low) / (energies + 27)
-        grid = np.linspace(low + 2 * sigma, high - 2 * sigma, energies)
+            sigma = 7 * (high - low) / (count + 27)
+        grid = np.linspace(low + 2 * sigma, high - 2 * sigma, count)
     else:
         grid = np.atleast_1d(np.asarray(energies, dtype=np.float64))
         if sigma is None:
             raise ValueError("explicit energies need an explicit sigma")
+    if not sigma > 0:
+        raise ValueError(f"sigma must be positive, not {sigma}")
     exponents = -((grid[None, :] - log_eigenvalues[:, None]) ** 2) / (2 * sigma**2)
     weights = np.exp(exponents - exponents.max(axis=0))  # shifted, so that no column underflows to zeros
     weights /= weights.sum(axis=0)

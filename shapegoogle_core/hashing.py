@@ -48,8 +48,8 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
     thresholds_ : (s,) array
         b.
     losses_ : (s,) array
-        Weighted exponential loss of each bit when it was chosen: 1 is no better than chance for a balanced
-        set, e⁻¹ is perfect.
+        Weighted exponential loss of each bit when it was chosen: e⁻¹ is perfect, cosh 1 ≈ 1.54 no better
+        than chance for a balanced set.
     """
 
     def __init__(
@@ -107,9 +107,7 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         self.losses_ = np.empty(self.bits)
         for bit in range(self.bits):
             if self.projection == "random":
-                directions = random.standard_normal(
-                    (min(self.candidates, self.n_features_in_), first.shape[1])
-                )
+                directions = random.standard_normal((self.candidates, first.shape[1]))
             else:
                 directions = self._eigenvectors(differences, similar, weights)
             directions /= np.linalg.norm(directions, axis=1, keepdims=True)

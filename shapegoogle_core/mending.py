@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from shapegoogle_core.mesh.holes import close_holes
@@ -32,6 +33,10 @@ class Mending:
     floor: int = 1000
     budget: int = 5000
     smoothing: float = 3e-4
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.close_holes <= 1 and 0 <= self.smoothing < math.inf and self.budget >= 4):
+            raise ValueError(f"mending out of range: {self}")
 
 
 def mend(mesh: Mesh, mending: Mending) -> Mesh:

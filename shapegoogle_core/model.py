@@ -22,7 +22,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 
-__all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model"]
+__all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
 
 FORMAT = 1
 """Version of the model file; a file with a higher one is refused."""
@@ -125,10 +125,11 @@ class ShapeModel:
             if array.shape != shape or not np.isfinite(array).all():
                 raise ModelError(f"the model's {name} are damaged: expected finite numbers of shape {shape}")
         for channel, words in zip(self.settings.channels, self.vocabularies, strict=True):
-            if len(words.centers) != channel.words or not (
-                np.isfinite(words.centers).all() and words.sigma > 0
-            ):
-                raise ModelError("the model's vocabulary is damaged")
+            fits = words.centers.shape == (channel.words, channel.size)
+            if not (fits and np.isfinite(words.centers).all() and 0 < words.sigma < np.inf):
+                raise ModelError(f"the model's vocabulary of {channel.descriptor!r} is damaged")
+        if not (0 < self.similarity_half < np.inf and 0 < self.similarity_slope < np.inf):
+            raise ModelError("the model's calibration of similarities is damaged")
 
     def __repr__(self) -> str:
         return f"ShapeModel({self.name!r}, {self.identifier})"
@@ -151,7 +152,7 @@ class ShapeModel:
     @cached_property
     def identifier(self) -> str:
         """16 hex digits: a hash of all that is learnt. Signatures are comparable iff these are equal."""
-        digest = hashlib.sha256(self._header().encode())
+        digest = hashlib.sha256(json.dumps(asdict(self.settings), sort_keys=True).encode())
         for name, array in sorted(self._arrays().items()):
             digest.update(name.encode())
             digest.update(np.ascontiguousarray(array).tobytes())

@@ -46,6 +46,11 @@ def _wks(spectrum: Spectrum, low: float, high: float, count: int, sigma: float) 
     return values
 
 
+def _check(right: bool, name: str, wanted: str, value: object) -> None:
+    if not right:
+        raise ModelError(f"{name} must be {wanted}, not {value!r}")
+
+
 DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
     "hks": _hks,
     "log-hks": _log_hks,
@@ -93,6 +98,19 @@ class ChannelSettings:
             raise ModelError(f"descriptor must be one of {', '.join(DESCRIPTORS)}, not {self.descriptor!r}")
         if not self.bags or not set(self.bags) <= set(BAGS):
             raise ModelError(f"bags must be some of {', '.join(BAGS)}, not {self.bags}")
+        _check(self.words >= 1, "words", "at least 1", self.words)
+        _check(0 <= self.pair_time < math.inf, "pair_time", "a time ≥ 0", self.pair_time)
+        _check(0 < self.sigma_factor < math.inf, "sigma_factor", "positive", self.sigma_factor)
+        try:
+            self.size  # noqa: B018 (tries the parameters)
+        except (TypeError, ValueError) as error:
+            raise ModelError(f"parameters of {self.descriptor!r} do not work: {error}") from error
+
+    @property
+    def size(self) -> int:
+        """d, how many values the descriptor has at a vertex."""
+        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(3), np.ones(3))
+        return int(DESCRIPTORS[self.descriptor](spectrum, **self.parameters).shape[1])
 
     def bag_sizes(self) -> list[int]:
         """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""
@@ -153,8 +171,12 @@ class ModelSettings:
             raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
         if self.metric not in ("cosine", "l1"):
             raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
-        if self.code_bits % 8 or self.code_bits <= 0:
-            raise ModelError(f"code_bits must be a positive multiple of 8, not {self.code_bits}")
+        bits = self.code_bits
+        _check(bits > 0 and bits % 8 == 0, "code_bits", "a positive multiple of 8", bits)
+        _check(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
+        _check(0 < self.area < math.inf, "area", "positive", self.area)
+        _check(self.projected >= 1, "projected", "at least 1", self.projected)
+        _check(0 <= self.shrinkage <= 1, "shrinkage", "from 0 to 1", self.shrinkage)
 
     @property
     def bag_size(self) -> int:

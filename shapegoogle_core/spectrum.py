@@ -28,7 +28,8 @@ class Spectrum:
     Attributes
     ----------
     eigenvalues : (k,) array
-        Ascending, ≥ 0, in 1 / squared mesh units. One zero for each connected component.
+        Ascending, ≥ 0, in 1 / squared mesh units. Exactly 0 once for each connected component; of more
+        components than k, the largest are kept, and the others have no heat.
     eigenvectors : (n, k) array
         Orthonormal in their operator's mass: ΦᵀAΦ = I. In 1 / mesh units. The entry of largest magnitude
         of each is positive.
@@ -73,7 +74,7 @@ def compute_spectrum(mesh: Mesh, k: int = 100, laplacian: str = "robust") -> Spe
     operator = build_operator(mesh, laplacian)
     try:
         return operator_spectrum(operator, k)
-    except (sparse_linalg.ArpackError, np.linalg.LinAlgError, RuntimeError) as error:
+    except (np.linalg.LinAlgError, RuntimeError) as error:  # ARPACK's and SuperLU's errors are RuntimeErrors
         raise MeshError(f"{mesh.name!r}: the eigenproblem could not be solved ({error})") from error
 
 
@@ -102,11 +103,25 @@ def operator_spectrum(operator: Operator, k: int = 100) -> Spectrum:
     component_count, component = connected_components(operator.stiffness, directed=False)
     if component_count == 1:
         eigenvalues, eigenvectors = _smallest_pairs(operator, k)
+    elif component_count >= k:
+        eigenvalues, eigenvectors = _constants_of_largest(mass, component, k)
     else:
         eigenvalues, eigenvectors = _union_of_components(operator, component, k)
     largest = np.abs(eigenvectors).argmax(axis=0)
     eigenvectors *= np.where(eigenvectors[largest, np.arange(k)] < 0, -1.0, 1.0)
     return Spectrum(np.maximum(eigenvalues, 0.0), eigenvectors, mass)
+
+
+def _constants_of_largest(mass: FloatArray, component: np.ndarray, k: int) -> tuple[FloatArray, FloatArray]:
+    """Take the constant functions of the k largest components: all wanted eigenvalues are 0.
+
+    Every choice of k components would be right; the largest ones keep most of the surface, and the choice
+    does not hang on rounding.
+    """
+    areas = np.bincount(component, mass)
+    largest = np.argsort(-areas, kind="stable")[:k]
+    constants = np.where(component[:, None] == largest, 1 / np.sqrt(areas[largest]), 0.0)
+    return np.zeros(k), constants
 
 
 def _union_of_components(operator: Operator, component: np.ndarray, k: int) -> tuple[FloatArray, FloatArray]:
@@ -152,6 +167,7 @@ def _smallest_pairs(operator: Operator, k: int) -> tuple[FloatArray, FloatArray]
         values, vectors = scipy.linalg.eigh(
             operator.stiffness.toarray(), operator.mass.toarray(), subset_by_index=[0, k - 1]
         )
+        values[0] = 0.0  # the constant function's, known exactly
         return values, vectors
     # With an order of small bandwidth SuperLU's own ordering takes a fraction of its time.
     order = reverse_cuthill_mckee(operator.stiffness.tocsr(), symmetric_mode=True)
@@ -173,4 +189,6 @@ def _smallest_pairs(operator: Operator, k: int) -> tuple[FloatArray, FloatArray]
     ascending = np.argsort(values)
     unpermuted = np.empty_like(vectors)
     unpermuted[order] = vectors[:, ascending]
-    return values[ascending], unpermuted
+    values = values[ascending]
+    values[0] = 0.0  # the constant function's, known exactly
+    return values, unpermuted

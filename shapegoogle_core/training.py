@@ -56,7 +56,15 @@ def _silent(iterable: Iterable[T], _description: str, _total: int, /) -> Iterabl
 
 @dataclass(frozen=True, eq=False)
 class TrainingShape:
-    """A shape to learn from: `identity` names it, `meshes` are the same shape in one or several poses."""
+    """A shape to learn from.
+
+    Attributes
+    ----------
+    identity : str
+        Its name; training shapes of one identity are the same shape.
+    meshes : tuple of Mesh
+        The shape in one or several poses, at least one.
+    """
 
     identity: str
     meshes: tuple[Mesh, ...]
@@ -117,8 +125,9 @@ def train_model(
     ModelError
         If there are too few usable shapes.
     """
-    if len(shapes) < 8:
-        raise ModelError(f"a model needs at least 8 different shapes to learn from, not {len(shapes)}")
+    _check_variety(len({shape.identity for shape in shapes}))
+    if versions < 1 or not all(shape.meshes for shape in shapes):
+        raise ValueError("training needs at least one version and at least one mesh of every shape")
     random = np.random.default_rng(seed)
     plan = _plan_versions(shapes, versions, random)
     show = progress or _silent
@@ -126,15 +135,21 @@ def train_model(
         chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
         sampling = pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen], chunksize=2)
         samples = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
-        if len(samples) < 8:
-            raise ModelError(f"only {len(samples)} of {len(chosen)} training shapes could be used")
+        if not samples:
+            raise ModelError("none of the training shapes could be described; see the warnings")
         vocabularies = _learn_vocabularies(settings, samples, seed)
         describing = pool.map(partial(_version_bags, settings, vocabularies), plan, chunksize=2)
         described = list(show(describing, "bags", len(plan)))
     usable = [(version.label, bag) for version, bag in zip(plan, described, strict=True) if bag is not None]
-    labels = np.array([label for label, _ in usable])
+    labels = np.array([label for label, _ in usable], dtype=np.int64)
+    _check_variety(len(np.unique(labels)))
     bags = np.array([bag for _, bag in usable], dtype=np.float32)
     return fit_metric(settings, vocabularies, bags, labels, seed=seed, trained_on=trained_on)
+
+
+def _check_variety(different: int) -> None:
+    if different < 8:
+        raise ModelError(f"a model needs at least 8 different usable shapes to learn from, not {different}")
 
 
 def _one_thread() -> None:
@@ -144,9 +159,11 @@ def _one_thread() -> None:
 def _plan_versions(
     shapes: Sequence[TrainingShape], versions: int, random: np.random.Generator
 ) -> list[_Version]:
+    label_of = {identity: label for label, identity in enumerate(sorted({s.identity for s in shapes}))}
     kinds = [kind for kind in TRANSFORMATIONS if kind != "scale"]  # the search forgets the size anyway
     plan = []
-    for label, shape in enumerate(shapes):
+    for shape in shapes:
+        label = label_of[shape.identity]
         plan += [_Version(label, mesh, "null", 0, 0) for mesh in shape.meshes]
         for _ in range(versions):
             mesh = shape.meshes[random.integers(len(shape.meshes))]
@@ -225,9 +242,9 @@ def fit_metric(
     random = np.random.default_rng(seed)
     weights = np.ones(bags.shape[1], np.float32)
     if settings.inverse_document_frequency:
-        # Soft bags contain every word a little; a word occurs where it has more than its mean share.
-        weighting = InverseDocumentFrequency(float(bags.mean())).fit(bags.astype(np.float64))
-        weights = weighting.weights_.astype(np.float32)
+        # Soft bags contain every word a little: a word occurs where it has more than its own mean share.
+        occurrences = (bags > bags.mean(axis=0)).astype(np.float64)
+        weights = InverseDocumentFrequency().fit(occurrences).weights_.astype(np.float32)
     bags = bags * weights
     mean, projection = learn_projection(bags, labels, settings.projected, settings.shrinkage)
     untrained = ShapeModel(

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Self
 
 import numpy as np
-from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, TransformerMixin
 
 from shapegoogle_core.estimators import check_features, learn_features
@@ -93,8 +92,10 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
             distances = kmeans.transform(descriptors[inliers]).min(axis=1)
         order = np.lexsort(kmeans.cluster_centers_.T[::-1])
         self.centers_ = kmeans.cluster_centers_[order]
-        # All descriptors equal to a word (a sphere): any σ gives the same hard assignment.
-        self.sigma_ = self.sigma_factor * float(np.median(distances)) or 1.0
+        # Where most descriptors equal their word, a σ of 0 would divide by zero: a small one, relative to
+        # the spread of the descriptors, gives the hard assignment that it stands for.
+        spread = float(np.sqrt(descriptors.var(axis=0).sum()))
+        self.sigma_ = max(self.sigma_factor * float(np.median(distances)), 1e-6 * spread) or 1.0
         return self
 
     def transform(self, X: FloatArray) -> FloatArray:
@@ -127,6 +128,5 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         -------
         word : (n,) array of int
         """
-        descriptors = check_features(self, X)
-        nearest: np.ndarray = cdist(descriptors, self.centers_, "sqeuclidean").argmin(axis=1)
+        nearest: np.ndarray = hard_words(check_features(self, X), self.centers_).argmax(axis=1)
         return nearest

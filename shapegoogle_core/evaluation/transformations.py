@@ -251,6 +251,10 @@ def _normals(mesh: Mesh) -> FloatArray:
 def _sampling(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     del rng  # nothing is left to chance
     wanted = round(_FACE_SHARES[strength - 1] * len(mesh.faces))
+    if max(wanted, 4) >= len(mesh.faces):
+        raise MeshError(
+            f"{mesh.name!r} has only {len(mesh.faces)} faces, too few to sample; take a finer mesh"
+        )
     positions, place = _places(mesh)
     vertices, faces = fast_simplification.simplify(
         positions.copy(), place[mesh.faces].astype(np.int32), target_count=max(wanted, 4)

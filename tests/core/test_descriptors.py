@@ -110,7 +110,8 @@ def test_si_hks_hardly_changes_with_the_size(bumpy):
 
 
 def test_si_hks_default_is_the_papers(spectrum):
-    assert scale_invariant_hks(spectrum).shape == (len(spectrum.mass), 6)
+    explicit = scale_invariant_hks(spectrum, alpha=2, tau=np.arange(1, 25 + 1 / 32, 1 / 16), frequencies=6)
+    np.testing.assert_array_equal(scale_invariant_hks(spectrum), explicit)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +154,15 @@ def test_wks_needs_positive_eigenvalues():
 
 
 def test_wks_default_grid(spectrum):
-    assert wave_kernel_signature(spectrum, 50).shape == (len(spectrum.mass), 50)
+    logarithms = np.log(spectrum.eigenvalues[[1, -1]])
+    step = np.ptp(logarithms) / (49 + 28)  # 2σ = 14 steps stay free at both ends
+    energies = logarithms[0] + 14 * step + step * np.arange(50)
+    explicit = wave_kernel_signature(spectrum, energies, sigma=7 * step)
+    for count in (50, np.int64(50)):
+        np.testing.assert_allclose(wave_kernel_signature(spectrum, count), explicit)
+    for options in ({"energies": 0}, {"energies": energies, "sigma": 0.0}):
+        with pytest.raises(ValueError, match=r"at least 1|positive"):
+            wave_kernel_signature(spectrum, **options)
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -114,6 +114,20 @@ def test_distance_to_itself_is_zero_and_similarity_falls(shapes, model):
     assert model.similarity(np.array([model.similarity_half]))[0] == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize("distance", [1e3, 1e9, 1e200])
+def test_a_stray_vertex_changes_nothing(distance, bumpy, model):
+    stray = Mesh(np.concatenate([bumpy.vertices, [[distance, 0, 0]]]), bumpy.faces)
+    assert change(model, bumpy, stray) < RIGID_BOUND
+
+
+def test_open_shape_of_several_parts_may_be_moved(shapes, model):
+    ball, sheet = shapes.bumpy(3), shapes.rectangle(2.0, 1.0, 20)
+    faces = np.concatenate([ball.faces[100:], sheet.faces + len(ball.vertices)])
+    parts = Mesh(np.concatenate([ball.vertices, sheet.vertices + 2]), faces)
+    rotation, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))
+    assert change(model, parts, Mesh(parts.vertices @ rotation * 7, faces)) < RIGID_BOUND
+
+
 def test_low_poly_props_have_a_signature(model):
     box = trimesh.creation.box((1, 2, 3))
     assert np.isfinite(model.describe(Mesh(box.vertices, box.faces)).bags).all()
@@ -197,12 +211,23 @@ def test_contradictions_in_the_file_are_refused(model):
         ({"directions": None}, "not a Shape Google model"),
         ({"header": np.array("[]")}, "not a Shape Google model"),
         ({"header": np.array("{")}, "not a Shape Google model"),
+        ({"sigmas": np.full(len(model.vocabularies), np.inf)}, "vocabulary"),
         ({"sigmas": -np.ones(len(model.vocabularies))}, "vocabulary"),
         ({"centers_0": np.ones((2, 2))}, "vocabulary"),
     ]
     for changes, message in cases:
         with pytest.raises(ModelError, match=message):
             ShapeModel.from_bytes(changed_archive(model, **changes))
+
+
+@pytest.mark.parametrize("name", ["similarity_half", "similarity_slope"])
+@pytest.mark.parametrize("value", [0.0, -2.0, float("nan")])
+def test_damaged_calibration_is_refused(name, value, model):
+    with np.load(io.BytesIO(model.to_bytes())) as archive:
+        header = json.loads(str(archive["header"]))
+    header[name] = value
+    with pytest.raises(ModelError, match="calibration"):
+        ShapeModel.from_bytes(changed_archive(model, header=np.array(json.dumps(header))))
 
 
 def test_newer_format_says_update(model):

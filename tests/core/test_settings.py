@@ -47,6 +47,10 @@ def test_paper_preset_has_the_authors_parameters():
         ({"laplacian": "graph"}, "laplacian must be one of"),
         ({"metric": "l2"}, "metric must be"),
         ({"code_bits": 12}, "multiple of 8"),
+        ({"eigenpairs": 0}, "eigenpairs must be"),
+        ({"area": -1.0}, "area must be"),
+        ({"projected": 0}, "projected must be"),
+        ({"shrinkage": 2.0}, "shrinkage must be"),
         ({"channels": ()}, "at least one channel"),
     ],
 )
@@ -60,6 +64,12 @@ def test_refuses_unknown_channels_and_settings():
         ChannelSettings("gps", {})
     with pytest.raises(ModelError, match="bags must be some of"):
         ChannelSettings("hks", {}, bags=("triples",))
+    for parameters in ({"times": (-1.0,)}, {"times": (1.0,), "future": 1}, {}):
+        with pytest.raises(ModelError, match="parameters of 'hks' do not work"):
+            ChannelSettings("hks", parameters)
+    for change in ({"words": 0}, {"pair_time": -1.0}, {"sigma_factor": 0.0}):
+        with pytest.raises(ModelError, match="must be"):
+            ChannelSettings("hks", {"times": (1.0,)}, **change)
     values = asdict(PRESETS["paper"])
     with pytest.raises(ModelError, match="unknown settings future"):
         ModelSettings.from_dict({**values, "future": 1})
@@ -70,8 +80,11 @@ def test_refuses_unknown_channels_and_settings():
 
 @pytest.mark.parametrize("descriptor", sorted(DESCRIPTORS))
 @pytest.mark.parametrize("square_root", [True, False])
-def test_every_descriptor_and_bag_works(descriptor, square_root, bumpy):
-    channel = ChannelSettings(descriptor, PARAMETERS[descriptor], words=4, bags=BAGS, pair_time=0.05)
+@pytest.mark.parametrize("soft", [True, False])
+def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
+    channel = ChannelSettings(
+        descriptor, PARAMETERS[descriptor], words=4, soft=soft, bags=BAGS, pair_time=0.05
+    )
     settings = ModelSettings("test", (channel,), square_root=square_root, code_bits=8)
     spectrum = compute_spectrum(bumpy, 40)
     descriptors = DESCRIPTORS[descriptor](spectrum, **channel.parameters)

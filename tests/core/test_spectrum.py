@@ -150,6 +150,30 @@ def test_more_components_than_eigenpairs():
     )
 
 
+def test_of_too_many_components_the_largest_are_kept(shapes):
+    """Which parts get heat must not hang on rounding: a rotation changes nothing."""
+    triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
+    sizes = np.random.default_rng(0).permutation(30) + 1
+    vertices = np.concatenate([triangle * size + 50 * index for index, size in enumerate(sizes)])
+    rotation, _ = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))
+    faces = np.arange(90).reshape(30, 3)
+    for points in (vertices, vertices @ rotation):
+        spectrum = compute_spectrum(Mesh(points, faces), 12)
+        assert (spectrum.eigenvalues == 0).all()
+        heated = (spectrum.eigenvectors != 0).any(axis=1)[::3]
+        np.testing.assert_array_equal(heated, sizes > 18)
+
+
+@pytest.mark.parametrize(("mesh", "k"), [("sphere", 200), ("torus", 120)])
+def test_iterative_solver_agrees_with_the_dense_one(mesh, k, shapes, monkeypatch):
+    """Multiple eigenvalues are where a Krylov method could miss some."""
+    surface = shapes.sphere(3) if mesh == "sphere" else shapes.flat_torus(2.0, 1.2, 30)
+    iterative = compute_spectrum(surface, k)
+    monkeypatch.setattr("shapegoogle_core.spectrum.DENSE_SIZE", len(surface.vertices))
+    dense = compute_spectrum(surface, k)
+    np.testing.assert_allclose(iterative.eigenvalues, dense.eigenvalues, atol=1e-9 * dense.eigenvalues[-1])
+
+
 @settings(max_examples=10, deadline=None)
 @given(exponent=st.floats(-6, 6), laplacian=st.sampled_from(OPERATORS), seed=st.integers(0, 1000))
 def test_eigenvalues_scale_with_the_inverse_area(exponent, laplacian, seed):

@@ -119,6 +119,25 @@ def test_training_is_reproducible(training_shapes):
     assert other.identifier != first.identifier
 
 
+def test_idf_weighs_every_bag(training_shapes):
+    model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=4)
+    for weights in np.split(model.weights, np.cumsum(SMALL.channels[0].bag_sizes())[:-1]):
+        assert (weights > 0).mean() > 0.9
+        assert len(np.unique(weights)) > 1
+
+
+def test_versions_that_cannot_be_made_are_left_out(training_shapes):
+    """A shape of two faces: no sampling, no holes; the others still make a model."""
+    flat = TrainingShape(
+        "flat", (Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),)
+    )
+    model = train_model([*training_shapes, flat], SMALL, versions=3)
+    assert np.isfinite(model.projection).all()
+    nothing = [TrainingShape(f"flat {n}", (Mesh(np.zeros((5, 3)), [[0, 1, 2]]),)) for n in range(8)]
+    with pytest.raises(ModelError, match="none of the training shapes"):
+        train_model(nothing, SMALL, versions=1)
+
+
 @pytest.mark.parametrize("change", [{"metric": "l1"}, {"inverse_document_frequency": True}])
 def test_training_with_the_papers_distances(training_shapes, change):
     model = train_model(training_shapes, replace(SMALL, **change), versions=2)
@@ -129,5 +148,9 @@ def test_training_with_the_papers_distances(training_shapes, change):
 
 
 def test_too_few_shapes(training_shapes):
-    with pytest.raises(ModelError, match="at least 8 different shapes"):
+    with pytest.raises(ModelError, match="at least 8 different usable shapes"):
         train_model(training_shapes[:7], SMALL)
+    with pytest.raises(ModelError, match="not 1"):
+        train_model([replace(shape, identity="one") for shape in training_shapes], SMALL)
+    with pytest.raises(ValueError, match="at least one version"):
+        train_model(training_shapes, SMALL, versions=0)

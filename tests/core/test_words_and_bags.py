@@ -42,6 +42,14 @@ def test_outliers_do_not_pull_the_words():
     assert Vocabulary(4, outlier_share=0.0).fit(blobs(outliers=5)).centers_.max() > 10
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_descriptors_that_equal_their_words_are_quantised_hard(scale):
+    """A sphere beside a few other shapes: most descriptors are the same, in any unit."""
+    points = scale * np.repeat([[0.0, 0.0], [0.18, 0.0], [0.0, 0.18]], 50, axis=0)
+    vocabulary = Vocabulary(3).fit(points)
+    np.testing.assert_allclose(vocabulary.transform(points).max(axis=1), 1.0)
+
+
 def test_vocabulary_is_reproducible():
     first, second = (Vocabulary(8, random_state=3).fit(blobs()).centers_ for _ in range(2))
     np.testing.assert_array_equal(first, second)

@@ -42,7 +42,7 @@ def test_a_model_is_learnt(small_preset: str, make_mesh, tmp_path: Path, capsys:
 def test_too_few_shapes(small_preset: str, folder: Path, tmp_path: Path, capsys: Capture) -> None:
     arguments = ["train", str(folder), "--preset", small_preset, "--output", str(tmp_path / "mine.npz")]
     assert main(arguments) == 2
-    assert "at least 8 different shapes" in capsys.readouterr().err
+    assert "at least 8 different usable shapes" in capsys.readouterr().err
     assert not (tmp_path / "mine.npz").exists()
 
 
