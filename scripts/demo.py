@@ -77,6 +77,17 @@ def query_mesh() -> Mesh:
     return Mesh(QUERY_SCALE * mesh.vertices, mesh.faces, QUERY.name)
 
 
+def forget_other_model() -> None:
+    """Remove the demo's own library if an earlier version's model made it: it cannot be searched any more."""
+    from shapegoogle_core import Library, load_model
+
+    if LIBRARY.exists():
+        with Library.open(LIBRARY, read_only=True) as library:
+            outdated = library.model.identifier != load_model().identifier
+        if outdated:
+            LIBRARY.unlink()
+
+
 def write_mesh(path: Path, mesh: Mesh) -> None:
     """Write a mesh file, unless it is there with the same content: then it keeps its time."""
     import trimesh
@@ -141,6 +152,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, mesh in library_meshes():
         write_mesh(MESHES / name, mesh)
     write_mesh(QUERY, query_mesh())
+    forget_other_model()
     run_command("index", MESHES, "--library", LIBRARY)
     run_command("query", QUERY, "--library", LIBRARY, "--top", str(MATCHES))
     write_picture()
