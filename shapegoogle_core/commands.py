@@ -13,11 +13,11 @@ from pathlib import Path
 
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.indexing import IndexReport, find_meshes, index_files
+from shapegoogle_core.indexing.workers import default_jobs
 from shapegoogle_core.library import Library, Match
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model import load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
-from shapegoogle_core.workers import default_jobs
 
 __all__ = ["DONE", "INTERRUPTED", "SOME_FAILED", "UNUSABLE", "index", "info", "query", "say", "train"]
 

@@ -14,12 +14,12 @@ import pytest
 import trimesh
 
 from shapegoogle_core.describing import ChannelWords
-from shapegoogle_core.files import examine
 from shapegoogle_core.indexing import find_meshes
+from shapegoogle_core.indexing.files import examine
+from shapegoogle_core.indexing.workers import describe_file
 from shapegoogle_core.library import Library, NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
-from shapegoogle_core.workers import describe_file
 
 # `misbehaving` must be a module that worker processes can import too; they are given the same path.
 sys.path.insert(0, str(Path(__file__).parent))

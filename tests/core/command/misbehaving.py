@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from shapegoogle_core.indexing.workers import DescribedFile, describe_file
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.workers import DescribedFile, describe_file
 
 
 def describe(path: Path, model: ShapeModel) -> DescribedFile:

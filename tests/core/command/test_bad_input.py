@@ -55,7 +55,11 @@ BAD_FILES: list[tuple[str, Callable[[Path], object], str]] = [
     ("three_vertices.off", text(TRIANGLE), "at least 4"),
     ("coincident.off", text("OFF\n5 2 0\n" + "1 2 3\n" * 5 + "3 0 1 2\n3 2 3 4\n"), ""),
     ("no_area.off", text("OFF\n4 2 0\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n3 0 1 2\n3 1 2 3\n"), ""),
-    ("index_out_of_range.off", text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 1\n3 0 1 7\n"), "face index outside"),
+    (
+        "index_out_of_range.off",
+        text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 1\n3 0 1 7\n"),
+        "face index outside",
+    ),
 ]
 if sys.platform == "linux":  # elsewhere a process has no memory limit
     BAD_FILES.append(("ten_million_faces.stl", million_faces(10_000_000), "more than 512 MB of memory"))

@@ -13,8 +13,8 @@ import pytest
 
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
+from shapegoogle_core.indexing.workers import Workers
 from shapegoogle_core.library import Library
-from shapegoogle_core.workers import Workers
 
 SOUND = ["apple.off", "pear.obj", "prints.off", "quince.off"]
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")

@@ -11,9 +11,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from shapegoogle_core.files import ContentKey, FileState, absolute, content_key, examine, find_meshes, stamp
-from shapegoogle_core.library import Library, NewShape, SourceRecord
-from shapegoogle_core.workers import (
+from shapegoogle_core.indexing.files import ContentKey, FileState, absolute, content_key, examine, stamp
+from shapegoogle_core.indexing.workers import (
     DescribedFile,
     DescribeFunction,
     Failure,
@@ -22,8 +21,9 @@ from shapegoogle_core.workers import (
     describe_file,
     single_threaded,
 )
+from shapegoogle_core.library import Library, NewShape, SourceRecord
 
-__all__ = ["FileOutcome", "IndexReport", "find_meshes", "index_files"]
+__all__ = ["FileOutcome", "IndexReport", "index_files"]
 
 # Files in the hands of the workers, for each of them: enough that none waits, few enough to keep memory flat.
 AHEAD = 3
