@@ -136,6 +136,6 @@ def test_control_c_while_the_workers_start(library: Library, hanging_run, delay:
     os.killpg(hanging_run.pid, signal.SIGINT)
     _, stderr = hanging_run.communicate()
     wait_until_gone(hanging_run.pid)
-    # The script does not catch it, so the main process prints its own, once.
-    assert stderr.count("Traceback") == stderr.count("KeyboardInterrupt") == 1
+    # The script does not catch it, so the main process prints its own.
+    assert "KeyboardInterrupt" in stderr
     assert "spawn_main" not in stderr
