@@ -10,8 +10,12 @@ from numpy.typing import NDArray
 from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model import row_distances
 
-__all__ = ["calibrate", "choose_pairs", "learn_projection"]
+__all__ = ["RIVALS", "calibrate", "choose_pairs", "learn_projection", "rival_distances"]
+
+RIVALS = 50
+"""Of so many different shapes the nearest stands against a version of the same shape."""
 
 
 def learn_projection(
@@ -89,6 +93,44 @@ def choose_pairs(
     negative = negative[labels[negative[:, 0]] != labels[negative[:, 1]]][:count]
     pairs = np.concatenate([np.array(positive), negative])
     return pairs[:, 0], pairs[:, 1], np.arange(len(pairs)) < len(positive)
+
+
+def rival_distances(
+    metric: str,
+    vectors: FloatBags,
+    labels: NDArray[np.int64],
+    random: np.random.Generator,
+    count: int = 5_000,
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Distances to another version of the same shape, and to the nearest of `RIVALS` different shapes.
+
+    Random different shapes are easy to tell apart; who looks at a list of matches wants to know whether the
+    best one is the shape itself or only the most similar other one.
+
+    Parameters
+    ----------
+    metric : {"cosine", "l1"}
+    vectors : (n, p) array
+        From `ShapeModel.comparable`.
+    labels : (n,) array of int
+        Which shape each version belongs to.
+    random : numpy.random.Generator
+    count : int
+        Of each kind.
+
+    Returns
+    -------
+    distances : (P,) array
+    similar : (P,) array of bool
+    """
+    first, second, similar = choose_pairs(labels, random, count)
+    positive = row_distances(metric, vectors[first[similar]], vectors[second[similar]])
+    nearest = []
+    for index in first[similar]:
+        others = random.integers(len(labels), size=2 * RIVALS)
+        others = others[labels[others] != labels[index]][:RIVALS]
+        nearest.append(row_distances(metric, vectors[index : index + 1], vectors[others]).min())
+    return np.concatenate([positive, nearest]), np.repeat([True, False], [len(positive), len(nearest)])
 
 
 def calibrate(distances: FloatArray, similar: NDArray[np.bool_]) -> tuple[float, float]:

@@ -295,9 +295,9 @@ class ShapeModel:
     def similarity(self, distances: FloatArray) -> FloatArray:
         """Turn distances into a similarity from 0 to 1.
 
-        s(d) = 1 / (1 + (d / d_½)^p), fitted on training pairs by logistic regression: the probability that
-        two shapes at distance d are the same one transformed, if that is as likely beforehand as that they
-        are two different ones.
+        s(d) = 1 / (1 + (d / d_½)^p), fitted on training shapes by logistic regression: the probability that
+        a shape at distance d is the same one transformed rather than the nearest of fifty different ones, if
+        either is as likely beforehand.
 
         Parameters
         ----------

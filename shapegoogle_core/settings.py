@@ -149,6 +149,8 @@ class ModelSettings:
         (the paper's).
     code_bits : int
         Length of the binary code, a multiple of 8.
+    code_directions : {"eigenvectors", "random"}
+        Where the codes' candidate directions come from, see `SimilaritySensitiveHashing`.
     """
 
     name: str
@@ -163,12 +165,17 @@ class ModelSettings:
     shrinkage: float = 0.05
     metric: str = "cosine"
     code_bits: int = 256
+    code_directions: str = "eigenvectors"
 
     def __post_init__(self) -> None:
         if not self.channels:
             raise ModelError("a model needs at least one channel")
         if self.laplacian not in LAPLACIANS:
             raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
+        if self.code_directions not in ("eigenvectors", "random"):
+            raise ModelError(
+                f"code_directions must be 'eigenvectors' or 'random', not {self.code_directions!r}"
+            )
         if self.metric not in ("cosine", "l1"):
             raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
         bits = self.code_bits
@@ -247,6 +254,7 @@ PRESETS: dict[str, ModelSettings] = {
                 bags=_ALL_BAGS,
             ),
         ),
+        code_directions="random",
     ),
     "paper": ModelSettings(
         name="paper",

@@ -26,8 +26,8 @@ from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, t
 from shapegoogle_core.hashing import SimilaritySensitiveHashing
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection
-from shapegoogle_core.model import ShapeModel, row_distances
+from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_distances
+from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.vocabulary import Vocabulary
@@ -261,11 +261,12 @@ def fit_metric(
     )
     first, second, similar = choose_pairs(labels, random, count=PAIRS)
     vectors = untrained.embed(bags).astype(np.float64)
-    hashing = SimilaritySensitiveHashing(settings.code_bits, random_state=seed)
+    hashing = SimilaritySensitiveHashing(
+        settings.code_bits, projection=settings.code_directions, random_state=seed
+    )
     hashing.fit(vectors[first], vectors[second], similar)
     compared = untrained.comparable(bags)
-    distances = row_distances(settings.metric, compared[first], compared[second])
-    half, slope = calibrate(distances, similar)
+    half, slope = calibrate(*rival_distances(settings.metric, compared, labels, random))
     return replace(
         untrained,
         directions=hashing.directions_.astype(np.float32),

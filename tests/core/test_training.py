@@ -10,7 +10,7 @@ import pytest
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection
+from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_distances
 from shapegoogle_core.model import row_distances
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 from shapegoogle_core.training import TrainingShape, train_model
@@ -69,6 +69,15 @@ def test_pairs_are_labelled_right():
     np.testing.assert_array_equal(labels[first] == labels[second], similar)
     assert (first != second).all()
     assert similar.sum() == 100
+
+
+def test_rivals_are_the_nearest_of_many():
+    bags, labels = versions_of_shapes()
+    distances, similar = rival_distances("l1", bags, labels, np.random.default_rng(0), count=300)
+    assert similar.sum() == (~similar).sum() == 300
+    first, second, same = choose_pairs(labels, np.random.default_rng(0), count=300)
+    any_other = row_distances("l1", bags[first], bags[second])[~same]
+    assert np.median(distances[~similar]) < np.quantile(any_other, 0.1)
 
 
 def test_calibration_recovers_the_probability():
