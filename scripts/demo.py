@@ -28,7 +28,7 @@ __all__ = ["main"]
 
 FOLDER = environment.ROOT / "demo"
 MESHES = FOLDER / "creatures"
-LIBRARY = FOLDER / "creatures.db"
+LIBRARY = FOLDER / "creatures.sglib"
 PICTURE = FOLDER / "matches.png"
 
 KINDS = (

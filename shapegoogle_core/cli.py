@@ -98,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     index.add_argument(
         "--model",
         metavar="FILE",
-        help="for a new library: a file made by `train`, or the name of a shipped model",
+        help="for a new library: a file made by `train`, or a shipped model: default, paper",
     )
     index.add_argument(
         "--time-limit",
@@ -125,7 +125,9 @@ def _parser() -> argparse.ArgumentParser:
         "find the shapes of a library that are most like a mesh",
         "With --json, one line for each mesh:\n"
         '  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}\n'
-        'A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others go on.\n\n'
+        'A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others go on.\n'
+        "similarity, 0 to 1: how likely it is the same shape transformed rather than the nearest of many\n"
+        "others. distance orders the list, from 0 for the very same to 2. evidence is always null so far.\n\n"
         "examples:\n"
         "  shapegoogle query horse.obj --library shapes.sglib\n"
         "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n",
@@ -151,6 +153,7 @@ def _parser() -> argparse.ArgumentParser:
         "train",
         commands.train,
         "learn a model from your own shapes",
+        "Needs at least 8 different shapes, better 100 varied ones, and about a second for each version.\n"
         "Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz\n\n"
         "example:\n"
         "  shapegoogle train ~/models --output mine.npz\n",

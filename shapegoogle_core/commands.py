@@ -9,6 +9,7 @@ import traceback
 from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from shapegoogle_core.errors import MeshError, ModelError
@@ -38,6 +39,7 @@ def index(options: Namespace) -> int:
     with Library.open(options.library, model) as library:
         folders = [entry for entry in options.inputs if Path(entry).is_dir()]
         removed = library.remove_missing(folders) if options.prune else []
+        gone = [] if options.prune else library.missing(folders)
         progress = IndexProgress(len(paths), verbose=options.verbose)
         try:
             with progress:
@@ -62,6 +64,8 @@ def index(options: Namespace) -> int:
         print(json.dumps(_index_record(report, failed, removed, shapes)))
     else:
         print(_index_summary(report, failed, removed, shapes))
+    if gone:
+        say(f"{_count(len(gone), 'indexed file')} no longer there; forget with --prune")
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
 
@@ -118,7 +122,8 @@ def query(options: Namespace) -> int:
             sys.stdout.flush()
     if not options.json and len(failed) < len(options.meshes):
         print(
-            "similarity: how likely it is the same shape in another form; 1 for the very same, 0.5 undecided"
+            "similarity: how likely it is the same shape transformed rather than the nearest of many others\n"
+            "distance:   what orders the list, from 0 for the very same to 2"
         )
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
@@ -127,7 +132,7 @@ def query(options: Namespace) -> int:
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     rows = [("", "similarity", "distance", "name", "source")]
     rows += [
-        (str(rank), f"{match.similarity:.3f}", f"{match.distance:.4f}", match.name, match.source)
+        (str(rank), _shown(match), f"{match.distance:.4f}", match.name, match.source)
         for rank, match in enumerate(matches, start=1)
     ]
     ranks, similarities, distances, names, _ = (max(map(len, column)) for column in zip(*rows, strict=True))
@@ -140,17 +145,26 @@ def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     )
 
 
+def _shown(match: Match) -> str:
+    """Write the similarity so that only the very same shape is said to be 1."""
+    rounded = f"{match.similarity:.3f}"
+    return ">0.999" if rounded == "1.000" and match.distance > 0 else rounded
+
+
 def info(options: Namespace) -> int:
     """Print what a library holds."""
     with Library.open(options.library, read_only=True) as library:
         info = library.info()
+        failures = {path: source.error for path, source in library.sources().items() if source.error}
     if options.json:
-        print(json.dumps(info))
+        print(json.dumps({**info, "failures": failures}))
         return DONE
     width = max(map(len, info))
     for key, value in info.items():
         shown = f"{value:,}" if isinstance(value, int) else value
         print(f"{key.replace('_', ' '):<{width}}  {shown}")
+    for path, error in failures.items():
+        print(f"  {path}: {error}")
     return DONE
 
 
@@ -178,7 +192,7 @@ def train(options: Namespace) -> int:
             meshes[str(path.parent if options.poses else path)].append(mesh)
     model = train_model(
         [TrainingShape(identity, tuple(poses)) for identity, poses in sorted(meshes.items())],
-        PRESETS[options.preset],
+        replace(PRESETS[options.preset], name=output.stem),
         versions=options.versions,
         jobs=options.jobs or default_jobs(),
         seed=options.seed,

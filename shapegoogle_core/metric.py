@@ -15,7 +15,7 @@ from shapegoogle_core.model import row_distances
 __all__ = ["RIVALS", "calibrate", "choose_pairs", "learn_projection", "rival_distances"]
 
 RIVALS = 50
-"""Of so many different shapes the nearest stands against a version of the same shape."""
+"""Of about so many different shapes the nearest stands against a version of the same shape."""
 
 
 def learn_projection(
@@ -126,9 +126,10 @@ def rival_distances(
     first, second, similar = choose_pairs(labels, random, count)
     positive = row_distances(metric, vectors[first[similar]], vectors[second[similar]])
     nearest = []
+    rivals = min(RIVALS, len(np.unique(labels)) - 1)
     for index in first[similar]:
-        others = random.integers(len(labels), size=2 * RIVALS)
-        others = others[labels[others] != labels[index]][:RIVALS]
+        others = random.integers(len(labels), size=10 * rivals)
+        others = others[labels[others] != labels[index]][:rivals]
         nearest.append(row_distances(metric, vectors[index : index + 1], vectors[others]).min())
     return np.concatenate([positive, nearest]), np.repeat([True, False], [len(positive), len(nearest)])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Self, TypeVar
 
@@ -17,7 +17,7 @@ __all__ = ["IndexProgress", "progress_bar"]
 
 T = TypeVar("T")
 
-SECONDS_BETWEEN_LINES = 30.0
+SECONDS_BETWEEN_LINES = 10.0
 
 
 class IndexProgress:
@@ -73,7 +73,17 @@ class IndexProgress:
 def progress_bar(iterable: Iterable[T], description: str, total: int | None = None) -> Iterable[T]:
     """Wrap an iterable in a bar on a terminal, a line elsewhere; what `train_model` takes as `progress`."""
     if not sys.stderr.isatty():
-        print(f"{description} …", file=sys.stderr, flush=True)
-        return iterable
+        return _lines(iterable, description, total)
     wrapped: Iterable[T] = tqdm(iterable, description, total, dynamic_ncols=True)
     return wrapped
+
+
+def _lines(iterable: Iterable[T], description: str, total: int | None) -> Iterator[T]:
+    of_all = "" if total is None else f" of {total}"
+    print(f"{description} …", file=sys.stderr, flush=True)
+    last_line = time.monotonic()
+    for number, item in enumerate(iterable, start=1):
+        yield item
+        if time.monotonic() - last_line >= SECONDS_BETWEEN_LINES:
+            last_line = time.monotonic()
+            print(f"{description}: {number}{of_all}", file=sys.stderr, flush=True)

@@ -269,6 +269,30 @@ class Library:
         LibraryError
             If a folder does not exist; then nothing is removed.
         """
+        missing = self.missing(folders)
+        if missing:
+            self._store.remove_sources(missing)
+            self._search.forget_codes()
+        return missing
+
+    def missing(self, folders: Iterable[PathLike]) -> list[str]:
+        """List the indexed files that are no longer there.
+
+        Parameters
+        ----------
+        folders : iterable of str or path-like
+            As for `remove_missing`.
+
+        Returns
+        -------
+        missing : list of str
+            Paths of the sources.
+
+        Raises
+        ------
+        LibraryError
+            If a folder does not exist.
+        """
         roots = [Path(folder).resolve() for folder in folders]
         for root in roots:
             if not root.is_dir():
@@ -276,7 +300,7 @@ class Library:
                     f"'{root}' is not there, so files missing from it were kept; plug in its drive, or name "
                     "another folder"
                 )
-        missing = [
+        return [
             source.path
             for source in self._store.sources()
             # Only indexed files have a size; other sources are names that need not be paths.
@@ -284,10 +308,6 @@ class Library:
             and any(Path(source.path).resolve().is_relative_to(root) for root in roots)
             and _is_gone(source.path)
         ]
-        if missing:
-            self._store.remove_sources(missing)
-            self._search.forget_codes()
-        return missing
 
     # -- what is in it --------------------------------------------------------------------------------------
 
@@ -467,8 +487,8 @@ def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
     if model.identifier != identifier:
         raise LibraryError(
             f"'{store.path}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
-            "their signatures cannot be compared; open it without a model to use its own, or index your "
-            "folders into a new library"
+            "their signatures cannot be compared; leave the model out to use the library's own, or index "
+            "your folders into a new library"
         )
     return model
 

@@ -65,7 +65,7 @@ class Match:
         return {
             "name": self.name,
             "source": self.source,
-            "similarity": self.similarity,
+            "similarity": round(self.similarity, 6),
             "distance": self.distance,
             "evidence": None if self.evidence is None else dict(self.evidence),
         }

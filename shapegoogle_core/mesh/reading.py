@@ -87,11 +87,6 @@ def read_mesh(
     path = Path(path)
     name = path.name or str(path)
     check = _CHECKS.get(path.suffix.lower())
-    if check is None:
-        raise MeshError(
-            f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
-            "convert it first"
-        )
     try:
         if not path.is_file():
             what = (
@@ -102,6 +97,11 @@ def read_mesh(
                 else "does not exist"
             )
             raise MeshError(f"{str(path)!r} {what}; give the path of a mesh file")
+        if check is None:
+            raise MeshError(
+                f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
+                "convert it first"
+            )
         checked = check(_read(path, max_faces), max_faces)
         vertices, faces = _parse(checked.data, path, max_faces)
         if checked.faces is not None and checked.faces != len(faces):

@@ -142,7 +142,7 @@ def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Pat
     query = folder / "pear.obj"
     code, stdout, stderr = run("query", query, "--library", library_file, "--top", "2", "--exact")
     assert (code, stderr) == (0, "")
-    title, head, first, second, blank, meaning = stdout.splitlines()
+    title, head, first, second, blank, *legend = stdout.splitlines()
     assert title == f"{query}: the best 2 of 3 shapes"
     assert head.split() == ["similarity", "distance", "name", "source"]
     assert first.split() == ["1", "1.000", "0.0000", "pear.obj", str(query)]
@@ -151,7 +151,7 @@ def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Pat
     assert first.index("pear.obj") == head.index("name")
     assert first.index(str(query)) == second.index(str(folder)) == head.index("source")
     assert blank == ""
-    assert meaning.startswith("similarity: ")
+    assert [line.split(":")[0] for line in legend] == ["similarity", "distance"]
 
 
 def test_query_of_an_empty_library(run, library: Library, library_file: Path, folder: Path) -> None:
@@ -173,6 +173,24 @@ def test_info(run, indexed: Library, library_file: Path) -> None:
     lines = [line.split() for line in stdout.splitlines()]
     for line in (["shapes", "3"], ["failed", "0"], ["model", indexed.model.identifier]):
         assert line in lines
+
+
+def test_info_lists_what_failed(run, indexed: Library, library_file: Path, folder: Path) -> None:
+    (folder / "broken.off").write_text("OFF\n")
+    assert run("index", folder, "--library", library_file, "--jobs", "1")[0] == 1
+    _, stdout, _ = run("info", "--library", library_file, "--json")
+    assert list(json.loads(stdout)["failures"]) == [str(folder / "broken.off")]
+    _, stdout, _ = run("info", "--library", library_file)
+    assert f"{folder / 'broken.off'}: 'broken.off'" in stdout
+
+
+def test_files_that_are_gone_are_mentioned_and_kept(
+    run, indexed: Library, library_file: Path, folder: Path
+) -> None:
+    (folder / "pear.obj").unlink()
+    _, _, stderr = run("index", folder, "--library", library_file, "--jobs", "1")
+    assert "1 indexed file no longer there; forget with --prune" in stderr
+    assert len(indexed) == 3
 
 
 def test_library_and_model_that_cannot_be_used(run, folder: Path, tmp_path: Path, model_file: Path) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -24,15 +25,15 @@ def small_preset(model, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_a_model_is_learnt(small_preset: str, make_mesh, tmp_path: Path, capsys: Capture) -> None:
     folder, output = tmp_path / "shapes", tmp_path / "mine.npz"
     for seed in range(9):
-        # Two poses each, as far as this test is concerned.
+        # Two poses each, as far as this test is concerned: the same twice.
         make_mesh(folder / f"shape{seed}" / "one.off", seed)
-        make_mesh(folder / f"shape{seed}" / "two.off", seed + 100)
+        make_mesh(folder / f"shape{seed}" / "two.off", seed)
     (folder / "broken.off").write_text("OFF\n")
     arguments = [str(folder), "--output", str(output), "--preset", small_preset, "--versions", "2"]
     assert main(["train", *arguments, "--poses", "--jobs", "1"]) == 1
     printed = capsys.readouterr()
     model = load_model(output)
-    assert model.settings == PRESETS[small_preset]
+    assert model.settings == replace(PRESETS[small_preset], name="mine")
     assert printed.out.startswith(f"{output}: model {model.identifier}, ")
     assert printed.out.endswith("from 9 shapes\n")
     assert f"1 input failed:\n  {folder / 'broken.off'}: 'broken.off'" in printed.err

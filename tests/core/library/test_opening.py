@@ -130,7 +130,8 @@ def test_unreadable_schema(filled, model, value):
 
 def test_another_model(filled, model, other_model):
     match = (
-        f"made with model {model.identifier}, not with {other_model.identifier}.*without a model.*new library"
+        f"made with model {model.identifier}, not with {other_model.identifier}"
+        ".*leave the model out.*new library"
     )
     with pytest.raises(LibraryError, match=match):
         Library.open(filled, other_model)
