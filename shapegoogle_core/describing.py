@@ -14,10 +14,10 @@ from shapegoogle_core.mending import mend
 from shapegoogle_core.mesh import Mesh, check_surface, repair
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.words import hard_words, soft_words
 
-__all__ = ["ChannelWords", "FloatBags", "channel_words", "prepare", "shape_bags"]
+__all__ = ["ChannelWords", "FloatBags", "channel_words", "prepare", "shape_bags", "working_shape"]
 
 FloatBags = NDArray[np.float32]
 
@@ -69,6 +69,30 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     if not area > 0:
         raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
     return Mesh(mended.vertices * np.sqrt(settings.area / area), mended.faces, mesh.name)
+
+
+def working_shape(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Spectrum]:
+    """Bring a mesh to the working resolution and area, and decompose it.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    mesh : Mesh
+
+    Returns
+    -------
+    prepared : Mesh
+        See `prepare`.
+    spectrum : Spectrum
+        Of `prepared`, with at most `settings.eigenpairs` pairs.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no surface, or its eigenproblem cannot be solved.
+    """
+    prepared = prepare(settings, mesh)
+    return prepared, compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
 
 
 def channel_words(

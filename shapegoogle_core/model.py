@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, prepare, shape_bags
+from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, shape_bags, working_shape
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import ModelSettings
-from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
 
@@ -177,7 +176,8 @@ class ShapeModel:
         """
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
-            bags = shape_bags(self.settings, self.vocabularies, self.spectrum(mesh)) * self.weights
+            _, spectrum = working_shape(self.settings, mesh)
+            bags = shape_bags(self.settings, self.vocabularies, spectrum) * self.weights
             code = self.codes(bags[None])[0]
         return ShapeSignature(
             bags=bags,
@@ -206,29 +206,8 @@ class ShapeModel:
         MeshError
             If the mesh has no surface.
         """
-        prepared = prepare(self.settings, mesh)
-        spectrum = compute_spectrum(prepared, self.settings.eigenpairs, self.settings.laplacian)
+        prepared, spectrum = working_shape(self.settings, mesh)
         return WordMap(prepared, channel_words(self.settings, channel, self.vocabularies[channel], spectrum))
-
-    def spectrum(self, mesh: Mesh) -> Spectrum:
-        """Spectrum of a shape at the working resolution and area.
-
-        Parameters
-        ----------
-        mesh : Mesh
-
-        Returns
-        -------
-        spectrum : Spectrum
-
-        Raises
-        ------
-        MeshError
-            If the mesh has no surface.
-        """
-        return compute_spectrum(
-            prepare(self.settings, mesh), self.settings.eigenpairs, self.settings.laplacian
-        )
 
     def embed(self, bags: FloatBags) -> FloatBags:
         """Project bags into the space of the learnt metric.

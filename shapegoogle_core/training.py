@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.describing import ChannelWords, FloatBags, prepare, shape_bags
+from shapegoogle_core.describing import ChannelWords, FloatBags, shape_bags, working_shape
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, transform
 from shapegoogle_core.hashing import SimilaritySensitiveHashing
@@ -29,7 +29,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_distances
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.spectrum import Spectrum, compute_spectrum
+from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
 
@@ -174,8 +174,7 @@ def _plan_versions(
 
 def _version_spectrum(settings: ModelSettings, version: _Version) -> Spectrum | None:
     try:
-        mesh = prepare(settings, version.make())
-        return compute_spectrum(mesh, settings.eigenpairs, settings.laplacian)
+        return working_shape(settings, version.make())[1]
     except MeshError as error:  # e.g. holes that leave nothing of a tiny shape
         logger.warning("left out of the training (%s %d): %s", version.kind, version.strength, error)
         return None
