@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the user presses, one file for each verb."""
+
+__all__ = ["register", "unregister"]
+
+_MODULES: tuple[()] = ()
+
+
+def register() -> None:
+    """Make the operators known to Blender."""
+    for module in _MODULES:
+        module.register()
+
+
+def unregister() -> None:
+    """Take them back."""
+    for module in reversed(_MODULES):
+        module.unregister()

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender objects ↔ core meshes: the only place that reads or writes the meshes of bpy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from shapegoogle_core import Mesh
+
+__all__ = ["base_mesh", "evaluated_mesh", "mesh_objects", "query_mesh", "selected_part"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+
+def mesh_objects(objects: Sequence[Any]) -> list[Any]:
+    """Those objects that are meshes, in the same order."""
+    return [item for item in objects if item.type == "MESH"]
+
+
+def base_mesh(item: Any) -> Mesh:
+    """Mesh of an object before its modifiers, at world scale: vertex i is vertex i of ``item.data``.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object; in edit mode as it is edited.
+
+    Returns
+    -------
+    mesh : Mesh
+        Named after the object; polygons cut into triangles.
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite.
+    """
+    if item.mode == "EDIT":
+        item.update_from_editmode()
+    return _core_mesh(item.name, [(*_arrays(item.data), _matrix(item))])
+
+
+def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
+    """Mesh of an object as it is seen: with modifiers, at world scale.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object.
+    depsgraph : bpy.types.Depsgraph, optional
+        That of the context when left out.
+
+    Returns
+    -------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite.
+    """
+    return _core_mesh(item.name, [_evaluated_arrays(item, depsgraph)])
+
+
+def selected_part(item: Any) -> Mesh:
+    """Return the part of an object that is selected in edit mode: its selected faces, at world scale.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object in edit mode.
+
+    Returns
+    -------
+    mesh : Mesh
+        Before modifiers. Without faces if none are selected.
+    """
+    item.update_from_editmode()
+    data = item.data
+    vertices, faces = _arrays(data)
+    chosen = np.zeros(len(data.polygons), bool)
+    data.polygons.foreach_get("select", chosen)
+    polygon = np.empty(len(faces), np.int32)
+    data.loop_triangles.foreach_get("polygon_index", polygon)
+    faces = faces[chosen[polygon]]
+    used, corners = np.unique(faces, return_inverse=True)
+    part = vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)
+    return _core_mesh(f"{item.name}, selected part", [part])
+
+
+def query_mesh(context: Any) -> Mesh:
+    """Return the shape that the user means: the selected part in edit mode, else the selected objects, joined.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Returns
+    -------
+    mesh : Mesh
+        As seen, with modifiers; in edit mode before them.
+
+    Raises
+    ------
+    MeshError
+        If nothing usable is selected; the message says what to do.
+    """
+    from shapegoogle_core import MeshError
+
+    active = context.active_object
+    if active is not None and active.type == "MESH" and active.mode == "EDIT":
+        part = selected_part(active)
+        if part.is_point_cloud:
+            raise MeshError(f"{active.name!r} has no selected faces; select the faces to look for")
+        return part
+    chosen = mesh_objects(context.selected_objects)
+    if not chosen and active is not None and active.type == "MESH":
+        chosen = [active]
+    if not chosen:
+        raise MeshError("no mesh object is selected; select the shape to look for")
+    depsgraph = context.evaluated_depsgraph_get()
+    name = chosen[0].name if len(chosen) == 1 else f"{chosen[0].name} and {len(chosen) - 1} more"
+    return _core_mesh(name, [_evaluated_arrays(item, depsgraph) for item in chosen])
+
+
+def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:
+    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+    evaluated = item.evaluated_get(depsgraph)
+    data = evaluated.to_mesh()
+    try:
+        return (*_arrays(data), _matrix(evaluated))
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _matrix(item: Any) -> FloatArray:
+    return np.array(item.matrix_world, np.float64)
+
+
+def _arrays(data: Any) -> tuple[FloatArray, IntArray]:
+    """Vertices (n, 3) and triangles (m, 3) of a bpy mesh, in its own space."""
+    vertices = np.empty((len(data.vertices), 3), np.float32)
+    data.vertices.foreach_get("co", vertices.ravel())
+    data.calc_loop_triangles()
+    faces = np.empty((len(data.loop_triangles), 3), np.int32)
+    data.loop_triangles.foreach_get("vertices", faces.ravel())
+    return vertices.astype(np.float64), faces
+
+
+def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray]]) -> Mesh:
+    """Join parts, each moved to its place in the world."""
+    from shapegoogle_core import Mesh
+
+    all_vertices, all_faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int32)], 0
+    for vertices, faces, matrix in parts:
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            faces = faces[:, ::-1]  # a mirrored object would come out inside out
+        all_vertices.append(vertices @ matrix[:3, :3].T + matrix[:3, 3])
+        all_faces.append(faces + count)
+        count += len(vertices)
+    return Mesh(np.concatenate(all_vertices), np.concatenate(all_faces), name)
