@@ -21,7 +21,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def register() -> None:
     """Add `blender --command shape_google`; Blender as a Python module has no command line."""
-    if not bpy.app.module:
+    if bpy.app.binary_path:
         _handle.append(bpy.utils.register_cli_command("shape_google", main))
 
 
