@@ -358,7 +358,9 @@ def bend(mesh: Mesh, seed: int, strength: float = 1.0) -> Mesh:
     The shape is twisted about a random axis and bent along it, then bent along a second one; long shapes are
     mostly bent along their length. Angles grow until the median relative change of edge lengths is 3 % times
     the strength, so a sheet or a rod turns far and a ball hardly, or until they reach 120° of bending and
-    90° of twist.
+    90° of twist. Only the median is promised: what lies far from the axis stretches more. Of 4500 bent tori
+    the 95th percentile of the changes was typically 13 % times the strength, in one of a hundred more than
+    25 %, at most 36 %.
 
     Parameters
     ----------
