@@ -21,6 +21,7 @@ from shapegoogle_core.mending import Mending, mend
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
+from shapegoogle_core.vertex_signatures import VertexSpectrum, VertexWords, vertex_spectrum, vertex_words
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = [
@@ -36,6 +37,8 @@ __all__ = [
     "ShapeModel",
     "ShapeSignature",
     "Spectrum",
+    "VertexSpectrum",
+    "VertexWords",
     "bag_of_features",
     "build_operator",
     "compute_spectrum",
@@ -48,5 +51,7 @@ __all__ = [
     "scale_invariant_hks",
     "soft_words",
     "spatially_sensitive_bag",
+    "vertex_spectrum",
+    "vertex_words",
     "wave_kernel_signature",
 ]

@@ -17,7 +17,15 @@ from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.words import hard_words, soft_words
 
-__all__ = ["ChannelWords", "FloatBags", "channel_words", "prepare", "shape_bags", "working_shape"]
+__all__ = [
+    "ChannelWords",
+    "FloatBags",
+    "channel_words",
+    "prepare",
+    "prepare_placed",
+    "shape_bags",
+    "working_shape",
+]
 
 FloatBags = NDArray[np.float32]
 
@@ -56,19 +64,40 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     MeshError
         If the mesh has no surface.
     """
+    return prepare_placed(settings, mesh)[0]
+
+
+def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, FloatArray]:
+    """Prepare a mesh as `prepare` does, and move its own vertices along.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    mesh : Mesh
+
+    Returns
+    -------
+    prepared : Mesh
+    points : (n, 3) array
+        The vertices of `mesh`, scaled and moved as `prepared` is: they lie on or close to it.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no surface.
+    """
     check_surface(mesh)
     used, corner = np.unique(mesh.faces, return_inverse=True)  # a stray vertex far off must not set the scale
-    vertices = mesh.vertices[used]
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = mesh.vertices[used].min(axis=0), mesh.vertices[used].max(axis=0)
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
-    centered = Mesh(
-        (vertices - (low + high) / 2) / np.linalg.norm(high - low), corner.reshape(-1, 3), mesh.name
-    )
+    points = (mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low)
+    centered = Mesh(points[used], corner.reshape(-1, 3), mesh.name)
     mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
     area = mended.area
     if not area > 0:
         raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
-    return Mesh(mended.vertices * np.sqrt(settings.area / area), mended.faces, mesh.name)
+    scale = np.sqrt(settings.area / area)
+    return Mesh(mended.vertices * scale, mended.faces, mesh.name), points * scale
 
 
 def working_shape(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Spectrum]:

@@ -4,7 +4,7 @@
 from shapegoogle_core.mesh.holes import close_holes
 from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
 from shapegoogle_core.mesh.reading import MESH_SUFFIXES, read_mesh
-from shapegoogle_core.mesh.repair import check_surface, repair
+from shapegoogle_core.mesh.repair import check_surface, repair, repair_mapped
 from shapegoogle_core.mesh.resampling import resample
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "face_areas",
     "read_mesh",
     "repair",
+    "repair_mapped",
     "resample",
     "unique_edges",
 ]

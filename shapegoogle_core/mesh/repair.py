@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
 
-__all__ = ["check_surface", "repair"]
+__all__ = ["check_surface", "repair", "repair_mapped"]
 
 # Vertices closer than this share of the bounding-box diagonal are one: well above float32 rounding, far below
 # what anyone models.
@@ -82,26 +82,47 @@ def repair(mesh: Mesh) -> Mesh:
     repaired : Mesh
         May have no faces left if none had an area.
     """
+    return repair_mapped(mesh)[0]
+
+
+def repair_mapped(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
+    """Repair a mesh as `repair` does, and say where its vertices went.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    repaired : Mesh
+    place : (n,) array of int
+        For each vertex of `mesh` the vertex of `repaired` that stands for it; −1 if none does.
+    """
+    place = np.arange(len(mesh.vertices))
     while True:
         # Dropping faces can change the tolerance; the end is where nothing changes any more.
-        repaired = _repair_once(mesh)
+        repaired, step = _repair_once(mesh)
         if len(repaired.vertices) == len(mesh.vertices) and len(repaired.faces) == len(mesh.faces):
-            return mesh
+            return mesh, place
+        place = np.where(place < 0, -1, step[place])
         mesh = repaired
 
 
-def _repair_once(mesh: Mesh) -> Mesh:
+def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     if len(mesh.vertices) == 0:
-        return mesh
+        return mesh, np.empty(0, np.int64)
     tolerance = _weld_tolerance(mesh)
     representative = _weld(mesh.vertices, tolerance)
     if mesh.is_point_cloud:
-        return Mesh(mesh.vertices[np.unique(representative)], name=mesh.name)
+        used, place = np.unique(representative, return_inverse=True)
+        return Mesh(mesh.vertices[used], name=mesh.name), place
     faces = representative[mesh.faces]
     faces = faces[~_degenerate(mesh.vertices, faces, tolerance)]
     faces = faces[_first_of_each(faces, len(mesh.vertices))]
     used, compact = np.unique(faces, return_inverse=True)
-    return Mesh(mesh.vertices[used], compact.reshape(-1, 3), mesh.name)
+    place = np.full(len(mesh.vertices), -1)
+    place[used] = np.arange(len(used))
+    return Mesh(mesh.vertices[used], compact.reshape(-1, 3), mesh.name), place[representative]
 
 
 def _weld_tolerance(mesh: Mesh) -> float:
