@@ -13,9 +13,11 @@ from typing import Self
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.search import Search
+from shapegoogle_core.library.stars import Wrapper
 from shapegoogle_core.library.store import Store, round_bags
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
@@ -439,6 +441,30 @@ class Library:
         if exact:
             return self._search.among_all(signature, top)
         return self._search.among_nearest_codes(signature, top)
+
+    def duplicates(
+        self, min_similarity: float = MIN_SIMILARITY, progress: Wrapper = iter
+    ) -> list[DuplicateGroup]:
+        """Find copied files, shapes that are the same, and shapes that are hard to tell apart.
+
+        Parameters
+        ----------
+        min_similarity : float, optional
+            From which similarity to the first of its group a shape is "similar"; above 0, at most 1.
+        progress : callable, optional
+            Wraps the loop over the shapes, as tqdm does.
+
+        Returns
+        -------
+        groups : list of DuplicateGroup
+            The largest saving first.
+
+        Raises
+        ------
+        ValueError
+            If `min_similarity` is out of range.
+        """
+        return find_duplicates(self._store, self._model, min_similarity, progress)
 
     def _check_signature(self, signature: ShapeSignature, name: str) -> None:
         expected = (self._model.bag_size,), (self._model.code_bits // 8,)

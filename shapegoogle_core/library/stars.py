@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""Groups around leaders, in near-linear time: which of many shapes lie within a distance of each other.
+
+Shapes are taken one after the other. Each joins the nearest leader within the distance, or becomes a leader
+itself. So every member is that near to its own leader, and a chain of small differences cannot glue a library
+into one group, as single linkage would. Which shapes lead depends on the order: the first ones do.
+
+Only leaders that share a key with a shape are compared with it. A key is a sample of the code's bits; two
+shapes at an angle θ differ in a share θ / π of their bits, so that a key of k bits is equal with probability
+(1 - θ/π)^k, and one of L keys with 1 - (1 - (1 - θ/π)^k)^L (Indyk and Motwani 1998, Charikar 2002).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.mesh.mesh import FloatArray
+
+__all__ = ["Banding", "Distances", "Stars", "Wrapper", "choose_banding", "group_stars"]
+
+# Share of the pairs at the very limit that at least one key should find; nearer ones are missed less often.
+RECALL = 0.99
+MOST_KEYS = 96
+# Codes unpacked to one byte for each bit at once: 64 MB for codes of 256 bits.
+CODES_AT_ONCE = 250_000
+
+Distances = Callable[[int, NDArray[np.int64]], FloatArray]
+Wrapper = Callable[[Sequence[int]], Iterable[int]]
+
+
+@dataclass(frozen=True)
+class Banding:
+    """Keys that are looked up for each shape.
+
+    Attributes
+    ----------
+    key_bits : int
+        k, bits in a key, at most 32.
+    keys : int
+        L, how many keys.
+    """
+
+    key_bits: int
+    keys: int
+
+    def recall(self, differing: float) -> float:
+        """Probability that two codes share a key.
+
+        Parameters
+        ----------
+        differing : float
+            Share of bits in which they differ, from 0 to 1; bits are taken as independent.
+
+        Returns
+        -------
+        probability : float
+        """
+        return float(1 - (1 - (1 - differing) ** self.key_bits) ** self.keys)
+
+
+@dataclass(frozen=True, eq=False)
+class Stars:
+    """Which leader each shape belongs to.
+
+    Attributes
+    ----------
+    leader : (n,) array of int64
+        Position of the leader; a leader's own position.
+    distance : (n,) array of float64
+        To the leader; 0 for a leader.
+    compared : int
+        How many pairs were compared in full, to judge the keys by.
+    """
+
+    leader: NDArray[np.int64]
+    distance: FloatArray
+    compared: int
+
+
+def choose_banding(count: int, differing: float, code_bits: int) -> Banding:
+    """Choose keys long enough to keep strangers apart and as many as pairs at the limit need.
+
+    Parameters
+    ----------
+    count : int
+        How many shapes.
+    differing : float
+        Share of bits in which the codes of two shapes at the largest distance differ.
+    code_bits : int
+        Length of the code.
+
+    Returns
+    -------
+    banding : Banding
+        Its recall at `differing` is `RECALL`, or as much as `MOST_KEYS` keys give.
+    """
+    key_bits = min(max(int(np.ceil(np.log2(max(count, 2)))) + 4, 8), 32, code_bits)
+    while True:
+        equal = (1 - differing) ** key_bits
+        keys = int(np.ceil(np.log1p(-RECALL) / np.log1p(-equal))) if equal < 1 else 1
+        if keys <= MOST_KEYS or key_bits <= 8:
+            return Banding(key_bits, min(keys, MOST_KEYS))
+        key_bits -= 1
+
+
+def group_stars(
+    codes: NDArray[np.uint8],
+    distances: Distances,
+    max_distance: float,
+    banding: Banding,
+    classes: NDArray[np.int64] | None = None,
+    progress: Wrapper = iter,
+) -> Stars:
+    """Group shapes around leaders.
+
+    Parameters
+    ----------
+    codes : (n, s/8) array of uint8
+        Binary codes, packed.
+    distances : callable
+        Given the position of a shape and those of others, (c,) array, returns its distances to them, (c,).
+    max_distance : float
+        How far a member may be from its leader.
+    banding : Banding
+    classes : (n,) array of int, optional
+        0 ≤ class < 2³¹. Only shapes of the same class are grouped.
+    progress : callable, optional
+        Wraps the loop over the shapes, as tqdm does.
+
+    Returns
+    -------
+    stars : Stars
+    """
+    keys = _keys(codes, banding)
+    if classes is not None:
+        keys |= classes.astype(np.uint64) << np.uint64(32)
+    leader = np.arange(len(codes))
+    distance = np.zeros(len(codes))
+    compared = 0
+    tables: list[dict[int, list[int]]] = [defaultdict(list) for _ in range(banding.keys)]
+    for position in progress(range(len(codes))):
+        own = keys[:, position].tolist()
+        candidates: set[int] = set()
+        for table, key in zip(tables, own, strict=True):
+            if key in table:
+                candidates.update(table[key])
+        if candidates:
+            near = np.fromiter(candidates, np.int64, len(candidates))
+            near.sort()  # equal distances: the first leader
+            compared += len(near)
+            away = distances(position, near)
+            best = int(away.argmin())
+            if away[best] <= max_distance:
+                leader[position], distance[position] = near[best], away[best]
+                continue
+        for table, key in zip(tables, own, strict=True):
+            table[key].append(position)
+    return Stars(leader, distance, compared)
+
+
+def _keys(codes: NDArray[np.uint8], banding: Banding) -> NDArray[np.uint64]:
+    """(L, n) keys; the sampled bits are the same in every run."""
+    random = np.random.default_rng(0)
+    code_bits = 8 * codes.shape[1]
+    samples = [random.choice(code_bits, banding.key_bits, replace=False) for _ in range(banding.keys)]
+    powers = np.uint64(1) << np.arange(banding.key_bits, dtype=np.uint64)
+    keys = np.empty((banding.keys, len(codes)), np.uint64)
+    for start in range(0, len(codes), CODES_AT_ONCE):
+        part = slice(start, start + CODES_AT_ONCE)
+        bits = np.ascontiguousarray(np.unpackbits(codes[part], axis=1).T)
+        for row, sample in enumerate(samples):
+            # Bit by bit: the whole product would need eight bytes for each sampled bit.
+            total = np.zeros(bits.shape[1], np.uint64)
+            for power, bit in zip(powers, sample, strict=True):
+                total |= bits[bit].astype(np.uint64) * power
+            keys[row, part] = total
+    return keys
