@@ -85,7 +85,7 @@ def add_creature(creature: Creature, name: str, poses: Sequence[str], collection
     """
     data = mesh_data(creature.rest, name)
     armature: Any = None
-    skins = []
+    skins: list[Any] = []
     for pose in poses:
         title = f"{name} {pose.title()}"
         if armature is None:

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of objects by Blender's Workbench renderer, in the colours of their colour attribute.
+
+Needs the `bpy` module; works without a window or a graphics card.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from shapegoogle_core.rendering import look_from
+
+__all__ = ["missing_library", "photograph", "set_up_studio"]
+
+FloatArray = NDArray[np.float64]
+
+# Creatures stand on the xy plane and look along -y: from their left front, a little from above.
+_VIEW = look_from((1.0, -1.15, 0.5), up=(0, 0, 1))
+_LIGHT = np.array([0.0, -0.35, 1.1])  # towards the light, in world axes; steep, so that shadows stay near
+_LIGHT_LOSS = 1.62  # the studio light leaves a level floor darker than its (linear) colour by this factor
+_MARGIN = 0.05  # free on each side, as a share of the picture
+_FLOOR_REACH = 40.0  # how far the floor goes, in sizes of the object: further than any picture shows
+
+
+def missing_library() -> str | None:
+    """Name the library that Workbench lacks here: without it a render would end the whole process.
+
+    Returns
+    -------
+    name : str or None
+        None when it is there, or the system needs none.
+    """
+    if not sys.platform.startswith("linux"):
+        return None
+    name = "libEGL.so.1"
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return name
+    return None
+
+
+def set_up_studio(scene: Any) -> None:
+    """Let a scene be rendered by Workbench, objects in the colours of their active colour attribute.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+    """
+    scene.render.engine = "BLENDER_WORKBENCH"
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.resolution_percentage = 100
+    scene.view_settings.view_transform = "Standard"  # colours come out as they are
+    scene.display.render_aa = "16"
+    # Blender wants it from the light, with y up.
+    scene.display.light_direction = (_LIGHT / np.linalg.norm(_LIGHT))[[0, 2, 1]] * [1, 1, -1]
+    shading = scene.display.shading
+    shading.light = "STUDIO"
+    shading.studio_light = "paint.sl"  # even light from all sides: it changes colours least
+    shading.color_type = "VERTEX"
+    shading.show_shadows = True
+    shading.shadow_intensity = 0.3
+    shading.show_cavity = True
+    shading.cavity_type = "BOTH"
+    shading.show_specular_highlight = True
+
+
+def photograph(item: Any, size: tuple[int, int], floor: ArrayLike = (0.96, 0.96, 0.97)) -> Image.Image:
+    """Render one object of the scene, standing on a floor with its shadow, filling the picture.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object in the context's scene. All other objects are left out of the picture.
+    size : (width, height)
+        In pixels.
+    floor : (3,) array_like
+        Colour of the floor, sRGB in 0…1.
+
+    Returns
+    -------
+    image : PIL.Image.Image
+        "RGB".
+    """
+    scene = bpy.context.scene
+    hidden = [other for other in scene.objects if other is not item and not other.hide_render]
+    points = _world_vertices(item)
+    made = [_add_floor(points, np.asarray(floor, float)), _add_camera(points, size)]
+    for other in hidden:
+        other.hide_render = True
+    try:
+        scene.camera = made[1]
+        scene.render.resolution_x, scene.render.resolution_y = size
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "picture.png"
+            scene.render.filepath = str(path)
+            bpy.ops.render.render(write_still=True)
+            return Image.open(path).convert("RGB")
+    finally:
+        for other in hidden:
+            other.hide_render = False
+        for other in made:
+            data = other.data
+            bpy.data.objects.remove(other)
+            bpy.data.batch_remove([data])
+
+
+def _world_vertices(item: Any) -> FloatArray:
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    data = evaluated.to_mesh()
+    vertices = np.empty((len(data.vertices), 3), np.float32)
+    data.vertices.foreach_get("co", vertices.ravel())
+    evaluated.to_mesh_clear()
+    matrix = np.array(evaluated.matrix_world)
+    points: FloatArray = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    return points
+
+
+def _add_floor(points: FloatArray, color: FloatArray) -> Any:
+    """Add a floor under some points."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    reach = _FLOOR_REACH * float((high - low).max())
+    x, y = (low + high)[:2] / 2
+    corners = [(x + i * reach, y + j * reach, low[2]) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    data = bpy.data.meshes.new("Floor")
+    data.from_pydata(corners, [], [(0, 1, 2, 3)])
+    attribute = data.color_attributes.new("Color", "FLOAT_COLOR", "POINT")
+    attribute.data.foreach_set("color", np.tile([*(_LIGHT_LOSS * color**2.2), 1.0], 4))
+    data.color_attributes.active_color = attribute
+    floor = bpy.data.objects.new("Floor", data)
+    bpy.context.scene.collection.objects.link(floor)
+    return floor
+
+
+def _add_camera(points: FloatArray, size: tuple[int, int]) -> Any:
+    """Add a camera that sees some points and their shadows on the floor, as large as they fit."""
+    shadows = points - np.outer((points[:, 2] - points[:, 2].min()) / _LIGHT[2], _LIGHT)
+    seen = np.concatenate([points, shadows]) @ _VIEW.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height, depth = high - low
+    pixels = (1 - 2 * _MARGIN) * min(size[0] / width, size[1] / height)
+    data = bpy.data.cameras.new("Camera")
+    data.type = "ORTHO"
+    data.ortho_scale = max(size) / pixels
+    data.clip_start, data.clip_end = 0.01 * depth, 10 * (_FLOOR_REACH + 1) * depth
+    camera = bpy.data.objects.new("Camera", data)
+    place = np.array([*(low + high)[:2] / 2, high[2] + depth]) @ _VIEW
+    camera.matrix_world = Matrix.Translation(place) @ Matrix(_VIEW.T.tolist()).to_4x4()
+    bpy.context.scene.collection.objects.link(camera)
+    return camera

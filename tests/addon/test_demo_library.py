@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""The demo's .blend library: rigs that move like the core's creatures, marked as assets; pictures of them."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+pytest.importorskip("skimage", reason="making creatures needs scikit-image")
+from shapegoogle_core.evaluation.creatures import make_creature
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+PARTS = ("creature_rigs", "blend_library", "workbench")  # in the order in which they import one another
+CHOSEN = ("Horse", "Elephant", "Hand")
+
+
+@pytest.fixture(scope="module")
+def scripts():
+    """Modules beside the demo, under the names by which they import one another."""
+    for name in PARTS:
+        spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[name])
+    yield {name: sys.modules[name] for name in PARTS}
+    for name in PARTS:
+        del sys.modules[name]
+
+
+@pytest.fixture(scope="module")
+def blend_library(scripts):
+    return scripts["blend_library"]
+
+
+@pytest.fixture(scope="module")
+def individuals(blend_library):
+    return [individual for individual in blend_library.INDIVIDUALS if individual.name in CHOSEN]
+
+
+@pytest.fixture(scope="module")
+def folder(addon, blend_library, individuals, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("library")
+    written = blend_library.write_library(folder, individuals)
+    assert written == [folder / individual.path for individual in individuals]
+    return folder
+
+
+def open_blend(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+
+
+def world_vertices(item):
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    vertices = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", vertices.ravel())
+    evaluated.to_mesh_clear()
+    matrix = np.array(evaluated.matrix_world)
+    return vertices @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+@pytest.mark.parametrize("kind", ["human", "octopus", "desk lamp", "bird", "centaur"])
+def test_rigs_move_as_the_core_does(scripts, kind):
+    creature = make_creature(kind, 5, vertex_count=1500)
+    collection = bpy.context.scene.collection
+    skins = scripts["creature_rigs"].add_creature(creature, "Probe", creature.pose_names, collection)
+    assert len({skin.data for skin in skins}) == 1
+    assert len({skin.parent.data for skin in skins}) == 1
+    for pose, skin in zip(creature.pose_names, skins, strict=True):
+        expected = creature.pose(pose)
+        np.testing.assert_allclose(world_vertices(skin), expected.vertices, atol=2e-5, err_msg=pose)
+        faces = [tuple(polygon.vertices) for polygon in skin.data.polygons]
+        np.testing.assert_array_equal(faces, expected.faces)
+
+
+def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them(scripts):
+    names = scripts["creature_rigs"].bone_names(make_creature("human", 5, vertex_count=800).skeleton)
+    assert len(set(names)) == len(names)
+    left = [name for name in names if name.endswith(".L")]
+    assert left
+    assert all(bpy.utils.flip_name(name) in names for name in left)
+
+
+def test_an_unknown_pose_is_refused(scripts):
+    creature = make_creature("dog", 5, vertex_count=800)
+    with pytest.raises(ValueError, match="a dog has no pose 'moonwalk'"):
+        scripts["creature_rigs"].take_pose(creature, None, "moonwalk")
+
+
+def test_every_file_opens_and_shows_its_figures(folder, individuals):
+    for individual in individuals:
+        open_blend(folder / individual.path)
+        creature = make_creature(individual.kind, individual.seed)
+        assert len([item for item in bpy.data.objects if item.type == "MESH"]) == len(individual.figures)
+        right_edge = -np.inf
+        for figure in individual.figures:
+            skin = bpy.data.objects[f"{individual.name} {figure.pose.title()}"]
+            assert skin.modifiers[0].type == "ARMATURE"
+            assert skin.modifiers[0].object.type == "ARMATURE"
+            assert skin.data.materials[0].name == individual.name
+            vertices = world_vertices(skin)
+            expected = figure.scale * creature.pose(figure.pose).vertices
+            if figure.modifier == "SUBSURF":
+                assert len(vertices) > 4 * len(expected)
+            elif figure.modifier == "DECIMATE":
+                assert len(vertices) < 0.5 * len(expected)
+            else:
+                moved = vertices - skin.parent.matrix_world.translation
+                np.testing.assert_allclose(moved, expected, atol=2e-5 * figure.scale)
+            size = np.ptp(expected, axis=0).max()
+            assert vertices[:, 2].min() == pytest.approx(0, abs=0.02 * size), "it stands on the floor"
+            assert vertices[:, 0].min() > right_edge, "figures stand side by side"
+            right_edge = vertices[:, 0].max()
+
+
+def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, blend_library, individuals):
+    lines = (folder / blend_library.CATALOG_FILE).read_text().splitlines()
+    catalogs = dict(line.split(":")[:2] for line in lines if ":" in line)
+    assert "VERSION 1" in lines
+    for individual in individuals:
+        names = {f"{individual.name} {figure.pose.title()}" for figure in individual.figures}
+        with bpy.data.libraries.load(str(folder / individual.path), assets_only=True) as (content, _):
+            assert set(content.objects) == names
+        open_blend(folder / individual.path)
+        for name in names:
+            asset = bpy.data.objects[name].asset_data
+            assert catalogs[asset.catalog_id] == individual.catalog
+            assert individual.kind in asset.tags
+
+
+def test_only_what_changed_is_written_again(folder, blend_library, individuals):
+    before = {path: path.read_bytes() for path in folder.rglob("*.blend")}
+    assert blend_library.write_library(folder, individuals) == []
+    lost = folder / individuals[-1].path
+    lost.unlink()
+    assert blend_library.write_library(folder, individuals) == [lost]
+    for path, content in before.items():
+        if path != lost:
+            assert path.read_bytes() == content, f"{path.name} was written without need"
+
+
+def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
+    workbench = scripts["workbench"]
+    if workbench.missing_library():
+        pytest.skip(f"no {workbench.missing_library()}: Workbench cannot render here")
+    data = scripts["creature_rigs"].mesh_data(make_creature("bird", 5, vertex_count=800).rest, "Bird")
+    colors = data.color_attributes.new("Color", "FLOAT_COLOR", "POINT")
+    colors.data.foreach_set("color_srgb", np.tile([0.9, 0.2, 0.1, 1], len(data.vertices)))
+    data.color_attributes.active_color = colors
+    bird = bpy.data.objects.new("Bird", data)
+    bpy.context.scene.collection.objects.link(bird)
+    bird.scale = (40, 40, 40)
+    bystander = bpy.data.objects.new("Bystander", data)
+    bpy.context.scene.collection.objects.link(bystander)
+    objects = set(bpy.data.objects)
+
+    workbench.set_up_studio(bpy.context.scene)
+    picture = np.asarray(workbench.photograph(bird, (200, 120)), float) / 255
+    assert picture.shape == (120, 200, 3)
+    border = np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])
+    assert border.min() > 0.9, "object and shadow end inside the picture, the floor is light"
+    red = (picture[..., 0] - picture[..., 1:].max(axis=-1) > 0.3).mean()
+    assert 0.08 < red < 0.7, "the object fills a good part of it"
+    assert set(bpy.data.objects) == objects, "camera and floor are gone"
+    assert not bystander.hide_render
