@@ -240,7 +240,7 @@ def _material(individual: Individual) -> Any:
     material = bpy.data.materials.new(individual.name)
     material.diffuse_color = color
     material.roughness = 0.6
-    if not material.use_nodes:  # since Blender 5.0 there are always nodes
+    if bpy.app.version < (5, 0):  # since then there are always nodes
         material.use_nodes = True
     material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
     return material
