@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from importlib import metadata
 
-from shapegoogle_core import commands
+from shapegoogle_core import commands, duplicates_command
 from shapegoogle_core.commands import INTERRUPTED, UNUSABLE, say
 from shapegoogle_core.errors import ShapeGoogleError
 
@@ -147,6 +147,16 @@ def _parser() -> argparse.ArgumentParser:
     info = _command(subparsers, "info", commands.info, "say what a library holds", "")
     _library_option(info)
     info.add_argument("--json", action="store_true", help="print one JSON object")
+
+    duplicates = _command(
+        subparsers,
+        "duplicates",
+        duplicates_command.duplicates,
+        "list copied files and shapes that are the same or hard to tell apart",
+        duplicates_command.DETAILS,
+    )
+    _library_option(duplicates)
+    duplicates_command.add_options(duplicates)
 
     train = _command(
         subparsers,
