@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the user presses, one file for each verb."""
 
+from . import paint
+
 __all__ = ["register", "unregister"]
 
-_MODULES: tuple[()] = ()
+_MODULES = (paint,)
 
 
 def register() -> None:
