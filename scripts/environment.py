@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The `.venv` that the commands beside this file set up for themselves and run in.
 
-Only the standard library is imported here, since this runs before anything is installed.
+Environments with Blender's bpy module are made by the same functions, from `blenders.py`. Only the standard
+library is imported here, since this runs before anything is installed.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-__all__ = ["ROOT", "SetupError", "enter", "prepare", "tool"]
+__all__ = ["ROOT", "SetupError", "enter", "install_system_packages", "interpreter", "prepare", "run", "tool"]
 
 ROOT = Path(__file__).resolve().parent.parent
 OLDEST_PYTHON = (3, 11)
@@ -51,10 +52,17 @@ def enter(extras: Collection[str]) -> None:
         restart(interpreter(folder))
 
 
-def prepare(root: Path, folder: Path, extras: Collection[str]) -> None:
+def prepare(
+    root: Path,
+    folder: Path,
+    extras: Collection[str],
+    requirements: Collection[str] = (),
+    python: str = sys.executable,
+) -> None:
     """Make or update a virtual environment with this package in it, if it is not as wanted yet.
 
-    Nothing runs, and no network is needed, when neither pyproject.toml nor Python changed since last time.
+    Nothing is installed, and no network is needed, when neither pyproject.toml nor the requirements nor
+    Python changed since last time.
 
     Parameters
     ----------
@@ -64,6 +72,10 @@ def prepare(root: Path, folder: Path, extras: Collection[str]) -> None:
         Of the virtual environment.
     extras : collection of str
         Optional dependencies to install too. What an earlier call installed stays.
+    requirements : collection of str
+        Other packages to install, as pip takes them, such as `numpy==1.24.3`.
+    python : str
+        The Python to make the environment with; the running one when left out.
 
     Raises
     ------
@@ -71,15 +83,16 @@ def prepare(root: Path, folder: Path, extras: Collection[str]) -> None:
         If Python is too old, or a step fails.
     """
     check_python(sys.version_info[:2])
+    version = python_version(python)
     stamp = read_stamp(folder)
-    wanted = wanted_stamp(root, sorted({*extras, *stamp.get("extras", [])}))
+    wanted = wanted_stamp(root, sorted({*extras, *stamp.get("extras", [])}), requirements, version)
     if stamp == wanted and interpreter(folder).exists():
         return
     (folder / STAMP_NAME).unlink(missing_ok=True)
-    if not is_usable(folder):
-        create(folder)
-    install(root, folder, wanted["extras"])
-    (folder / STAMP_NAME).write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+    if not is_usable(folder, version):
+        create(folder, python)
+    install(root, folder, wanted["extras"], requirements)
+    write_stamp(folder, wanted)
 
 
 def tool(name: str) -> Path:
@@ -111,7 +124,9 @@ def check_python(version: tuple[int, ...]) -> None:
         )
 
 
-def wanted_stamp(root: Path, extras: list[str]) -> dict[str, Any]:
+def wanted_stamp(
+    root: Path, extras: list[str], requirements: Collection[str] = (), version: str | None = None
+) -> dict[str, Any]:
     """Describe a complete environment by all that its installation depends on.
 
     Virtual environments and editable installations contain absolute paths, so a moved repository counts
@@ -120,7 +135,8 @@ def wanted_stamp(root: Path, extras: list[str]) -> dict[str, Any]:
     return {
         "extras": extras,
         "pyproject": hashlib.sha256((root / "pyproject.toml").read_bytes()).hexdigest(),
-        "python": python_version(),
+        "python": version or python_version(),
+        "requirements": sorted(requirements),
         "root": str(root),
     }
 
@@ -134,9 +150,21 @@ def read_stamp(folder: Path) -> dict[str, Any]:
     return stamp if isinstance(stamp, dict) else {}
 
 
-def python_version() -> str:
-    """Return the running Python's version as far as installed packages depend on it."""
-    return "{}.{}".format(*sys.version_info[:2])
+def write_stamp(folder: Path, stamp: dict[str, Any]) -> None:
+    """Leave word that a folder is complete, and of what that depends on."""
+    (folder / STAMP_NAME).write_text(json.dumps(stamp, indent=1) + "\n", encoding="utf-8")
+
+
+def python_version(python: str = sys.executable) -> str:
+    """Return the version of a Python, such as `3.11`, as far as installed packages depend on it."""
+    if python == sys.executable:
+        return "{}.{}".format(*sys.version_info[:2])
+    command = [python, "-c", "import sys; print('{}.{}'.format(*sys.version_info[:2]))"]
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise SetupError(f"{python} does not run: {error}") from error
+    return result.stdout.strip()
 
 
 def environment_version(folder: Path) -> str | None:
@@ -152,15 +180,19 @@ def environment_version(folder: Path) -> str | None:
     return None
 
 
-def is_usable(folder: Path) -> bool:
-    """Whether an environment is of this Python and has a pip that runs."""
-    if environment_version(folder) != python_version() or not interpreter(folder).exists():
+def is_usable(folder: Path, version: str | None = None) -> bool:
+    """Whether an environment is of the wanted Python, or else the running one, and has a pip that runs."""
+    if environment_version(folder) != (version or python_version()) or not interpreter(folder).exists():
         return False
     return subprocess.run([*pip(folder), "--version"], capture_output=True, check=False).returncode == 0
 
 
-def has_module(name: str) -> bool:
-    return importlib.util.find_spec(name) is not None
+def has_module(name: str, python: str = sys.executable) -> bool:
+    """Whether a Python has a module."""
+    if python == sys.executable:
+        return importlib.util.find_spec(name) is not None
+    command = [python, "-c", f"import {name}"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 def pip(folder: Path) -> list[str]:
@@ -168,47 +200,68 @@ def pip(folder: Path) -> list[str]:
     return [str(interpreter(folder)), "-m", "pip"]
 
 
-def create(folder: Path) -> None:
+def create(folder: Path, python: str = sys.executable) -> None:
     """Make an environment that has only pip, or put pip into one; one whose Python is gone is replaced."""
-    if not has_module("ensurepip") and not has_module("pip"):
-        install_venv_module()
-    command = [sys.executable, "-m", "venv", str(folder)]
-    if environment_version(folder) != python_version() or not interpreter(folder).exists():
+    if not has_module("ensurepip", python) and not has_module("pip", python):
+        install_venv_module(python)
+    command = [python, "-m", "venv", str(folder)]
+    if environment_version(folder) != python_version(python) or not interpreter(folder).exists():
         command.append("--clear")
-    if has_module("ensurepip"):
+    if has_module("ensurepip", python):
         run(f"Making {folder}", command)
     else:
         # Debian without the package python3-venv; a pip beside that Python serves any environment.
         run(f"Making {folder}", [*command, "--without-pip"])
-        outer_pip = [sys.executable, "-m", "pip", "--python", str(interpreter(folder))]
+        outer_pip = [python, "-m", "pip", "--python", str(interpreter(folder))]
         run("Installing pip", [*outer_pip, "install", *PIP_OPTIONS, "pip"])
 
 
-def install_venv_module() -> None:
+def install_venv_module(python: str = sys.executable) -> None:
     """Install what Debian leaves out of Python's venv module, if we may."""
-    package = f"python{python_version()}-venv"
-    may_install = hasattr(os, "geteuid") and os.geteuid() == 0 and shutil.which("apt-get")
-    if not may_install:
+    package = f"python{python_version(python)}-venv"
+    if not install_system_packages([package]):
         raise SetupError(
-            f"{sys.executable} cannot make virtual environments, since its modules ensurepip and pip are "
+            f"{python} cannot make virtual environments, since its modules ensurepip and pip are "
             f"missing; on Debian and Ubuntu install them with: sudo apt install {package}"
         )
+    importlib.invalidate_caches()
+    if not has_module("ensurepip", python):
+        raise SetupError(f"{package} is installed, but {python} does not find its module ensurepip")
+
+
+def install_system_packages(packages: Sequence[str]) -> bool:
+    """Install Debian packages, if we may.
+
+    Parameters
+    ----------
+    packages : sequence of str
+
+    Returns
+    -------
+    installed : bool
+        False, and nothing was tried, if this is not root on Debian or its like.
+
+    Raises
+    ------
+    SetupError
+        If the installation fails.
+    """
+    if not hasattr(os, "geteuid") or os.geteuid() != 0 or not shutil.which("apt-get"):
+        return False
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     run("Updating the list of Debian packages", ["apt-get", "update"], environment)
-    install_command = ["apt-get", "install", "--yes", "--no-install-recommends", package]
-    run(f"Installing the Debian package {package}", install_command, environment)
-    importlib.invalidate_caches()
-    if not has_module("ensurepip"):
-        raise SetupError(f"{package} is installed, but {sys.executable} does not find its module ensurepip")
+    command = ["apt-get", "install", "--yes", "--no-install-recommends", *packages]
+    run(f"Installing the Debian packages {', '.join(packages)}", command, environment)
+    return True
 
 
-def install(root: Path, folder: Path, extras: Iterable[str]) -> None:
-    """Install the package at `root`, editable, with its dependencies."""
+def install(root: Path, folder: Path, extras: Iterable[str], requirements: Iterable[str] = ()) -> None:
+    """Install the package at `root`, editable, with its dependencies, and other packages."""
     names = ",".join(extras)
     target = f"{root}[{names}]" if names else str(root)
     run(
         f"Installing the package and its dependencies ({names or 'no extras'}) into {folder}",
-        [*pip(folder), "install", *PIP_OPTIONS, "--editable", target],
+        [*pip(folder), "install", *PIP_OPTIONS, "--editable", target, *requirements],
     )
 
 

@@ -31,16 +31,31 @@ def load(name: str) -> ModuleType:
     return module
 
 
+def load_beside(*names: str) -> ModuleType:
+    """Load scripts in this order, each as the later ones find it beside themselves; return the last."""
+    for name in names:
+        sys.modules[name] = load(name)
+    return sys.modules[names[-1]]
+
+
 @pytest.fixture(scope="session")
 def environment():
-    return load("environment")
+    return load_beside("environment")
 
 
 @pytest.fixture(scope="session")
-def demo(environment):
-    sys.modules["environment"] = environment  # what a script finds beside itself
-    yield load("demo")
-    del sys.modules["environment"]
+def blenders(environment):
+    return load_beside("wheels", "blenders")
+
+
+@pytest.fixture(scope="session")
+def build_extension(blenders):
+    return load_beside("build_extension")
+
+
+@pytest.fixture(scope="session")
+def demo(blenders):
+    return load("demo")
 
 
 @pytest.fixture(scope="session")

@@ -41,6 +41,19 @@ def test_what_the_installation_depends_on_changes_the_stamp(environment, project
     assert [key for key in before if before[key] != after[key]] == [change]
 
 
+def test_requirements_and_another_python_change_the_stamp(environment, project):
+    before = environment.wanted_stamp(project, [])
+    other = environment.wanted_stamp(project, [], ["numpy==1.24.3"], "3.99")
+    assert [key for key in before if before[key] != other[key]] == ["python", "requirements"]
+
+
+def test_an_environment_for_a_python_that_does_not_run_names_it(environment, tmp_path):
+    absent = str(tmp_path / "python3.13")
+    with pytest.raises(environment.SetupError, match=r"python3\.13 does not run"):
+        environment.prepare(environment.ROOT, tmp_path / "new", [], python=absent)
+    assert not (tmp_path / "new").exists()
+
+
 @pytest.mark.parametrize("content", ["", "{", "[1]", "\x00\xff"])
 def test_a_damaged_stamp_counts_as_none(environment, tmp_path, content):
     (tmp_path / environment.STAMP_NAME).write_text(content, encoding="latin-1")
@@ -90,7 +103,7 @@ def test_an_unusable_environment_is_mended(environment, project, damage):
 
 
 def test_without_ensurepip_pip_and_root_the_missing_package_is_named(environment, project, monkeypatch):
-    monkeypatch.setattr(environment, "has_module", lambda name: False)
+    monkeypatch.setattr(environment, "has_module", lambda name, python: False)
     monkeypatch.setattr(environment.shutil, "which", lambda name: None)
     with pytest.raises(environment.SetupError, match=r"apt install python3\.\d+-venv"):
         environment.create(project / ".venv")

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: MIT
+"""Build the Blender extension: zips in `dist` for "Install from Disk", with all packages they need inside.
+
+    python3 scripts/build_extension.py [--platform linux-x64|windows-x64|macos-arm64 … | --all]
+
+For the platform of this machine if none is named. Blender's own extension tool checks and packs them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import re
+import shutil
+import sys
+import tempfile
+import time
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import blenders
+import environment
+import wheels
+
+__all__ = ["build", "main"]
+
+ADDON = environment.ROOT / "blender_addon"
+MANIFEST = "blender_manifest.toml"
+DIST = environment.ROOT / "dist"
+WHEELS = blenders.CACHE / "wheels"
+STAGES = blenders.CACHE / "extension"
+PIP = (sys.executable, "-m", "pip")
+PIP_OPTIONS = ("--no-input", "--disable-pip-version-check", "--progress-bar=off")
+CORE_FILES = ("pyproject.toml", "README.md", "LICENSE", "shapegoogle_core")
+# Files of the add-on that are packed; what is not named here, such as caches, stays out.
+PACKED = ("*.py", "*.png", "*.svg", "LICENSE", "README.md")
+PYTHONS = tuple(sorted({blender.python for blender in blenders.BLENDERS.values()}))
+ZIP_DATE = (2020, 1, 1, 0, 0, 0)  # any, but always the same
+
+
+def build(platform: str) -> Path:
+    """Build and check the zip for one platform, unless it is there and nothing has changed.
+
+    Parameters
+    ----------
+    platform : str
+        A key of `wheels.TAGS`.
+
+    Returns
+    -------
+    path : Path
+        `dist/shape_google-VERSION-PLATFORM.zip`.
+
+    Raises
+    ------
+    SetupError
+        If a wheel cannot be had, Blender's tool is nowhere, or it finds a fault.
+    """
+    import tomllib  # here, since an older Python must get as far as saying that it is too old
+
+    manifest = tomllib.loads((ADDON / MANIFEST).read_text(encoding="utf-8"))
+    path = DIST / f"{manifest['id']}-{manifest['version']}-{platform.replace('-', '_')}.zip"
+    stage = STAGES / platform / "contents"
+    fill(stage, platform)
+    stamp = {"contents": digest(stage), "path": str(path)}
+    if path.exists() and environment.read_stamp(stage.parent) == {**stamp, "zip": digest(path)}:
+        return path
+    tool = extension_tool()
+    DIST.mkdir(exist_ok=True)
+    packed = stage.parent / path.name
+    command = [*tool, "build", "--source-dir", str(stage), "--output-filepath", str(packed)]
+    environment.run(f"Packing {path.name}", command)
+    make_reproducible(packed, path)
+    packed.unlink()
+    environment.run(f"Checking {path.name}", [*tool, "validate", str(path)])
+    environment.write_stamp(stage.parent, {**stamp, "zip": digest(path)})
+    return path
+
+
+def fill(stage: Path, platform: str) -> None:
+    """Lay out the extension as it will be packed: the add-on, its wheels, and the manifest naming both."""
+    wheel_files = {path.name: path for python in PYTHONS for path in downloaded(platform, python)}
+    core = core_wheel()
+    wheel_files[core.name] = core
+    shutil.rmtree(stage, ignore_errors=True)
+    (stage / "wheels").mkdir(parents=True)
+    for name, path in wheel_files.items():
+        os.link(path, stage / "wheels" / name)
+    sources = sorted({path for pattern in PACKED for path in ADDON.rglob(pattern)})
+    for source in sources:
+        target = stage / source.relative_to(ADDON)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+    text = (ADDON / MANIFEST).read_text(encoding="utf-8")
+    (stage / MANIFEST).write_text(complete_manifest(text, platform, sorted(wheel_files)), encoding="utf-8")
+
+
+def complete_manifest(text: str, platform: str, wheel_names: Sequence[str]) -> str:
+    """Add to the manifest what only the build knows.
+
+    Parameters
+    ----------
+    text : str
+        The manifest in the repository.
+    platform : str
+    wheel_names : sequence of str
+        File names in the folder `wheels`.
+
+    Returns
+    -------
+    text : str
+    """
+    names = "".join(f'  "./wheels/{name}",\n' for name in wheel_names)
+    before, table, after = text.partition("[permissions]")
+    return f'{before}platforms = ["{platform}"]\nwheels = [\n{names}]\n\n{table}{after}'
+
+
+def make_reproducible(packed: Path, path: Path) -> None:
+    """Copy a zip in such a way that the same content gives the same file whenever and wherever it is packed.
+
+    Blender's tool takes files in the order of the disk, with their times.
+    """
+    with zipfile.ZipFile(packed) as source, zipfile.ZipFile(path, "w") as target:
+        for item in sorted(source.infolist(), key=lambda item: item.filename):
+            info = zipfile.ZipInfo(item.filename, ZIP_DATE)
+            info.compress_type = item.compress_type
+            info.external_attr = 0o644 << 16
+            target.writestr(info, source.read(item))
+
+
+def downloaded(platform: str, python: str) -> list[Path]:
+    """Download the wheels for one platform and Python, if they are not there yet.
+
+    They are those that pyproject.toml pins, each by itself: what they ask for beyond that is numpy, which
+    is Blender's.
+    """
+    folder = WHEELS / f"{platform}-cp{python.replace('.', '')}"
+    pins = blenders.requirements("extension")
+    if environment.read_stamp(folder) != {"pins": pins}:
+        shutil.rmtree(folder, ignore_errors=True)
+        options = ["--no-deps", *wheels.pip_options(platform, python), f"--dest={folder}"]
+        environment.run(
+            f"Downloading {len(pins)} packages for {platform}, Python {python}",
+            [*PIP, "download", *PIP_OPTIONS, *options, *pins],
+        )
+        environment.write_stamp(folder, {"pins": pins})
+    return sorted(folder.glob("*.whl"))
+
+
+def core_wheel() -> Path:
+    """Build the core's wheel, if its sources have changed.
+
+    Its version ends in a hash of the sources: Blender unpacks no wheel of a version that it already has, and
+    a second build would otherwise run with the core of the first. It is built from a copy, since setuptools
+    leaves files beside the sources, and packs those left from before.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        copy = Path(temporary) / "core"
+        copy.mkdir()
+        for name in CORE_FILES:
+            source = environment.ROOT / name
+            if source.is_dir():
+                shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                shutil.copyfile(source, copy / name)
+        sources = digest(copy)
+        folder = WHEELS / "core" / sources
+        if not list(folder.glob("*.whl")):
+            project = copy / "pyproject.toml"
+            text = re.sub(
+                r'(?m)^(version = "[^"]+)', rf"\1+{sources[:8]}", project.read_text("utf-8"), count=1
+            )
+            project.write_text(text, encoding="utf-8")
+            command = [*PIP, "wheel", *PIP_OPTIONS, "--no-deps", "--wheel-dir", str(folder), str(copy)]
+            environment.run(
+                "Building the wheel of the core", command, {**os.environ, "SOURCE_DATE_EPOCH": "1577836800"}
+            )
+    return next(folder.glob("*.whl"))
+
+
+def digest(path: Path) -> str:
+    """Hash of a file, or of all files in a folder with their names."""
+    files = sorted(item for item in path.rglob("*") if item.is_file()) if path.is_dir() else [path]
+    total = hashlib.sha256()
+    for file in files:
+        name = file.relative_to(path).as_posix() if path.is_dir() else ""
+        with file.open("rb") as content:
+            total.update(f"{name}\0{hashlib.file_digest(content, 'sha256').hexdigest()}\n".encode())
+    return total.hexdigest()
+
+
+def extension_tool() -> list[str]:
+    """Start of a command line for Blender's extension tool: of a bpy module, or of a real Blender."""
+    program = Path("scripts", "addons_core", "bl_pkg", "cli", "blender_ext.py")
+    for series in reversed(blenders.BLENDERS):
+        found = sorted(blenders.folder(series).glob(f"**/site-packages/bpy/*/{program.as_posix()}"))
+        if found:
+            return [sys.executable, "-I", str(found[0])]
+    try:
+        return [blenders.find_real_blender().command, "--command", "extension"]
+    except environment.SetupError as error:
+        no_blender = error
+    for series, blender in blenders.BLENDERS.items():
+        if blender.python == environment.python_version():
+            blenders.prepare(series)
+            return extension_tool()
+    raise environment.SetupError(
+        f"Blender's extension tool is needed, from a bpy module (for Python {' or '.join(PYTHONS)}) "
+        f"or from a Blender ({no_blender}); set BLENDER to the path of one"
+    )
+
+
+def parse_arguments(arguments: Sequence[str] | None) -> list[str]:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0], allow_abbrev=False)
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        "--platform", nargs="+", choices=list(wheels.TAGS), help="this machine's when left out"
+    )
+    which.add_argument("--all", action="store_true", help="all platforms")
+    options = parser.parse_args(arguments)
+    return list(wheels.TAGS) if options.all else options.platform or [wheels.this_platform()]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    platforms = parse_arguments(arguments)
+    environment.enter([])
+    for platform in platforms:
+        started = time.monotonic()
+        try:
+            path = build(platform)
+        except environment.SetupError as error:
+            print(f"The extension for {platform} cannot be built: {error}", file=sys.stderr)
+            return 1
+        size = path.stat().st_size / 1e6
+        print(f"{path.relative_to(environment.ROOT)}: {size:.1f} MB, {time.monotonic() - started:.1f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

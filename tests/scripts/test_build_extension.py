@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""The parts of the extension's build that need no network; `tests/extension` looks at what it builds."""
+
+import os
+import tomllib
+import zipfile
+
+import pytest
+
+
+def test_the_manifest_gets_its_wheels_and_platform(build_extension):
+    text = (build_extension.ADDON / build_extension.MANIFEST).read_text(encoding="utf-8")
+    source = tomllib.loads(text)
+    wheels = ["a-1-py3-none-any.whl", "b-2-cp311-cp311-win_amd64.whl"]
+    built = tomllib.loads(build_extension.complete_manifest(text, "windows-x64", wheels))
+    assert built.pop("platforms") == ["windows-x64"]
+    assert built.pop("wheels") == [f"./wheels/{name}" for name in wheels]
+    assert built == source, "everything else is as in the repository"
+
+
+def test_a_zip_depends_only_on_what_is_in_it(build_extension, tmp_path):
+    contents = {"b.py": b"b = 1\n" * 50, "a.whl": os.urandom(100)}
+    results = []
+    for number, names in enumerate((list(contents), sorted(contents))):
+        packed = tmp_path / f"packed-{number}.zip"
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as file:
+            for name in names:
+                info = zipfile.ZipInfo(name, (2020 + number, 5, 5, 5, 5, 5))
+                info.external_attr = (0o600 + number) << 16
+                file.writestr(info, contents[name], zipfile.ZIP_STORED if "whl" in name else None)
+        path = tmp_path / f"{number}.zip"
+        build_extension.make_reproducible(packed, path)
+        results.append(path.read_bytes())
+        with zipfile.ZipFile(path) as file:
+            assert {name: file.read(name) for name in file.namelist()} == contents
+            assert file.getinfo("a.whl").compress_type == zipfile.ZIP_STORED
+    assert results[0] == results[1]
+
+
+def test_the_hash_of_a_folder_sees_names_and_contents(build_extension, tmp_path):
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "file").write_text("1")
+    first = build_extension.digest(tmp_path)
+    (tmp_path / "inner" / "file").write_text("2")
+    second = build_extension.digest(tmp_path)
+    (tmp_path / "inner" / "file").rename(tmp_path / "file")
+    assert len({first, second, build_extension.digest(tmp_path)}) == 3
+
+
+def test_platforms_are_chosen_on_the_command_line(build_extension, capsys):
+    wheels = build_extension.wheels
+    assert build_extension.parse_arguments([]) == [wheels.this_platform()]
+    assert build_extension.parse_arguments(["--all"]) == ["linux-x64", "windows-x64", "macos-arm64"]
+    assert build_extension.parse_arguments(["--platform", "macos-arm64"]) == ["macos-arm64"]
+    with pytest.raises(SystemExit):
+        build_extension.parse_arguments(["--platform", "amiga"])
+    assert "invalid choice: 'amiga'" in capsys.readouterr().err
