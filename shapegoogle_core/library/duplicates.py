@@ -28,8 +28,11 @@ __all__ = [
     "SAME_SIMILARITY",
     "DuplicateGroup",
     "DuplicateMember",
+    "differing_bits",
     "distance_at",
     "find_duplicates",
+    "member_positions",
+    "vector_distances",
 ]
 
 MIN_SIMILARITY = 0.95
@@ -194,14 +197,16 @@ def find_duplicates(
         for kind, max_distance in (("same", same_limit), ("similar", limit)):
             stars = group_stars(
                 table.codes[rows[positions]],
-                _distances(vectors, positions, model.settings.metric),
+                vector_distances(vectors, positions, model.settings.metric),
                 max_distance,
-                choose_banding(len(positions), _differing_bits(model, max_distance), model.code_bits),
+                choose_banding(len(positions), differing_bits(model, max_distance), model.code_bits),
                 classes if kind == "same" else None,
                 progress,
             )
             members = rows[positions]
-            chosen += [_Star(kind, members[group], stars.distance[group]) for group in _groups(stars)]
+            chosen += [
+                _Star(kind, members[group], stars.distance[group]) for group in member_positions(stars)
+            ]
             positions = positions[stars.leader == np.arange(len(positions))]
     groups = [group for sources in copied if (group := _copy_group(table, sources)) is not None]
     groups += _shape_groups(store, model, table, chosen)
@@ -291,8 +296,22 @@ def _mapped(file: IO[bytes], shape: tuple[int, int]) -> FloatBags:
     return np.memmap(file, np.float32, mode="r", shape=shape)
 
 
-def _distances(vectors: FloatBags, positions: NDArray[np.int64], metric: str) -> Distances:
-    """Measure between rows of `vectors`, given by their number in `positions`; rounded as in the search."""
+def vector_distances(vectors: FloatBags, positions: NDArray[np.int64], metric: str) -> Distances:
+    """Measure between rows of an array, for `group_stars`.
+
+    Parameters
+    ----------
+    vectors : (n, p) array of float32
+        From `ShapeModel.comparable`; may be mapped from a file.
+    positions : (m,) array of int64
+        The rows to compare, by whose number in here they are called.
+    metric : {"cosine", "l1"}
+
+    Returns
+    -------
+    distances : callable
+        As `group_stars` takes it; rounded as the search rounds.
+    """
 
     def measure(position: int, others: NDArray[np.int64]) -> FloatArray:
         one = vectors[positions[position]][None]
@@ -301,15 +320,36 @@ def _distances(vectors: FloatBags, positions: NDArray[np.int64], metric: str) ->
     return measure
 
 
-def _differing_bits(model: ShapeModel, distance: float) -> float:
-    """Share of bits in which the codes of two shapes at this distance should differ: θ / π."""
+def differing_bits(model: ShapeModel, distance: float) -> float:
+    """Share of bits in which the codes of two shapes at a distance should differ.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    distance : float
+
+    Returns
+    -------
+    share : float
+        θ / π, from 0 to 1; `DIFFERING_BITS` for a metric without angles.
+    """
     if model.settings.metric == "cosine":
         return math.acos(max(-1.0, 1 - distance)) / math.pi
     return DIFFERING_BITS
 
 
-def _groups(stars: Stars) -> list[NDArray[np.int64]]:
-    """Positions of each star with members, the leader first, then by distance."""
+def member_positions(stars: Stars) -> list[NDArray[np.int64]]:
+    """List the stars that have members.
+
+    Parameters
+    ----------
+    stars : Stars
+
+    Returns
+    -------
+    groups : list of (g,) arrays of int64
+        Positions, the leader first, then by distance.
+    """
     order = np.lexsort((np.arange(len(stars.leader)), stars.distance, stars.leader))
     # A leader has distance 0 and the lowest position, so it is the first of its star.
     starts = np.flatnonzero(np.diff(stars.leader[order], prepend=-1))

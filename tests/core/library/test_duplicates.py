@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.duplicate_tasks import describe_meshes, group_similar, library_duplicates
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, distance_at
 from shapegoogle_core.library.stars import Banding, choose_banding, group_stars
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature, row_distances
 
 
@@ -158,3 +160,27 @@ def test_keys_find_what_comparing_all_finds():
 
 def test_recall_of_keys_is_that_of_chance():
     assert Banding(key_bits=2, keys=2).recall(0.5) == pytest.approx(1 - (1 - 0.25) ** 2)
+
+
+def test_signatures_without_a_library_are_grouped_alike(model, make_signature):
+    first, stranger = make_signature(3), make_signature(8)
+    near = bent(model, first, 0.02)
+    assert group_similar(model, []) == []
+    ((leader, member),) = group_similar(model, [stranger, first, near], 0.9)
+    assert (leader, member[0]) == ((1, 1.0), 2)
+    assert member[1] == pytest.approx(
+        model.similarity(model.distances(first.bags, near.bags[None]))[0], abs=1e-3
+    )
+
+
+def test_a_mesh_that_cannot_be_described_costs_only_itself(model, meshes):
+    good, bad = describe_meshes(model, [meshes[0], Mesh(np.zeros((4, 3)), name="a speck")])
+    assert isinstance(good, ShapeSignature)
+    assert "a speck" in bad
+
+
+def test_a_library_by_its_path(path, model, make_signature):
+    with Library.open(path, model) as library:
+        for name in "ab":
+            library.add_signature(numbered(make_signature(1)), name)
+    assert [names(group) for group in library_duplicates(path)] == [["a", "b"]]
