@@ -142,9 +142,12 @@ def distance_text(distance: float, size: float, units: Any) -> str:
     -------
     text : str
     """
-    length = bpy.utils.units.to_string(
-        units.system, "LENGTH", distance * units.scale_length, precision=3, compatible_unit=True
-    )
+    if units.system == "NONE":  # for which Blender's own function crashes
+        length = f"{distance:.3g}"
+    else:
+        length = bpy.utils.units.to_string(
+            units.system, "LENGTH", distance * units.scale_length, precision=3, compatible_unit=True
+        )
     return f"{length} · {100 * distance / size:.1f} % of its size" if size > 0 else length
 
 

@@ -69,7 +69,10 @@ def run(command: str) -> NoReturn:
         Name of the module inside the add-on.
     """
     addon = load_addon()
-    code = importlib.import_module(f"{addon.__name__}.{command}").main(_arguments())
+    try:
+        code = importlib.import_module(f"{addon.__name__}.{command}").main(_arguments())
+    except SystemExit as stop:  # argparse's, after --help or wrong usage
+        code = stop.code
     sys.stdout.flush()
     sys.stderr.flush()
     import bpy
