@@ -1,10 +1,220 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work beside Blender's window: background `blender -b` runs with progress and cancel, and one worker process."""
+"""Work beside Blender's window: one worker process for quick answers, a background Blender for long runs.
+
+Only the main thread may touch bpy. A worker process runs the core alone, under the Python that Blender brings;
+`watch` hands its results to the main thread. `BackgroundRun` is this add-on's command in another Blender.
+"""
 
 from __future__ import annotations
 
-__all__ = ["stop_all"]
+import json
+import subprocess
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, Future
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import bpy
+
+from . import assets
+
+if TYPE_CHECKING:
+    from pebble import ProcessPool
+
+__all__ = ["BackgroundRun", "Worker", "redraw", "stop_all", "watch", "worker"]
+
+T = TypeVar("T")
+
+# How often the main thread looks for results, in seconds: a redraw takes longer on a slow machine.
+INTERVAL = 0.1
+# How long a background Blender may take to end by itself after it was asked to.
+PATIENCE = 5.0
+KEPT_LINES = 100
+
+
+class Worker:
+    """A process that computes with the core; started at the first task, which takes a second or two."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPool | None = None
+
+    def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
+        """Hand in a task; tasks run one after the other.
+
+        Parameters
+        ----------
+        function : callable
+            Of the core: it must be importable where there is no bpy.
+        *arguments : object
+            Picklable.
+
+        Returns
+        -------
+        future : Future
+            Cancelling it ends the process if the task runs already; the next task starts another one.
+        """
+        from shapegoogle_core.indexing.workers import single_threaded
+
+        if self._pool is None:
+            self._pool = _new_pool()
+        with single_threaded():
+            try:
+                future: Future[T] = self._pool.schedule(function, args=arguments)
+            except RuntimeError:  # pebble's word for a pool that broke: its process was killed, say
+                self.stop()
+                return self.submit(function, *arguments)
+        return future
+
+    def warm_up(self) -> None:
+        """Start the process, so that the first answer need not wait for it."""
+        if self._pool is None:
+            from shapegoogle_core.library.session import warm_up
+
+            self.submit(warm_up)
+
+    def stop(self) -> None:
+        """End the process and whatever it is doing."""
+        if self._pool is not None:
+            self._pool.stop()  # type: ignore[no-untyped-call]
+            self._pool.join()
+            self._pool = None
+
+
+def _new_pool() -> ProcessPool:
+    import multiprocessing
+
+    from pebble import ProcessPool
+
+    # A forked copy of Blender would share its window and its threads' locks.
+    return ProcessPool(max_workers=1, context=multiprocessing.get_context("spawn"))
+
+
+_worker = Worker()
+
+
+def worker() -> Worker:
+    """Return the worker process of this Blender."""
+    return _worker
+
+
+def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
+    """Have the main thread take a result when it is there.
+
+    Parameters
+    ----------
+    future : Future
+    done : callable
+        Called with the result.
+    failed : callable
+        Called with the error; not for a task that was cancelled.
+    """
+
+    def look() -> float | None:
+        if not future.done():
+            return INTERVAL
+        try:
+            result = future.result()
+        except CancelledError:
+            pass  # whoever cancelled knows
+        except Exception as error:
+            failed(error)
+        else:
+            done(result)
+        redraw()
+        return None
+
+    bpy.app.timers.register(look, first_interval=INTERVAL)
+
+
+def redraw() -> None:
+    """Have all 3D views drawn again: the sidebar shows results and progress."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+class BackgroundRun:
+    """This add-on's command in another process, watched through its ``--events``.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        As for `commands.main`.
+
+    Attributes
+    ----------
+    lines : deque of str
+        The last lines that it printed and that were no events.
+    exit_code : int or None
+        None while it runs.
+    """
+
+    def __init__(self, arguments: Sequence[str]) -> None:
+        command, environment = assets.package_command(arguments)
+        self.lines: deque[str] = deque(maxlen=KEPT_LINES)
+        self.exit_code: int | None = None
+        self.started = time.monotonic()
+        self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            errors="replace",
+            env=environment,
+        )
+        _runs.append(self)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            if line.startswith("{"):
+                with suppress(ValueError):  # a line that only looks like one of ours
+                    self._events.put(json.loads(line))
+                    continue
+            self.lines.append(line.rstrip())
+
+    def events(self) -> list[dict[str, Any]]:
+        """Take the events that came in since the last call; sets `exit_code` after the last one."""
+        ended = not self._reader.is_alive()
+        events = []
+        with suppress(Empty):
+            while True:
+                events.append(self._events.get_nowait())
+        if ended and self.exit_code is None:
+            self.exit_code = self._process.wait()
+            _runs.remove(self)
+        return events
+
+    def wait(self) -> list[dict[str, Any]]:
+        """Wait until it has ended; returns the events that were not taken yet."""
+        self._reader.join()
+        return self.events()
+
+    def cancel(self) -> None:
+        """End it. What it had stored stays: each file is one transaction."""
+        if self._process.poll() is None:
+            self._process.terminate()
+            try:
+                self._process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+
+
+_runs: list[BackgroundRun] = []
 
 
 def stop_all() -> None:
     """End all background work."""
+    for run in list(_runs):
+        run.cancel()
+        run.wait()
+    _worker.stop()

@@ -13,6 +13,7 @@ from importlib import metadata
 from shapegoogle_core import commands, duplicates_command
 from shapegoogle_core.commands import INTERRUPTED, UNUSABLE, say
 from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.indexing import ExternalReader
 
 __all__ = ["main"]
 
@@ -29,13 +30,22 @@ exit codes:
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(
+    arguments: Sequence[str] | None = None,
+    *,
+    reader: ExternalReader | None = None,
+    program: str = "shapegoogle",
+) -> int:
     """Run the command.
 
     Parameters
     ----------
     arguments : sequence of str, optional
         Left out, those of the command line.
+    reader : ExternalReader, optional
+        Another program that reads more kinds of files.
+    program : str, optional
+        What the help calls the command.
 
     Returns
     -------
@@ -46,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # A file name that the terminal's encoding lacks must not end the run.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    options = _parser().parse_args(arguments)
+    options = _parser(program).parse_args(arguments)
+    options.reader = reader
     run: Callable[[argparse.Namespace], int] = options.run
     try:
         exit_code = run(options)
@@ -66,9 +77,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return exit_code
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="shapegoogle",
+        prog=program,
         description="Find a 3D shape again: in another pose, at another size, with another mesh.",
         epilog="examples:\n"
         "  shapegoogle index ~/models --library shapes.sglib\n"
@@ -115,8 +126,10 @@ def _parser() -> argparse.ArgumentParser:
         help="megabytes for one file (%(default)s); not enforced on macOS and Windows",
     )
     index.add_argument("--retry", action="store_true", help="try files again that failed before")
+    index.add_argument("--reread", action="store_true", help="read all files again, changed or not")
     index.add_argument("--prune", action="store_true", help="forget files that are gone from these folders")
     index.add_argument("--json", action="store_true", help="print one JSON object at the end")
+    index.add_argument("--events", action="store_true", help="print one JSON object for each file")
 
     query = _command(
         subparsers,

@@ -10,13 +10,24 @@ from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from shapegoogle_core.errors import MeshError, ModelError
-from shapegoogle_core.indexing import IndexReport, find_meshes, index_files
-from shapegoogle_core.indexing.workers import default_jobs
+from shapegoogle_core.indexing import (
+    ExternalReader,
+    FoundShape,
+    IndexReport,
+    default_jobs,
+    describe_file,
+    end_external_readers,
+    find_meshes,
+    index_files,
+    read_shapes,
+    readable_suffixes,
+)
 from shapegoogle_core.library import Library, Match
-from shapegoogle_core.mesh import Mesh, read_mesh
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
 
@@ -31,7 +42,7 @@ Failures = list[tuple[Path, str]]
 def index(options: Namespace) -> int:
     """Bring a library up to date with folders."""
     failed: Failures = []
-    paths = _find(options.inputs, failed)
+    paths = _find(options, failed)
     if not paths and not options.prune:
         _list_failures(failed)
         return SOME_FAILED
@@ -40,7 +51,7 @@ def index(options: Namespace) -> int:
         folders = [entry for entry in options.inputs if Path(entry).is_dir()]
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
-        progress = IndexProgress(len(paths), verbose=options.verbose)
+        progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
         try:
             with progress:
                 report = index_files(
@@ -50,6 +61,8 @@ def index(options: Namespace) -> int:
                     time_limit=options.time_limit,
                     memory_limit=options.memory_limit,
                     retry=options.retry,
+                    reread=options.reread,
+                    describe=partial(describe_file, reader=_limited(options)),
                     progress=progress,
                 )
         except KeyboardInterrupt:
@@ -78,6 +91,7 @@ def _index_record(
         "updated": report.updated,
         "unchanged": report.unchanged,
         "removed": removed,
+        "new_shapes": report.shapes,
         "failed": [{"source": str(path), "error": reason} for path, reason in failed],
         "shapes": shapes,
         "seconds": round(report.seconds, 3),
@@ -93,7 +107,7 @@ def _index_summary(report: IndexReport, failed: Failures, removed: list[str], sh
         parts.append(f"{len(removed)} removed")
     if failed:
         parts.append(f"{len(failed)} failed")
-    rate = f" ({described / report.seconds:.1f} files/s)" if described else ""
+    rate = f" ({report.shapes / report.seconds:.1f} shapes/s)" if report.shapes else ""
     return f"{', '.join(parts)} in {report.seconds:.1f} s{rate}; the library has {_count(shapes, 'shape')}"
 
 
@@ -103,23 +117,23 @@ def query(options: Namespace) -> int:
     with Library.open(options.library, read_only=True) as library:
         shapes = len(library)
         for path in options.meshes:
-            record: dict[str, object] = {"query": path, "matches": []}
             try:
-                matches = library.query(read_mesh(path), top=options.top, exact=options.exact)
+                found = _read_queries(path, options, failed)
             except (MeshError, MemoryError) as error:
-                reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
                 if options.verbose:
                     traceback.print_exc()
-                failed.append((Path(path), reason))
-                record["error"] = reason
-            else:
-                record["matches"] = [match.to_json() for match in matches]
-                if not options.json:
-                    print(_match_table(path, matches, shapes), end="\n\n")
-            if options.json:
-                print(json.dumps(record))
-            # Whoever reads the other end of a pipe gets each answer as soon as it is there.
-            sys.stdout.flush()
+                _answer(options, path, None, _query_failure(path, error, failed))
+                continue
+            for shape in found:
+                try:
+                    matches = library.query(shape.mesh, top=options.top, exact=options.exact)
+                except (MeshError, MemoryError) as error:
+                    if options.verbose:
+                        traceback.print_exc()
+                    _answer(options, path, shape, _query_failure(path, error, failed))
+                else:
+                    _answer(options, path, shape, matches, shapes)
+    end_external_readers()
     if not options.json and len(failed) < len(options.meshes):
         print(
             "similarity: how likely it is the same shape transformed rather than the nearest of many others\n"
@@ -127,6 +141,46 @@ def query(options: Namespace) -> int:
         )
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
+
+
+def _read_queries(path: str, options: Namespace, failed: Failures) -> Sequence[FoundShape]:
+    """All shapes of a query file, at least one; what is wrong with some of its objects is noted."""
+    found = read_shapes(path, options.reader)
+    failed += [(Path(path), problem) for problem in found.problems]
+    if not found.shapes:
+        raise MeshError(f"{Path(path).name!r} has no mesh objects; choose a file with a shape in it")
+    return found.shapes
+
+
+def _query_failure(path: str, error: BaseException, failed: Failures) -> str:
+    reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
+    failed.append((Path(path), reason))
+    return reason
+
+
+def _answer(
+    options: Namespace,
+    path: str,
+    shape: FoundShape | None,
+    answer: list[Match] | str,
+    shapes: int = 0,
+) -> None:
+    """Print what was found for one shape, or a sentence on why it could not be looked for."""
+    record: dict[str, object] = {"query": path}
+    title = path
+    if shape is not None and shape.object_name:
+        record["object"] = shape.object_name
+        title = f"{path}, {shape.object_name}"
+    if isinstance(answer, str):
+        record |= {"matches": [], "error": answer}
+    else:
+        record["matches"] = [match.to_json() for match in answer]
+        if not options.json:
+            print(_match_table(title, answer, shapes), end="\n\n")
+    if options.json:
+        print(json.dumps(record))
+    # Whoever reads the other end of a pipe gets each answer as soon as it is there.
+    sys.stdout.flush()
 
 
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:
@@ -182,14 +236,18 @@ def train(options: Namespace) -> int:
         raise ModelError(f"cannot write '{output}': name a file in a folder that exists")
     failed: Failures = []
     meshes: defaultdict[str, list[Mesh]] = defaultdict(list)
-    for path in progress_bar(_find(options.inputs, failed), "reading"):
+    for path in progress_bar(_find(options, failed), "reading"):
         try:
-            mesh = read_mesh(path)
+            found = read_shapes(path, options.reader)
         except MeshError as error:
             say(f"skipped {path}: {error}")
             failed.append((path, str(error)))
         else:
-            meshes[str(path.parent if options.poses else path)].append(mesh)
+            failed += [(path, problem) for problem in found.problems]
+            for shape in found.shapes:
+                identity = path.parent if options.poses else path / shape.object_name
+                meshes[str(identity)].append(shape.mesh)
+    end_external_readers()
     model = train_model(
         [TrainingShape(identity, tuple(poses)) for identity, poses in sorted(meshes.items())],
         replace(PRESETS[options.preset], name=output.stem),
@@ -206,12 +264,18 @@ def train(options: Namespace) -> int:
     return SOME_FAILED if failed else DONE
 
 
-def _find(inputs: Sequence[str], failed: Failures) -> list[Path]:
+def _limited(options: Namespace) -> ExternalReader | None:
+    """Return the reader with a part of the time limit, so that it is not the worker who is given up."""
+    reader: ExternalReader | None = options.reader
+    return None if reader is None else replace(reader, time_limit=0.8 * options.time_limit)
+
+
+def _find(options: Namespace, failed: Failures) -> list[Path]:
     def skip(path: Path, reason: str) -> None:
         say(f"skipped {path}: {reason}")
         failed.append((path, reason))
 
-    return find_meshes(inputs, skip)
+    return find_meshes(options.inputs, skip, readable_suffixes(options.reader))
 
 
 def _list_failures(failed: Failures) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -31,10 +32,14 @@ class IndexProgress:
         How many files there are.
     verbose : bool
         Also show the traceback of errors that nobody foresaw.
+    events : bool
+        Also print one line of JSON for each file on stdout, for a program that shows the progress:
+        ``{"done": 3, "total": 8, "path": …, "status": "added", "reason": ""}``.
     """
 
-    def __init__(self, total: int, *, verbose: bool = False) -> None:
+    def __init__(self, total: int, *, verbose: bool = False, events: bool = False) -> None:
         self.done = 0
+        self._events = events
         self._failed = 0
         self._total = total
         self._verbose = verbose
@@ -52,6 +57,15 @@ class IndexProgress:
     def __call__(self, outcome: FileOutcome) -> None:
         """Count a file."""
         self.done += 1
+        if self._events:
+            event = {
+                "done": self.done,
+                "total": self._total,
+                "path": str(outcome.path),
+                "status": outcome.status,
+                "reason": outcome.reason,
+            }
+            print(json.dumps(event), flush=True)
         if outcome.status == "failed":
             self._failed += 1
             self._bar.set_postfix(failed=self._failed)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""From folders of mesh files to a library, touching only what is new or changed."""
+"""From folders of files to a library, touching only what is new or changed."""
 
 from __future__ import annotations
 
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +14,7 @@ from typing import Literal
 from shapegoogle_core.indexing.files import ContentKey, FileState, absolute, content_key, examine, stamp
 from shapegoogle_core.indexing.workers import (
     DescribedFile,
+    DescribedShape,
     DescribeFunction,
     Failure,
     Workers,
@@ -59,6 +60,8 @@ class IndexReport:
     ----------
     added, updated, unchanged : int
         Numbers of files.
+    shapes : int
+        How many shapes the added and updated files gave.
     failed : list of (Path, str)
         Each file that is not in the library, and why.
     seconds : float
@@ -68,6 +71,7 @@ class IndexReport:
     added: int
     updated: int
     unchanged: int
+    shapes: int
     failed: list[tuple[Path, str]]
     seconds: float
 
@@ -81,6 +85,7 @@ def index_files(
     memory_limit: int = 4096,
     progress: Callable[[FileOutcome], None] | None = None,
     retry: bool = False,
+    reread: bool = False,
     describe: DescribeFunction = describe_file,
 ) -> IndexReport:
     """Bring a library up to date with mesh files.
@@ -106,6 +111,8 @@ def index_files(
         Called with each `FileOutcome`.
     retry : bool
         Try files again that failed before and have not changed since. They are reported as failed otherwise.
+    reread : bool
+        Read and describe all files again, changed or not: for other options of `describe`.
     describe : callable
         ``describe(path, model)``, what the workers do; a function that can be imported by its name.
 
@@ -119,7 +126,7 @@ def index_files(
         If the library cannot be written.
     """
     started = time.monotonic()
-    run = _Run(library, progress, retry)
+    run = _Run(library, progress, retry=retry, reread=reread)
     changed = run.pass_over_unchanged(paths)
     jobs = min(jobs or default_jobs(), max(len(changed), 1))
     with (
@@ -138,6 +145,7 @@ def index_files(
         added=run.counts["added"],
         updated=run.counts["updated"],
         unchanged=run.counts["unchanged"],
+        shapes=run.shapes,
         failed=run.failed,
         seconds=time.monotonic() - started,
     )
@@ -146,26 +154,41 @@ def index_files(
 class _Run:
     """One run of `index_files`: what is known, what the workers have, what came out."""
 
-    def __init__(self, library: Library, progress: Callable[[FileOutcome], None] | None, retry: bool) -> None:
+    def __init__(
+        self,
+        library: Library,
+        progress: Callable[[FileOutcome], None] | None,
+        *,
+        retry: bool,
+        reread: bool,
+    ) -> None:
         self.counts: Counter[str] = Counter()
+        self.shapes = 0
         self.failed: list[tuple[Path, str]] = []
         self._library = library
         self._progress = progress
         self._retry = retry
+        self._reread = reread
         self._known = library.sources()
         self._failures: dict[ContentKey, tuple[Path, Failure]] = {}
         # The files of each content that the workers have; they read the first one.
         self._waiting: dict[ContentKey, list[FileState]] = {}
 
     @cached_property
-    def _shape_ids(self) -> dict[ContentKey, int]:
-        """The shape that each known content gave."""
-        shape_ids = {shape.source: shape.shape_id for shape in self._library.shapes()}
+    def _shape_ids(self) -> dict[ContentKey, dict[int, str]]:
+        """The shapes that each known content gave: their ids, and the names of their objects."""
+        shapes: defaultdict[str, dict[int, str]] = defaultdict(dict)
+        for shape in self._library.shapes():
+            shapes[shape.source][shape.shape_id] = shape.object_name
         return {
-            content_key(Path(source.path), source.sha256): shape_ids[source.path]
+            content_key(Path(source.path), source.sha256): shapes[source.path]
             for source in self._known.values()
-            if source.sha256 is not None and source.error is None and source.path in shape_ids
+            if source.sha256 is not None and source.error is None and source.path in shapes
         }
+
+    def _again(self, source: SourceRecord) -> bool:
+        """Whether a file is read again though it has not changed."""
+        return self._reread or (self._retry and source.error is not None)
 
     def pass_over_unchanged(self, paths: Iterable[str | Path]) -> list[Path]:
         """Deal with the files whose size and time are known; returns the others, which must be opened."""
@@ -177,11 +200,7 @@ class _Run:
             except OSError as error:
                 self._fail(path, _unreadable(path, error))
                 continue
-            if (
-                source is None
-                or (source.size, source.mtime_ns) != size_and_time
-                or (source.error and self._retry)
-            ):
+            if source is None or (source.size, source.mtime_ns) != size_and_time or self._again(source):
                 changed.append(path)
             else:
                 self._note_unchanged(path, source)
@@ -195,19 +214,15 @@ class _Run:
             self._fail(path, _unreadable(path, error))
             return
         source = self._known.get(str(path))
-        if source is not None and source.sha256 == file.sha256 and not (source.error and self._retry):
+        if source is not None and source.sha256 == file.sha256 and not self._again(source):
             self._library.update_source(path, size=file.size, mtime_ns=file.mtime_ns)
             self._note_unchanged(path, source)
         elif file.key in self._waiting:
             self._waiting[file.key].append(file)
         elif file.key in self._failures:
             self._store_failure(file, _as_copy(file, *self._failures[file.key]))
-        elif file.key in self._shape_ids:
-            shape_id = self._shape_ids[file.key]
-            self._store(
-                file,
-                DescribedFile(self._library.signature(shape_id), self._library.thumbnail(shape_id)),
-            )
+        elif file.key in self._shape_ids and not self._reread:
+            self._store(file, self._described_before(file))
         else:
             self._waiting[file.key] = [file]
             workers.submit(path)
@@ -233,9 +248,26 @@ class _Run:
                 for file in (first, *copies):
                     self._store(file, result)
 
+    def _described_before(self, file: FileState) -> DescribedFile:
+        """Take from the library what a file of the same content gave."""
+        return DescribedFile(
+            tuple(
+                DescribedShape(name, self._library.signature(shape_id), self._library.thumbnail(shape_id))
+                for shape_id, name in self._shape_ids[file.key].items()
+            )
+        )
+
     def _store(self, file: FileState, described: DescribedFile) -> None:
-        shape = NewShape(described.signature, file.path.name, thumbnail=described.thumbnail)
-        before = self._replace(file, shapes=[shape])
+        shapes = [
+            NewShape(shape.signature, shape.object_name or file.path.name, shape.object_name, shape.thumbnail)
+            for shape in described.shapes
+        ]
+        before = self._replace(file, shapes=shapes, error=described.problem or None)
+        self.shapes += len(shapes)
+        if described.problem:
+            # What could be described is there; the file counts as failed, since something is missing.
+            self._fail(file.path, Failure(described.problem))
+            return
         known = before is not None and before.shape_count > 0
         self._note(FileOutcome(file.path, "updated" if known else "added"))
 
@@ -250,13 +282,15 @@ class _Run:
         """Put in what a file gives now; returns what was known of the file before."""
         before = self._known.get(str(file.path))
         if before is not None and before.sha256 is not None:
-            # The shape of the old content goes away with it.
+            # The shapes of the old content go away with it.
             self._shape_ids.pop(content_key(file.path, before.sha256), None)
         shape_ids = self._library.replace_source(
             file.path, size=file.size, mtime_ns=file.mtime_ns, sha256=file.sha256, shapes=shapes, error=error
         )
-        if shape_ids:
-            self._shape_ids[file.key] = shape_ids[0]
+        if shape_ids and error is None:
+            self._shape_ids[file.key] = dict(
+                zip(shape_ids, (shape.object_name for shape in shapes), strict=True)
+            )
         return before
 
     def _note_unchanged(self, path: Path, source: SourceRecord) -> None:

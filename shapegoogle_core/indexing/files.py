@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 import stat
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -28,7 +28,9 @@ def absolute(path: str | Path) -> Path:
 
 
 def find_meshes(
-    inputs: Iterable[str | Path], on_error: Callable[[Path, str], None] | None = None
+    inputs: Iterable[str | Path],
+    on_error: Callable[[Path, str], None] | None = None,
+    suffixes: Collection[str] = MESH_SUFFIXES,
 ) -> list[Path]:
     """List the mesh files in folders and all folders below them.
 
@@ -42,6 +44,8 @@ def find_meshes(
     on_error : callable, optional
         Called with the path and a sentence for each input that is missing, cannot be read or has no mesh in
         it; the others go on. Left out: such an input raises.
+    suffixes : collection of str, optional
+        Of mesh files, in lower case with the dot.
 
     Returns
     -------
@@ -68,15 +72,16 @@ def find_meshes(
             else:
                 report(path, "does not exist; check the spelling")
             continue
-        meshes = list(_meshes_below(path, report))
+        meshes = list(_meshes_below(path, suffixes, report))
         if not meshes:
-            suffixes = " ".join(sorted(MESH_SUFFIXES))
-            report(path, f"has no mesh files ({suffixes}) in it or below it")
+            report(path, f"has no mesh files ({' '.join(sorted(suffixes))}) in it or below it")
         found.update(meshes)
     return sorted(found)
 
 
-def _meshes_below(top: Path, report: Callable[[Path, str], None]) -> Iterator[Path]:
+def _meshes_below(
+    top: Path, suffixes: Collection[str], report: Callable[[Path, str], None]
+) -> Iterator[Path]:
     seen: set[tuple[int, int]] = set()
 
     def unreadable(error: OSError) -> None:
@@ -92,7 +97,7 @@ def _meshes_below(top: Path, report: Callable[[Path, str], None]) -> Iterator[Pa
         # Sorted, so that of two ways to one folder the same is taken every time.
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in files:
-            if not name.startswith(".") and Path(name).suffix.lower() in MESH_SUFFIXES:
+            if not name.startswith(".") and Path(name).suffix.lower() in suffixes:
                 yield Path(folder, name)
 
 

@@ -7,13 +7,14 @@ import multiprocessing
 import os
 import signal
 import sys
+import tempfile
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import resource_tracker
 from pathlib import Path
 from types import TracebackType
@@ -23,11 +24,11 @@ from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.errors import MeshError, ShapeGoogleError
-from shapegoogle_core.mesh import read_mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.indexing.readers import ExternalReader, FoundShape, read_shapes
+from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 from shapegoogle_core.rendering import thumbnail
 
-__all__ = ["DescribedFile", "Failure", "Workers", "default_jobs", "describe_file"]
+__all__ = ["DescribedFile", "DescribedShape", "Failure", "Workers", "default_jobs", "describe_file"]
 
 # A worker starts afresh after so many files, so that what libraries leak does not add up over a long run.
 FILES_PER_WORKER = 500
@@ -36,12 +37,38 @@ MAX_RESTARTS = 2
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
-@dataclass(frozen=True)
-class DescribedFile:
-    """What a worker makes of one mesh file."""
+@dataclass(frozen=True, eq=False)
+class DescribedShape:
+    """What a worker makes of one shape.
 
+    Attributes
+    ----------
+    object_name : str
+        Of the object inside its file; empty for a file that is one shape.
+    signature : ShapeSignature
+    thumbnail : bytes or None
+        A picture as PNG.
+    """
+
+    object_name: str
     signature: ShapeSignature
     thumbnail: bytes | None
+
+
+@dataclass(frozen=True, eq=False)
+class DescribedFile:
+    """What a worker makes of one file.
+
+    Attributes
+    ----------
+    shapes : tuple of DescribedShape
+        None if the file holds no mesh, as a .blend file of materials.
+    problem : str
+        A sentence on the parts that could not be described, else empty.
+    """
+
+    shapes: tuple[DescribedShape, ...]
+    problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,13 +90,15 @@ class Failure:
 DescribeFunction = Callable[[Path, ShapeModel], DescribedFile]
 
 
-def describe_file(path: Path, model: ShapeModel) -> DescribedFile:
-    """Read one mesh file and describe it.
+def describe_file(path: Path, model: ShapeModel, reader: ExternalReader | None = None) -> DescribedFile:
+    """Read one file and describe its shapes.
 
     Parameters
     ----------
     path : Path
     model : ShapeModel
+    reader : ExternalReader, optional
+        For files that this package does not read.
 
     Returns
     -------
@@ -78,10 +107,34 @@ def describe_file(path: Path, model: ShapeModel) -> DescribedFile:
     Raises
     ------
     MeshError
-        If the file holds no mesh that can be described.
+        If the file cannot be read, or none of its shapes can be described.
     """
-    mesh = read_mesh(path)
-    return DescribedFile(signature=model.describe(mesh), thumbnail=thumbnail(mesh))
+    found = read_shapes(path, reader)
+    described: dict[int, DescribedShape] = {}
+    problems = list(found.problems)
+    for index, shape in enumerate(found.shapes):
+        try:
+            described[index] = _describe_shape(shape, described, model)
+        except MeshError as error:
+            problems.append(str(error))
+    if problems and not described:
+        raise MeshError("; ".join(problems))
+    problem = ""
+    if problems:
+        total = len(found.shapes) + len(found.problems)
+        problem = f"{path.name!r}: {len(problems)} of {total} objects failed: {'; '.join(problems)}"
+    return DescribedFile(tuple(described.values()), problem)
+
+
+def _describe_shape(
+    shape: FoundShape, described: Mapping[int, DescribedShape], model: ShapeModel
+) -> DescribedShape:
+    twin = None if shape.twin_of is None else described.get(shape.twin_of)
+    if twin is not None:
+        # Neither the signature nor the picture depends on place and size.
+        signature = replace(twin.signature, area=shape.mesh.area)
+        return DescribedShape(shape.object_name, signature, twin.thumbnail)
+    return DescribedShape(shape.object_name, model.describe(shape.mesh), thumbnail(shape.mesh))
 
 
 def default_jobs() -> int:
@@ -120,7 +173,11 @@ class Workers:
         time_limit: float,
         memory_limit: int,
     ) -> None:
-        self._start_values = (describe, model.to_bytes(), memory_limit)
+        # In a file: a process that dies before it has read all it is sent leaves its starter waiting for ever.
+        self._folder = tempfile.TemporaryDirectory(prefix="shapegoogle-")
+        model_file = Path(self._folder.name, "model.npz")
+        model.save(model_file)
+        self._start_values = (describe, model_file, memory_limit)
         self._jobs = jobs
         self._time_limit = time_limit
         self._paths: dict[Future[DescribedFile | Failure], Path] = {}
@@ -134,6 +191,7 @@ class Workers:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._stop()
+        self._folder.cleanup()
 
     def __len__(self) -> int:
         """Return the number of files handed in and not yet handed back."""
@@ -263,13 +321,13 @@ def _interrupts_blocked() -> Iterator[None]:
 _worker: tuple[DescribeFunction, ShapeModel, int] | None = None
 
 
-def _start_worker(describe: DescribeFunction, model: bytes, memory_limit: int) -> None:
+def _start_worker(describe: DescribeFunction, model_file: Path, memory_limit: int) -> None:
     global _worker
     threading.Thread(target=_end_with_parent, daemon=True).start()
     threadpool_limits(1)
     # What a library prints must not end up in the middle of `--json`.
     os.dup2(sys.__stderr__.fileno() if sys.__stderr__ else os.open(os.devnull, os.O_WRONLY), 1)
-    _worker = describe, ShapeModel.from_bytes(model), memory_limit
+    _worker = describe, load_model(model_file), memory_limit
     _limit_memory(memory_limit)
 
 

@@ -95,7 +95,7 @@ def folder(tmp_path: Path) -> Path:
 def indexed(library: Library, folder: Path) -> Library:
     """A library that knows `folder`, made without the time that worker processes take to start."""
     for path in find_meshes([folder]):
-        state, described = examine(path), describe_file(path, library.model)
+        state, (described,) = examine(path), describe_file(path, library.model).shapes
         shape = NewShape(described.signature, path.name, thumbnail=described.thumbnail)
         library.replace_source(
             path, size=state.size, mtime_ns=state.mtime_ns, sha256=state.sha256, shapes=[shape]

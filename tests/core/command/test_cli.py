@@ -97,6 +97,7 @@ def test_index_as_json(run, indexed: Library, library_file: Path, folder: Path) 
         "updated": 0,
         "unchanged": 3,
         "removed": [],
+        "new_shapes": 0,
         "failed": [
             {"source": str(folder / "gone.obj"), "error": "'gone.obj' does not exist; check the spelling"}
         ],

@@ -18,7 +18,9 @@ def test_copies_and_same_shapes_are_listed(shapegoogle, library, folder, make_me
     assert "same: 2 shapes" in table.stdout
     assert "2 groups among 5 shapes" in table.stdout
 
-    lines = shapegoogle("duplicates", "--library", file, "--min-similarity", "1", "--json").stdout.splitlines()
+    lines = shapegoogle(
+        "duplicates", "--library", file, "--min-similarity", "1", "--json"
+    ).stdout.splitlines()
     groups = {record["kind"]: record for record in map(json.loads, lines)}
     assert [member["name"] for member in groups["copies"]["members"]] == ["apple.off", "apple copy.off"]
     assert groups["copies"]["saving"]["bytes"] == (folder / "apple.off").stat().st_size

@@ -62,7 +62,7 @@ def test_a_folder_becomes_a_library(library: Library, folder: Path, model, log) 
         (path.name, str(path)) for path in find_meshes([folder])
     ]
     # What the workers send back is what the model says here.
-    described = misbehaving.describe_file(folder / "apple.off", model).signature
+    described = misbehaving.describe_file(folder / "apple.off", model).shapes[0].signature
     match = library.query_signature(described, top=1)[0]
     assert (match.name, match.distance) == ("apple.off", 0.0)
     stored = library.signature(match.shape_id)

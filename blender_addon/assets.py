@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of shapes: the asset libraries of Blender, the Blender that reads .blend files, pictures."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from shapegoogle_core.indexing import ExternalReader
+
+__all__ = ["BLENDER_SUFFIXES", "asset_libraries", "blend_reader", "package_command"]
+
+BLENDER_SUFFIXES = (".blend", ".fbx")
+"""Files that only Blender reads."""
+
+# Factory settings: no other add-on, no start-up file of the user's takes part, and no scripts in files run.
+_QUIET_BLENDER = ("--background", "--factory-startup", "--disable-autoexec", "--python-exit-code", "1")
+
+
+def asset_libraries() -> list[tuple[str, Path]]:
+    """Names and folders of the asset libraries in Blender's preferences that exist."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    found = [(library.name, Path(bpy.path.abspath(library.path))) for library in libraries if library.path]
+    return [(name, path) for name, path in found if path.is_dir()]
+
+
+def blend_reader(objects: str = "all") -> ExternalReader:
+    """Return the Blender that reads .blend and .fbx files for the core.
+
+    Parameters
+    ----------
+    objects : {"all", "assets"}
+        Which objects of a .blend file are shapes: all meshes, or only those marked as assets where there are
+        any.
+
+    Returns
+    -------
+    reader : ExternalReader
+        This Blender once more, in the background; where Blender is a Python module, this Python.
+    """
+    from shapegoogle_core.indexing import ExternalReader
+
+    script = str(Path(__file__).with_name("reader.py"))
+    if bpy.app.binary_path:
+        command = (bpy.app.binary_path, *_QUIET_BLENDER, "--python", script)
+    else:
+        command = (sys.executable, script)
+    return ExternalReader(
+        suffixes=frozenset(BLENDER_SUFFIXES),
+        command=command,
+        title=f"Blender {bpy.app.version_string}",
+        options=(("objects", objects),),
+    )
+
+
+def package_command(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Command line that runs this add-on's `commands.main` in a process of its own.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        As for `commands.main`.
+
+    Returns
+    -------
+    command : list of str
+    environment : dict
+        The environment variables to run it with.
+    """
+    package = importlib.import_module(__package__ or "").__name__
+    run = f"import sys, importlib; sys.exit(importlib.import_module({package + '.commands'!r}).main(sys.argv"
+    environment = dict(os.environ)
+    if bpy.app.binary_path:
+        # `--addons` also where the user has not saved that the add-on is on.
+        options = ["--background", "--disable-autoexec", "--python-exit-code", "1", "--addons", package]
+        code = run + "[sys.argv.index('--') + 1:]))"
+        return [bpy.app.binary_path, *options, "--python-expr", code, "--", *arguments], environment
+    # A module is looked for beside this package, wherever the other process starts.
+    paths = [str(Path(__file__).parents[package.count(".") + 1]), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
+    return [sys.executable, "-c", run + "[1:]))", *arguments], environment

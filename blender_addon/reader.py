@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender that reads .blend and .fbx files for the worker processes of the core.
+
+Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described in
+`shapegoogle_core.indexing.readers`. It imports nothing but bpy: a Blender started with factory settings knows
+neither this add-on nor its wheels. Scripts inside the files never run, and the files are only read.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from array import array
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import bpy
+
+__all__ = ["main"]
+
+# As in shapegoogle_core.indexing.readers, which cannot be imported here.
+ANSWER = "shapegoogle-answer "
+# Two scales closer than this are one: float32 matrices carry about seven digits.
+SAME_SCALE = 1e-5
+
+
+def main() -> None:
+    """Answer one request after the other until the input is closed."""
+    # Read in binary: under Windows or the C locale text would come in an encoding of its own.
+    for line in sys.stdin.buffer:
+        request = json.loads(line)
+        try:
+            answer = read(request)
+        except (RuntimeError, OSError, ValueError) as error:
+            answer = {"error": _reason(request["path"], error)}
+        # Blender prints on the same stream, also from C: begin a line of our own.
+        sys.stdout.flush()
+        text = f"\n{ANSWER}{json.dumps(answer)}\n"
+        os.write(1, text.encode("ascii"))
+
+
+def read(request: dict[str, str]) -> dict[str, Any]:
+    """Open a file and write its shapes.
+
+    Parameters
+    ----------
+    request : dict
+        "path", "output" and "objects": "all", or "assets" for only those marked as assets where there are any.
+
+    Returns
+    -------
+    answer : dict
+        "shapes", "problems" and "joined", whether the shapes are one.
+
+    Raises
+    ------
+    RuntimeError
+        If Blender cannot open the file.
+    """
+    path = Path(request["path"])
+    is_fbx = path.suffix.lower() == ".fbx"
+    if is_fbx:
+        _import_fbx(path)
+    else:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    objects = _mesh_objects()
+    if request.get("objects") == "assets":
+        objects = _assets(objects) or objects
+    with Path(request["output"]).open("wb") as output:
+        # Like the other files for exchange, an .fbx is one shape; a .blend is one for each object.
+        return {**_write_shapes(objects, output), "joined": is_fbx}
+
+
+def _reason(path: str, error: Exception) -> str:
+    """Blender's many-line report as one sentence."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    text = "; ".join(line.removeprefix("Error: ") for line in lines) or type(error).__name__
+    # Blender repeats the whole path, which the user sees anyway.
+    return f"{Path(path).name!r} cannot be opened by Blender: {text.replace(path, Path(path).name)}"
+
+
+def _import_fbx(path: Path) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    # Blender 4.5 has an importer of its own; earlier ones, an add-on that factory settings switch on.
+    if "fbx_import" in dir(bpy.ops.wm):
+        bpy.ops.wm.fbx_import(filepath=str(path), use_anim=False)
+    else:
+        bpy.ops.import_scene.fbx(filepath=str(path), use_anim=False)
+
+
+def _mesh_objects() -> list[Any]:
+    """Mesh objects of the open file, by name; those of linked libraries belong to another file."""
+    found = [item for item in bpy.data.objects if item.type == "MESH" and item.library is None]
+    return sorted(found, key=lambda item: item.name)
+
+
+def _assets(objects: list[Any]) -> list[Any]:
+    """Those objects that are marked as assets, alone or with their collection."""
+    marked = {item for item in objects if item.asset_data is not None}
+    for collection in bpy.data.collections:
+        if collection.asset_data is not None:
+            marked.update(collection.all_objects)
+    return [item for item in objects if item in marked]
+
+
+def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
+    shapes: list[dict[str, Any]] = []
+    problems: list[str] = []
+    first_of_data: dict[Any, int] = {}
+    for item, evaluated in _evaluated(objects):
+        try:
+            mesh = evaluated.to_mesh()
+        except RuntimeError as error:
+            problems.append(f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers")
+            continue
+        matrix = evaluated.matrix_world
+        vertex_count, face_count = _write_arrays(mesh, output)
+        evaluated.to_mesh_clear()
+        if not face_count:
+            continue  # wires and single points are helpers, no shapes: as little a problem as a lamp
+        twin_of = None
+        if _is_plain(item) and _is_similarity(matrix):
+            first = first_of_data.setdefault(item.data, len(shapes))
+            twin_of = first if first < len(shapes) else None
+        shapes.append(
+            {
+                "name": item.name,
+                "vertices": vertex_count,
+                "faces": face_count,
+                "matrix": [number for row in matrix for number in row],
+                "twin_of": twin_of,
+            }
+        )
+    return {"shapes": shapes, "problems": problems}
+
+
+def _write_arrays(mesh: Any, output: BinaryIO) -> tuple[int, int]:
+    """Write vertices and triangles, if there are triangles; returns their numbers."""
+    mesh.calc_loop_triangles()
+    vertex_count, face_count = len(mesh.vertices), len(mesh.loop_triangles)
+    if face_count:
+        vertices = array("f", bytes(12 * vertex_count))
+        mesh.vertices.foreach_get("co", vertices)
+        faces = array("i", bytes(12 * face_count))
+        mesh.loop_triangles.foreach_get("vertices", faces)
+        vertices.tofile(output)
+        faces.tofile(output)
+    return vertex_count, face_count
+
+
+def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
+    """Yield each object with its evaluated state, also if it is hidden or in no scene.
+
+    They are evaluated together in a scene of their own, where everything is visible; what they depend on
+    (armatures, targets of modifiers) takes part without being in it.
+    """
+    if not objects:
+        return
+    frame = bpy.context.scene.frame_current
+    scene = bpy.data.scenes.new("Shape Google")
+    scene.frame_set(frame)
+    for item in objects:
+        item.hide_viewport = False
+        scene.collection.objects.link(item)
+    layer = scene.view_layers[0]
+    layer.update()
+    depsgraph = layer.depsgraph
+    depsgraph.update()
+    for item in objects:
+        yield item, item.evaluated_get(depsgraph)
+
+
+def _is_plain(item: Any) -> bool:
+    """Whether an object looks as its data says: objects of the same data are then the same shape."""
+    return not item.modifiers and item.data.shape_keys is None
+
+
+def _is_similarity(matrix: Any) -> bool:
+    """Whether a matrix only moves, turns, mirrors and scales alike in all directions."""
+    columns = [matrix.col[index].to_3d() for index in range(3)]
+    scale = max(column.length for column in columns)
+    if not (scale > 0 and math.isfinite(scale)):
+        return False
+    even = all(abs(column.length - scale) <= SAME_SCALE * scale for column in columns)
+    pairs = ((0, 1), (0, 2), (1, 2))
+    return even and all(abs(columns[a].dot(columns[b])) <= SAME_SCALE * scale**2 for a, b in pairs)
+
+
+if __name__ == "__main__":
+    main()

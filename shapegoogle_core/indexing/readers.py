@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: MIT
+"""From a file to its shapes: mesh files are read here, others by another program, such as Blender.
+
+The other program is started once and asked for one file after the other. A request is one line of JSON on
+its standard input::
+
+    {"path": "…/scene.blend", "output": "…/shapes.bin", …options}
+
+It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
+triangles (int32), little-endian, and answers with one line on its standard output that begins with
+`ANSWER`; other lines are its own affair. With "joined", all shapes are parts of one::
+
+    shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
+    row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false}
+    shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+import threading
+from collections import deque
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
+
+__all__ = [
+    "ANSWER",
+    "ExternalReader",
+    "FileShapes",
+    "FoundShape",
+    "end_external_readers",
+    "read_shapes",
+    "readable_suffixes",
+]
+
+ANSWER = "shapegoogle-answer "
+# How long a program may take to end when its input is closed, in seconds.
+PATIENCE = 5.0
+# So many of the last lines that a program printed are kept, to say why it ended.
+KEPT_LINES = 5
+
+
+@dataclass(frozen=True, eq=False)
+class FoundShape:
+    """A shape in a file.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    object_name : str
+        Of the object inside the file; empty for a file that is one shape.
+    twin_of : int or None
+        Index of an earlier shape of the same file that differs only by a motion, a mirroring or one factor
+        of scale.
+    """
+
+    mesh: Mesh
+    object_name: str = ""
+    twin_of: int | None = None
+
+
+@dataclass(frozen=True)
+class FileShapes:
+    """What a file holds.
+
+    Attributes
+    ----------
+    shapes : sequence of FoundShape
+        May be empty: many .blend files hold only materials or lights.
+    problems : sequence of str
+        A sentence for each part that could not be read.
+    """
+
+    shapes: Sequence[FoundShape]
+    problems: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class ExternalReader:
+    """Another program that reads files which this package does not.
+
+    Attributes
+    ----------
+    suffixes : frozenset of str
+        Of the files it reads, in lower case with the dot.
+    command : tuple of str
+        How it is started.
+    title : str
+        What errors call it.
+    options : tuple of (str, str)
+        Sent along with every request.
+    time_limit : float
+        Seconds that it may take for one file; it is killed then.
+    environment : tuple of (str, str)
+        Environment variables for it, on top of this process's own.
+    """
+
+    suffixes: frozenset[str]
+    command: tuple[str, ...]
+    title: str
+    options: tuple[tuple[str, str], ...] = ()
+    time_limit: float = 300.0
+    environment: tuple[tuple[str, str], ...] = field(default=(), repr=False)
+
+
+def read_shapes(path: str | Path, reader: ExternalReader | None = None) -> FileShapes:
+    """Read all shapes of a file.
+
+    Parameters
+    ----------
+    path : str or Path
+    reader : ExternalReader, optional
+        For the files that have one of its suffixes. Its program goes on running, for the next file, until
+        `end_external_readers` or the end of this process.
+
+    Returns
+    -------
+    found : FileShapes
+        One shape without an object name if this package itself reads such files.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    if reader is None or path.suffix.lower() not in reader.suffixes:
+        return FileShapes([FoundShape(read_mesh(path))])
+    if not path.is_file():
+        raise MeshError(f"{str(path)!r} is not there, or is no file; check the spelling")
+    return _programs.setdefault(reader, _Process(reader)).read(path)
+
+
+def readable_suffixes(reader: ExternalReader | None) -> frozenset[str]:
+    """Suffixes of all files that `read_shapes` reads."""
+    return MESH_SUFFIXES if reader is None else MESH_SUFFIXES | reader.suffixes
+
+
+def end_external_readers() -> None:
+    """End the programs that `read_shapes` started."""
+    while _programs:
+        _, program = _programs.popitem()
+        program.end()
+
+
+class _Process:
+    """A reader's program, started at the first file and again when it died."""
+
+    def __init__(self, reader: ExternalReader) -> None:
+        self._reader = reader
+        self._program: subprocess.Popen[str] | None = None
+
+    def read(self, path: Path) -> FileShapes:
+        with tempfile.TemporaryDirectory(prefix="shapegoogle-") as folder:
+            output = Path(folder, "shapes.bin")
+            request = {
+                "path": os.fspath(path.absolute()),
+                "output": str(output),
+                **dict(self._reader.options),
+            }
+            answer = self._ask(path, json.dumps(request))
+            if "error" in answer:
+                raise MeshError(str(answer["error"]))
+            return _shapes(path, answer, output)
+
+    def end(self) -> None:
+        """Close the program's input, which ends it, or else kill it."""
+        if self._program is None:
+            return
+        program, self._program = self._program, None
+        assert program.stdin is not None
+        assert program.stdout is not None
+        with suppress(BrokenPipeError):  # it is gone already, which was wanted
+            program.stdin.close()
+        try:
+            program.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            program.kill()
+            program.wait()
+        program.stdout.close()
+
+    def _ask(self, path: Path, request: str) -> Mapping[str, Any]:
+        program = self._started()
+        assert program.stdin is not None
+        assert program.stdout is not None
+        timed_out = threading.Event()
+
+        def give_up() -> None:
+            timed_out.set()
+            program.kill()
+
+        timer = threading.Timer(self._reader.time_limit, give_up)
+        timer.start()
+        last_lines: deque[str] = deque(maxlen=KEPT_LINES)
+        try:
+            with suppress(BrokenPipeError):  # it died; its last words say how
+                print(request, file=program.stdin, flush=True)
+            for line in program.stdout:
+                if line.startswith(ANSWER):
+                    answer: Mapping[str, Any] = json.loads(line[len(ANSWER) :])
+                    return answer
+                last_lines.append(line.strip())
+        finally:
+            timer.cancel()
+        self.end()
+        if timed_out.is_set():
+            raise MeshError(
+                f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
+                "given up; simplify it or raise the time limit"
+            )
+        printed = "; ".join(line for line in last_lines if line)
+        raise MeshError(
+            f"{path.name!r} crashed {self._reader.title}, which read it (exit code {program.returncode}"
+            f"{', last words: ' + printed if printed else ''}); open and save it again, or simplify it"
+        )
+
+    def _started(self) -> subprocess.Popen[str]:
+        if self._program is not None and self._program.poll() is not None:
+            self.end()
+        if self._program is None:
+            try:
+                self._program = subprocess.Popen(
+                    self._reader.command,
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    # What it prints there must not end up among the lines of this program.
+                    stderr=subprocess.STDOUT,
+                    encoding="utf-8",
+                    errors="replace",
+                    env={**os.environ, **dict(self._reader.environment)},
+                )
+            except OSError as error:
+                raise MeshError(
+                    f"{self._reader.title} cannot be started ({error.strerror or error}: "
+                    f"{self._reader.command[0]!r}); install it, or name another one"
+                ) from error
+        return self._program
+
+
+# The programs that this process has started.
+_programs: dict[ExternalReader, _Process] = {}
+
+
+def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> FileShapes:
+    """Take the arrays out of the file that the program wrote."""
+    shapes: list[FoundShape] = []
+    problems = [str(problem) for problem in answer["problems"]]
+    places: dict[int, int] = {}  # of the program's shapes among those that are none of the problems
+    with output.open("rb") as file:
+        for index, record in enumerate(answer["shapes"]):
+            vertices = np.fromfile(file, "<f4", 3 * record["vertices"]).reshape(-1, 3)
+            faces = np.fromfile(file, "<i4", 3 * record["faces"]).reshape(-1, 3)
+            matrix = np.array(record["matrix"], np.float64).reshape(4, 4)
+            if np.linalg.det(matrix[:3, :3]) < 0:
+                faces = faces[:, ::-1]  # a mirrored object would come out inside out
+            name = str(record["name"])
+            try:
+                mesh = Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
+            except MeshError as error:
+                problems.append(str(error))
+                continue
+            places[index] = len(shapes)
+            shapes.append(FoundShape(mesh, name, places.get(record["twin_of"])))
+    if answer["joined"] and shapes:
+        shapes = [FoundShape(_joined([shape.mesh for shape in shapes], path.name))]
+    return FileShapes(shapes, problems)
+
+
+def _joined(meshes: Sequence[Mesh], name: str) -> Mesh:
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]),
+        name,
+    )
