@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work beside Blender's window: one worker process for quick answers, a background Blender for long runs.
 
-Only the main thread may touch bpy. A worker process runs the core alone, under the Python that Blender brings;
-`watch` hands its results to the main thread. `BackgroundRun` is this add-on's command in another Blender.
+Only the main thread may touch bpy. A worker process runs the core alone, under the Python that Blender
+brings; `watch` hands its results to the main thread. `BackgroundRun` is the add-on's command in another
+Blender.
 """
 
 from __future__ import annotations
@@ -139,7 +140,7 @@ def redraw() -> None:
 
 
 class BackgroundRun:
-    """This add-on's command in another process, watched through its ``--events``.
+    """The add-on's command in another process, watched through its ``--events``.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender that reads .blend and .fbx files for the worker processes of the core.
 
-Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described in
-`shapegoogle_core.indexing.readers`. It imports nothing but bpy: a Blender started with factory settings knows
-neither this add-on nor its wheels. Scripts inside the files never run, and the files are only read.
+Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described
+in `shapegoogle_core.indexing.readers`. It imports nothing but bpy: a Blender started with factory settings
+knows neither this add-on nor its wheels. Scripts inside the files never run, and the files are only read.
 """
 
 from __future__ import annotations
@@ -48,7 +48,8 @@ def read(request: dict[str, str]) -> dict[str, Any]:
     Parameters
     ----------
     request : dict
-        "path", "output" and "objects": "all", or "assets" for only those marked as assets where there are any.
+        "path", "output" and "objects": "all", or "assets" for only those marked as assets where there are
+        any.
 
     Returns
     -------

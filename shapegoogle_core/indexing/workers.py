@@ -173,10 +173,10 @@ class Workers:
         time_limit: float,
         memory_limit: int,
     ) -> None:
-        # In a file: a process that dies before it has read all it is sent leaves its starter waiting for ever.
+        # In a file: a process that dies before it has read all it is sent keeps its starter waiting for ever.
         self._folder = tempfile.TemporaryDirectory(prefix="shapegoogle-")
         model_file = Path(self._folder.name, "model.npz")
-        model.save(model_file)
+        model_file.write_bytes(model.to_bytes())
         self._start_values = (describe, model_file, memory_limit)
         self._jobs = jobs
         self._time_limit = time_limit

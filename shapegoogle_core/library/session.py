@@ -7,7 +7,6 @@ first question reads the codes.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +109,7 @@ def warm_up() -> None:
 
 
 def _library(path: Path) -> Library:
-    status = os.stat(path) if path.exists() else None
+    status = path.stat() if path.exists() else None
     identity = (0, 0) if status is None else (status.st_dev, status.st_ino)
     known = _open.get(path)
     if known is not None:

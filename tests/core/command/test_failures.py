@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -154,6 +155,22 @@ def test_files_that_cannot_be_opened(library: Library, tmp_path: Path) -> None:
     assert all("'folder.obj'" in reason or "ordinary" in reason for _, reason in report.failed[1:])
     # Trouble with the disk is no property of the file.
     assert not any(str(path) in library.sources() for path in paths)
+
+
+def test_a_script_that_only_one_process_can_import(tmp_path: Path, folder: Path) -> None:
+    script = tmp_path / "index.py"
+    script.write_text(
+        "import sys\n"
+        "if __name__ != '__main__':\n"
+        "    raise ImportError('nothing for a worker')\n"
+        "from shapegoogle_core.cli import main\n"
+        "sys.exit(main(sys.argv[1:]))\n"
+    )
+    command = [sys.executable, script, "index", folder, "--library", tmp_path / "shapes.sglib"]
+    # It must end at all: a process that died early once kept its starter waiting for ever.
+    run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert run.returncode == 2
+    assert "the worker processes end before they do anything" in run.stderr
 
 
 def test_processes_that_cannot_start() -> None:
