@@ -19,8 +19,8 @@ def _repaint(_settings: Any, context: Any) -> None:
 class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
     """Settings of painting; what can be shown at once is repainted when they change."""
 
-    kind: EnumProperty(name="Attribute", description="What to write onto the vertices", items=KINDS)  # type: ignore[valid-type]
-    scale: FloatProperty(  # type: ignore[valid-type]
+    kind: EnumProperty(name="Attribute", description="What to write onto the vertices", items=KINDS)
+    scale: FloatProperty(
         name="Time",
         description=(
             "How long heat spreads: 0 shows the smallest parts, 1 the whole shape. "
@@ -32,13 +32,13 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         subtype="FACTOR",
         update=_repaint,
     )
-    count: IntProperty(  # type: ignore[valid-type]
+    count: IntProperty(
         name="Times", description="How many times, from the shortest to the longest", default=6, min=2, max=32
     )
-    frequencies: IntProperty(  # type: ignore[valid-type]
+    frequencies: IntProperty(
         name="Frequencies", description="How many of the lowest frequencies", default=6, min=1, max=32
     )
-    shown: IntProperty(  # type: ignore[valid-type]
+    shown: IntProperty(
         name="Shown",
         description="Which of the values the colour shows, from 1",
         default=1,
@@ -46,10 +46,10 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         max=32,
         update=_repaint,
     )
-    channel: EnumProperty(  # type: ignore[valid-type]
+    channel: EnumProperty(
         name="Words of", description="Which of the model's vocabularies", items=CHANNELS
     )
-    weights: IntProperty(  # type: ignore[valid-type]
+    weights: IntProperty(
         name="Soft Weights",
         description=(
             "For how many words, the most frequent of the object, the soft weights are written too: "
@@ -59,20 +59,20 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         min=0,
         max=512,
     )
-    color: BoolProperty(  # type: ignore[valid-type]
+    color: BoolProperty(
         name="Colour", description="Also write the colour attribute sg_color and show it", default=True
     )
-    eigenpairs: IntProperty(  # type: ignore[valid-type]
+    eigenpairs: IntProperty(
         name="Eigenpairs",
         description="How many eigenfunctions of the Laplacian: more show smaller parts and take longer",
         default=100,
         min=10,
         max=500,
     )
-    laplacian: EnumProperty(  # type: ignore[valid-type]
+    laplacian: EnumProperty(
         name="Laplacian", description="How the Laplace–Beltrami operator is discretised", items=LAPLACIANS
     )
-    budget: IntProperty(  # type: ignore[valid-type]
+    budget: IntProperty(
         name="Simplify Above",
         description=(
             "Of an object with more vertices, the signature is computed on a copy simplified to this many "

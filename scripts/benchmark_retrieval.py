@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import environment
 
@@ -63,17 +64,17 @@ def reciprocal_ranks(library: Path, queries: dict[Path, Path]) -> dict[Path, flo
     return ranks
 
 
-def index(library: Path, files: Sequence[Path], model: str, jobs: int) -> dict:
+def index(library: Path, files: Sequence[Path], model: str, jobs: int) -> dict[str, Any]:
     started = time.monotonic()
     result = shapegoogle(
         "index", *files, "--library", library, "--model", model, "--jobs", str(jobs), "--json"
     )
-    report: dict = json.loads(result.stdout)
+    report: dict[str, Any] = json.loads(result.stdout)
     report["wall_seconds"] = time.monotonic() - started
     return report
 
 
-def report(title: str, ranks: dict[Path, float], classes: dict[Path, str]) -> dict:
+def report(title: str, ranks: dict[Path, float], classes: dict[Path, str]) -> dict[str, Any]:
     by_class: dict[str, list[float]] = {}
     for query, rank in ranks.items():
         by_class.setdefault(classes[query], []).append(rank)
@@ -137,7 +138,7 @@ def main() -> int:
     arguments = parser.parse_args()
     labels = read_labels(arguments.data)
     nulls = null_shapes(labels["tosca"])
-    figures: dict = {"model": arguments.model}
+    figures: dict[str, Any] = {"model": arguments.model}
     with tempfile.TemporaryDirectory() as folder:
         everything, only_nulls = Path(folder) / "all.sglib", Path(folder) / "nulls.sglib"
         psb = [path for path, _, _ in labels["psb"]]

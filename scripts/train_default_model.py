@@ -13,13 +13,17 @@ import csv
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import environment
+
+if TYPE_CHECKING:
+    from shapegoogle_core.training import TrainingShape
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
-def creature_shapes(individuals: int, poses: int) -> list:
+def creature_shapes(individuals: int, poses: int) -> list[TrainingShape]:
     from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
     from shapegoogle_core.training import TrainingShape
 
@@ -32,7 +36,7 @@ def creature_shapes(individuals: int, poses: int) -> list:
     return shapes
 
 
-def blend_shapes(folder: Path, poses: int) -> list:
+def blend_shapes(folder: Path, poses: int) -> list[TrainingShape]:
     from shapegoogle_core.mesh import read_mesh
     from shapegoogle_core.training import TrainingShape
 

@@ -54,6 +54,11 @@ def build_extension(blenders):
 
 
 @pytest.fixture(scope="session")
+def test(build_extension):
+    return load("test")
+
+
+@pytest.fixture(scope="session")
 def demo(blenders):
     return load("demo")
 
@@ -68,7 +73,7 @@ def project(tmp_path, environment):
     """Return a repository of its own whose `.venv` is ready, but without pip: to install must fail."""
     root = tmp_path.resolve()
     (root / "scripts").mkdir()
-    for name in ("environment.py", "test.py"):
+    for name in ("environment.py", "test.py", "blenders.py", "wheels.py", "build_extension.py"):
         (root / "scripts" / name).write_bytes((SCRIPTS / name).read_bytes())
     (root / "pyproject.toml").write_text(PYPROJECT)
     environment.run("Making it", [sys.executable, "-m", "venv", "--without-pip", str(root / ".venv")])
