@@ -159,6 +159,8 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
         bpy.context.window.scene = scene
         for layer in scene.view_layers:
             bpy.context.window.view_layer = layer
+            for item in layer.objects:
+                item.update_tag()  # Blender 4 would leave those of another scene without their scale
             layer.update()
             wanted = [item for item in layer.objects if names is None or item.name in names]
             items, refused = painted.targets(wanted)
