@@ -3,7 +3,8 @@
 
     python3 scripts/demo.py
 
-Everything it makes stands in the folder `demo`. Run again, it only does what has changed.
+First with mesh files and the command, then, where Blender's bpy module can be had, with .blend files and the
+add-on. Everything it makes stands in the folder `demo`. Run again, it only does what has changed.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import blenders
 import environment
 
 if TYPE_CHECKING:
@@ -29,7 +31,12 @@ __all__ = ["main"]
 FOLDER = environment.ROOT / "demo"
 MESHES = FOLDER / "creatures"
 LIBRARY = FOLDER / "creatures.sglib"
+BLENDS = FOLDER / "blend_library"
+BLEND_LIBRARY = FOLDER / "blend_library.sglib"
 PICTURE = FOLDER / "matches.png"
+
+BLENDER_PART = Path(__file__).with_name("demo_blender.py")
+BLENDER_SERIES = ("4.5", "5.2")  # one for each Python that Blenders ship; the first that can be had is taken
 
 KINDS = (
     "human",
@@ -77,15 +84,15 @@ def query_mesh() -> Mesh:
     return Mesh(QUERY_SCALE * mesh.vertices, mesh.faces, QUERY.name)
 
 
-def forget_other_model() -> None:
-    """Remove the demo's own library if an earlier version's model made it: it cannot be searched any more."""
+def forget_other_model(path: Path) -> None:
+    """Remove a library of the demo's own if an earlier version's model made it: none can search it now."""
     from shapegoogle_core import Library, load_model
 
-    if LIBRARY.exists():
-        with Library.open(LIBRARY, read_only=True) as library:
+    if path.exists():
+        with Library.open(path, read_only=True) as library:
             outdated = library.model.identifier != load_model().identifier
         if outdated:
-            LIBRARY.unlink()
+            path.unlink()
 
 
 def write_mesh(path: Path, mesh: Mesh) -> None:
@@ -141,9 +148,31 @@ def write_picture() -> None:
     sheet.save(PICTURE)
 
 
+def blender_python() -> Path | None:
+    """Python that has the bpy module; None, after a sentence that says why, if there can be none here."""
+    reasons = []
+    for series in BLENDER_SERIES:
+        try:
+            return blenders.prepare(series)
+        except environment.SetupError as error:
+            reasons.append(str(error))
+    print(f"The part in Blender is left out, since it needs bpy: {'; '.join(reasons)}", flush=True)
+    return None
+
+
+def run_in_blender(python: Path) -> None:
+    """Do the same in Blender, with the add-on."""
+    print("\nThe same in Blender, with .blend files and the add-on:", flush=True)
+    paths = [BLENDER_PART, BLENDS, BLEND_LIBRARY, PICTURE]
+    code = subprocess.run([str(python), *map(str, paths)], check=False).returncode
+    if code != 0:
+        sys.exit(f"The part in Blender ended with exit code {code}")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args(arguments)
     environment.enter(["demo"])
+    python = blender_python()
     # For matrices as small as these, threads cost more than they bring. Read when numpy is imported.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -152,10 +181,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, mesh in library_meshes():
         write_mesh(MESHES / name, mesh)
     write_mesh(QUERY, query_mesh())
-    forget_other_model()
+    forget_other_model(LIBRARY)
     run_command("index", MESHES, "--library", LIBRARY)
     run_command("query", QUERY, "--library", LIBRARY, "--top", str(MATCHES))
-    write_picture()
+    if python is None:
+        write_picture()
+    else:
+        forget_other_model(BLEND_LIBRARY)
+        run_in_blender(python)
     print(f"\nPicture of the query and its matches: {PICTURE}")
     print(f"Done in {time.monotonic() - started:.0f} s")
     return 0

@@ -49,6 +49,36 @@ def bumpy_mesh():
     return Mesh(sphere.vertices * heights, sphere.faces, "bumpy")
 
 
+def test_without_bpy_one_line_says_why_the_part_in_blender_is_left_out(demo, monkeypatch, capsys):
+    def prepare(series):
+        raise demo.environment.SetupError(f"there is no Python for Blender {series}")
+
+    monkeypatch.setattr(demo.blenders, "prepare", prepare)
+    assert demo.blender_python() is None
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith("The part in Blender is left out")
+    assert all(f"no Python for Blender {series}" in line for series in demo.BLENDER_SERIES)
+
+
+def test_another_blender_does_where_the_first_cannot_be_had(demo, monkeypatch, capsys):
+    def prepare(series):
+        if series == demo.BLENDER_SERIES[0]:
+            raise demo.environment.SetupError("no such Python")
+        return Path("python-of", series)
+
+    monkeypatch.setattr(demo.blenders, "prepare", prepare)
+    assert demo.blender_python() == Path("python-of", demo.BLENDER_SERIES[1])
+    assert not capsys.readouterr().out
+
+
+def test_a_failure_in_blender_is_one_of_the_demo(demo, monkeypatch, tmp_path):
+    failing = tmp_path / "failing.py"
+    failing.write_text("import sys; sys.exit(3 if len(sys.argv) == 4 else 0)")
+    monkeypatch.setattr(demo, "BLENDER_PART", failing)
+    with pytest.raises(SystemExit, match="exit code 3"):
+        demo.run_in_blender(Path(sys.executable))
+
+
 @pytest.mark.long
 def test_the_demo_finds_the_horse_again(demo):
     result = subprocess.run([sys.executable, str(SCRIPT)], capture_output=True, text=True, check=False)
@@ -56,4 +86,8 @@ def test_the_demo_finds_the_horse_again(demo):
     names = re.findall(r"^\d+ +[\d.]+ +[\d.]+ +(\S+)", result.stdout, re.MULTILINE)
     assert len(names) == demo.MATCHES
     assert all(name.startswith("horse-") for name in names[: demo.POSES_EACH]), result.stdout
+    if "left out" not in result.stdout:
+        names = re.findall(r"^\d+ +[\d.]+  (.+?)  +\S+\.blend$", result.stdout, re.MULTILINE)
+        assert len(names) == demo.MATCHES
+        assert all(name.startswith("Horse ") for name in names[:6]), result.stdout
     assert demo.PICTURE.stat().st_size > 50_000

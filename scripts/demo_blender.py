@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: MIT
+"""The demo's part in Blender: an asset library of rigs, indexed and searched by the add-on, and a picture.
+
+    python scripts/demo_blender.py FOLDER LIBRARY PICTURE
+
+`demo.py` runs it with a Python that has the `bpy` module. Run again, it only does what has changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("folder", metavar="FOLDER", type=Path, help="for the .blend files")
+    parser.add_argument(
+        "library", metavar="LIBRARY", type=Path, help="file for what the search needs of them"
+    )
+    parser.add_argument("picture", metavar="PICTURE", type=Path, help="file for the picture, .png")
+    options = parser.parse_args(arguments)
+    # Here, not above: worker processes that index import this file too, and bpy cannot be imported in them.
+    import blend_demo
+
+    blend_demo.run(options.folder, options.library, options.picture)
+    return 0
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    os._exit(code)  # the bpy modules of 4.2 and 4.5 can crash while Python shuts down
