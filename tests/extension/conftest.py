@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""The built zip, and the Blenders to install it in: `scripts/test.py` makes both, and says where they are."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MARK = "shape-google-report "
+# All that a Blender has of Python packages: its own ones, but none of those that the extension brings along.
+OWN_PACKAGES = ("bpy", "lib", "numpy", "numpy.libs", "requests", "urllib3", "certifi", "idna")
+OWN_PACKAGES += (
+    "charset_normalizer",
+    "zstandard",
+    "attr",
+    "attrs",
+    "cattr",
+    "cattrs",
+    "typing_extensions.py",
+)
+
+
+@dataclass(frozen=True)
+class Host:
+    """A Blender with a user folder of its own, in which nothing but the extension can be found."""
+
+    command: tuple[str, ...]
+    variables: dict[str, str]
+    user_folder: Path
+
+    @property
+    def is_real(self) -> bool:
+        """Whether it is a program, not a Python module."""
+        return "--python" in self.command
+
+    def run(self, *arguments: str | Path, command: tuple[str, ...] | None = None) -> str:
+        """Run a Python script in it, or another command line of it, and return what it prints."""
+        result = subprocess.run(
+            [*(command or self.command), *map(str, arguments)],
+            cwd=ROOT,
+            env={**os.environ, **self.variables, "BLENDER_USER_RESOURCES": str(self.user_folder)},
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=300,
+            check=False,
+        )
+        output = result.stdout + result.stderr
+        assert result.returncode == 0, f"exit code {result.returncode}\n{output}"
+        return output
+
+    def report(self, script: Path, *arguments: str | Path) -> dict[str, Any]:
+        """Run a script in it, and return the report that it prints."""
+        separator = ("--",) if self.is_real else ()
+        output = self.run(script, *separator, *arguments)
+        lines = [line for line in output.splitlines() if line.startswith(MARK)]
+        assert len(lines) == 1, output
+        report: dict[str, Any] = json.loads(lines[0].removeprefix(MARK))
+        return {**report, "output": output}
+
+
+def real_blender(user_folder: Path) -> Host:
+    """The Blender that BLENDER names; one without numpy gets it, as people must give it one too."""
+    modules = user_folder / "scripts" / "modules"
+    modules.mkdir(parents=True)
+    for package in Path(os.environ["SHAPEGOOGLE_BLENDER_MODULES"]).glob("numpy*"):
+        (modules / package.name).symlink_to(package)
+    command = (os.environ["BLENDER"], "--background", "--python-exit-code", "1", "--python")
+    return Host(command, {}, user_folder)
+
+
+def bpy_module(name: str, folder: Path) -> Host:
+    """Blender as a Python module, on a path with nothing but Blender's own packages."""
+    environment = ROOT / ".venvs" / name
+    packages = folder / "packages"
+    packages.mkdir()
+    (site_packages,) = environment.glob("lib/python*/site-packages")
+    for package in OWN_PACKAGES:
+        if (site_packages / package).exists():
+            (packages / package).symlink_to(site_packages / package)
+    python = environment / "bin" / "python"
+    # -S: without the environment's own packages, which include the core and those that the extension brings.
+    return Host((str(python), "-S"), {"PYTHONPATH": str(packages)}, folder / "user")
+
+
+def host_names() -> list[str]:
+    names = [path.parent.parent.name for path in sorted((ROOT / ".venvs").glob("bpy-*/bin/python"))]
+    return [*names, "real"] if os.environ.get("BLENDER") else names
+
+
+@pytest.fixture(scope="module", params=host_names())
+def host(request, tmp_path_factory) -> Host:
+    folder = tmp_path_factory.mktemp(request.param)
+    if request.param == "real":
+        return real_blender(folder)
+    return bpy_module(request.param, folder)
+
+
+@pytest.fixture(scope="session")
+def extension() -> Path:
+    """The built zip."""
+    path = os.environ.get("SHAPEGOOGLE_EXTENSION")
+    if not path:
+        pytest.skip("SHAPEGOOGLE_EXTENSION does not name a built zip; run scripts/test.py tests/extension")
+    return Path(path)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""The built zip in every Blender at hand: installed into an empty user folder, used, switched off and on."""
+
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).with_name("install_and_use.py")
+ON, OFF = [True, True, True], [False, False, False]
+
+
+@pytest.fixture(scope="module")
+def report(host, extension):
+    return host.report(SCRIPT, extension)
+
+
+def test_it_can_be_installed_disabled_and_enabled_again(report):
+    assert report["before"] == OFF
+    assert report["installed"] == ON, report["output"]
+    assert report["disabled"] == OFF
+    assert report["enabled_again"] == ON
+
+
+@pytest.mark.parametrize("when", ["painted", "painted_again"])
+def test_an_operator_works(report, when):
+    painted = report[when]
+    assert painted["result"] == ["FINISHED"], report["output"]
+    assert painted["ranges"], "a float attribute was written"
+    assert all(low < high for low, high in painted["ranges"].values())
+
+
+def test_the_core_describes_a_shape(report):
+    assert report["described"] > 0
+
+
+def test_packages_come_from_the_extension_but_numpy_from_blender(report, host):
+    origins = {name: Path(path) for name, path in report["origins"].items()}
+    assert host.user_folder / "extensions" not in origins.pop("numpy").parents
+    assert [
+        name for name, path in origins.items() if host.user_folder / "extensions" not in path.parents
+    ] == []
+
+
+def test_it_writes_nothing_beside_itself(report):
+    assert not report["wrote_beside_itself"]
+
+
+def test_blender_complains_of_nothing(report):
+    lines = report["output"].splitlines()
+    assert [line for line in lines if "Traceback" in line or "Error" in line] == []
+
+
+def test_it_is_there_after_a_restart_as_a_command(report, host):
+    if not host.is_real:
+        pytest.skip("Blender as a Python module has no command line")
+    assert report["enabled_again"] == ON
+    command = (host.command[0], "--command", "shape_google")
+    output = host.run("--help", command=command)
+    assert "usage: " in output
+    assert "index" in output

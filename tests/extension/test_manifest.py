@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""The manifest agrees with the project and with what the add-on does; Blender's tool checks its form."""
+
+import re
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ADDON = ROOT / "blender_addon"
+MANIFEST = tomllib.loads((ADDON / "blender_manifest.toml").read_text(encoding="utf-8"))
+SOURCES = {
+    path.relative_to(ADDON).as_posix(): path.read_text("utf-8") for path in sorted(ADDON.rglob("*.py"))
+}
+
+
+def sources_with(pattern: str) -> list[str]:
+    return [name for name, text in SOURCES.items() if re.search(pattern, text)]
+
+
+def test_it_has_the_version_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert MANIFEST["version"] == project["version"]
+
+
+def test_what_the_build_adds_is_not_there_yet():
+    assert not {"wheels", "platforms", "build"} & set(MANIFEST)
+
+
+def test_permissions_are_those_that_are_used():
+    permissions = MANIFEST["permissions"]
+    assert ("clipboard" in permissions) == bool(sources_with(r"\.clipboard\b"))
+    assert "files" in permissions
+    assert set(permissions) <= {"files", "clipboard"}, "no network, camera or microphone"
+    assert all(len(reason) <= 64 and not reason.endswith(".") for reason in permissions.values())
+
+
+def test_the_addon_uses_no_network_and_no_installer():
+    assert (
+        sources_with(r"(?m)^\s*(import|from) (urllib|requests|socket|http|ensurepip|pip)\b|[\"']pip[\"']")
+        == []
+    )
+
+
+def test_the_addon_leaves_the_path_alone_and_knows_no_name_of_itself():
+    assert sources_with(r"sys\.path\b.*(append|insert|=)|bl_ext\.") == []
+    assert sources_with(r"(?m)^\s*(from|import) blender_addon") == []
+
+
+def test_every_source_names_its_licence():
+    assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later"]
+    first_line = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
+    assert [name for name, text in SOURCES.items() if not text.startswith(first_line)] == []

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: MIT
+"""What is in the zip."""
+
+import re
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def normalized(name: str) -> str:
+    """Name of a package as one spelling: `scikit_learn` and `Scikit-Learn` are the same."""
+    return re.sub(r"[-_.]+", "-", re.match(r"[\w.-]+?(?=[=<>! ]|$)", name).group()).lower()
+
+
+@pytest.fixture(scope="module")
+def package(extension):
+    with zipfile.ZipFile(extension) as file:
+        yield file
+
+
+@pytest.fixture(scope="module")
+def manifest(package):
+    return tomllib.loads(package.read("blender_manifest.toml").decode())
+
+
+def test_it_is_whole_and_holds_nothing_twice(package):
+    assert package.testzip() is None
+    names = package.namelist()
+    assert len(names) == len(set(names))
+
+
+def test_it_holds_all_wheels_it_names_and_no_others(package, manifest):
+    assert sorted(f"./{name}" for name in package.namelist() if name.endswith(".whl")) == manifest["wheels"]
+
+
+def test_every_package_is_there_for_both_pythons_and_numpy_is_not(manifest):
+    tags = {}
+    for wheel in manifest["wheels"]:
+        name, _version, python, *_ = Path(wheel).stem.split("-")
+        tags.setdefault(normalized(name), set()).add(python)
+    pinned = {normalized(pin) for pin in PROJECT["dependency-groups"]["extension"]}
+    assert set(tags) == {*pinned, "shapegoogle-core"}
+    assert "numpy" not in tags
+    assert {
+        name: pythons for name, pythons in tags.items() if pythons not in ({"py3"}, {"cp311", "cp313"})
+    } == {}
+
+
+def test_the_pins_are_what_the_core_needs(manifest):
+    pinned = {normalized(pin) for pin in PROJECT["dependency-groups"]["extension"]}
+    needed = {normalized(requirement) for requirement in PROJECT["project"]["dependencies"]}
+    assert needed - pinned == {"numpy"}
+
+
+def test_the_version_of_the_core_tells_its_builds_apart(manifest):
+    # Blender does not unpack a wheel of a version that it already has.
+    (core,) = (name for name in manifest["wheels"] if "shapegoogle_core" in name)
+    assert re.search(rf"-{re.escape(PROJECT['project']['version'])}\+[0-9a-f]{{8}}-", core)
+
+
+def test_only_what_is_meant_to_be_is_packed(package):
+    suffixes = {Path(name).suffix for name in package.namelist()}
+    assert suffixes <= {".py", ".toml", ".whl", ".png", ".svg", ".md", ""}
+    assert [name for name in package.namelist() if not Path(name).suffix] == ["LICENSE"]
+    assert "GNU GENERAL PUBLIC LICENSE" in package.read("LICENSE").decode()
+    assert not any("__pycache__" in name or "/." in name for name in package.namelist())
