@@ -32,7 +32,7 @@ SHAPES_AT_ONCE = 1_000
 
 def made_up_bags(model: sg.ShapeModel, embedded: np.ndarray, inverse: np.ndarray) -> np.ndarray:
     """Bags that the model embeds where we want them."""
-    return (model.mean + embedded @ inverse).astype(np.float32)
+    return np.asarray(model.mean + embedded @ inverse, np.float32)
 
 
 def fill(library: sg.Library, count: int, limit: float, random: np.random.Generator) -> int:

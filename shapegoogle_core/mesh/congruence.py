@@ -277,8 +277,9 @@ def _rotations(
     points = (first.vertices - first.centroid) / first.size
     loose = LOOSE * tolerance
     pairs = _anchors(points, first, second, tolerance)
-    # The vertices may be in order, and only the polygons not.
-    candidates = [_kabsch(points, target.vertices)[None]]
+    # Where symmetry leaves a choice, a mesh that is not turned should not be. Or only the polygons may be out
+    # of order, and the vertices not.
+    candidates = [np.eye(3)[None], _kabsch(points, target.vertices)[None]]
     if pairs is not None:
         (one, two), partners = pairs
         candidates.append(
@@ -290,7 +291,8 @@ def _rotations(
     turned = np.einsum("rij,pj->rpi", rotations, probes)
     distances = np.asarray(target.tree.query(turned.reshape(-1, 3))[0])
     distances = distances.reshape(len(rotations), -1).max(axis=1)
-    order = np.argsort(distances, kind="stable")[:MOST_FULL_TRIES]
+    # Among rotations that are equally good the first ones win.
+    order = np.argsort(np.round(distances / tolerance), kind="stable")[:MOST_FULL_TRIES]
     return [rotations[index] for index in order if distances[index] <= loose]
 
 
