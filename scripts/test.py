@@ -263,7 +263,7 @@ class Plan:
             if addon:
                 (user_folder / "scripts").mkdir()
                 (user_folder / "scripts" / "modules").symlink_to(modules, target_is_directory=True)
-                command = [real.command, "--background", "--factory-startup", "--python-exit-code", "1"]
+                command = [real.command, "--background", "--python-exit-code", "1"]
                 command += ["--python", "tests/run_in_blender.py", "--"]
                 resources = {"BLENDER_USER_RESOURCES": str(user_folder)}
                 self.addon.append(Run(f"add-on in Blender {real.version}", command, addon, resources))
