@@ -40,15 +40,13 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
     )
     shown: IntProperty(
         name="Shown",
-        description="Which of the values the colour shows, from 1",
+        description="Which of the values the color shows, from 1",
         default=1,
         min=1,
         max=32,
         update=_repaint,
     )
-    channel: EnumProperty(
-        name="Words of", description="Which of the model's vocabularies", items=CHANNELS
-    )
+    channel: EnumProperty(name="Words of", description="Which of the model's vocabularies", items=CHANNELS)
     weights: IntProperty(
         name="Soft Weights",
         description=(
@@ -60,7 +58,7 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         max=512,
     )
     color: BoolProperty(
-        name="Colour", description="Also write the colour attribute sg_color and show it", default=True
+        name="Color", description="Also write the color attribute sg_color and show it", default=True
     )
     eigenpairs: IntProperty(
         name="Eigenpairs",
