@@ -106,6 +106,26 @@ def test_what_cannot_run_here_is_left_out_with_a_reason(test, environment, monke
     assert plan.addon == plan.window == []
 
 
+@pytest.mark.parametrize("has_xvfb", [True, False])
+def test_the_window_is_tested_in_a_real_blender_where_there_is_a_display_to_make(test, monkeypatch, has_xvfb):
+    monkeypatch.setattr(test.build_extension, "extension_tool", lambda: ["tool"])
+    monkeypatch.setattr(test.build_extension, "build", lambda platform: Path("dist") / "built.zip")
+    monkeypatch.setattr(test.shutil, "which", lambda name: "Xvfb" if has_xvfb else None)
+    plan = test.Plan([])
+    plan.add_extension([], ["tests/gui"], {})
+    assert plan.window == plan.left_out == [], "without a real Blender, which is said elsewhere"
+    plan.add_extension([], ["tests/gui"], {"BLENDER": "blender"})
+    if has_xvfb:
+        (run,) = plan.window
+        assert run.variables == {
+            "BLENDER": "blender",
+            "SHAPEGOOGLE_EXTENSION": str(Path("dist") / "built.zip"),
+        }
+    else:
+        assert plan.window == []
+        assert "need Xvfb" in plan.left_out[0]
+
+
 def test_an_extension_that_does_not_build_is_a_failure(test, environment, monkeypatch, tmp_path):
     def fail(platform):
         raise environment.SetupError("a fault in the manifest")
