@@ -210,7 +210,7 @@ def _box(data: Any) -> FloatArray:
     data.vertices.foreach_get("co", points)
     low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
     choice = np.array([[index >> axis & 1 for axis in range(3)] for index in range(8)], bool)
-    return np.where(choice, high, low).astype(np.float64)
+    return np.asarray(np.where(choice, high, low), np.float64)
 
 
 def _farthest(corners: FloatArray, one: FloatArray, two: FloatArray) -> float:

@@ -14,6 +14,8 @@ __all__ = ["register", "unregister"]
 # More lines than these would push the rest of the sidebar out of sight.
 MOST_MEMBERS = 12
 
+_SAVINGS = {"IDENTICAL": "Linking saves", "SCALED": "Linking saves", "COPIES": "Copies take"}
+
 
 class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
     """Groups of duplicates."""
@@ -29,17 +31,17 @@ class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """One line for a group."""
-        label, icon = KINDS[item.kind]
         row = layout.row(align=True)
         if item.linkable:
             row.prop(item, "chosen", text="")
         else:
             row.label(text="", icon="BLANK1")
-        split = row.split(factor=0.5)
-        split.label(text=item.name, icon=icon)
-        parts = split.split(factor=0.5)
-        parts.label(text=f"{item.meshes} × {label}")
-        parts.label(text=item.saving)
+        # The sidebar is narrow: the icon tells the kind, and the words are below the list.
+        split = row.split(factor=0.62)
+        split.label(text=item.name, icon=KINDS[item.kind][1])
+        numbers = split.row()
+        numbers.alignment = "RIGHT"
+        numbers.label(text=f"{item.meshes} ×")
 
 
 class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
@@ -79,7 +81,12 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
         if shown.found_in == "SCENE":
             row.operator("shape_google.link_duplicates", icon="LINKED")
         if 0 <= shown.index < len(shown.groups):
-            self._draw_members(layout, shown.groups[shown.index])
+            group = shown.groups[shown.index]
+            layout.label(
+                text=f"{KINDS[group.kind][0]}: {group.meshes} × {group.name}", icon=KINDS[group.kind][1]
+            )
+            layout.label(text=f"{_SAVINGS.get(group.kind, 'One instead of all saves')} {group.saving}")
+            self._draw_members(layout, group)
 
     def _draw_members(self, layout: Any, group: Any) -> None:
         column = layout.column(align=True)
