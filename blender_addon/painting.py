@@ -49,7 +49,7 @@ KINDS = (
     (
         "RGB",
         "HKS in Red, Green, Blue",
-        "Three times, from short to long, as one colour: sg_hks_1 to sg_hks_3",
+        "Three times, from short to long, as one color: sg_hks_1 to sg_hks_3",
     ),
     ("HEAT", "Heat from a Vertex", "How heat spreads from the active vertex, or the first selected: sg_heat"),
 )
@@ -272,7 +272,9 @@ def paint_spectrum(painting: Painting, carried: VertexSpectrum, source: int | No
         one = painting.kind == "HKS"
         names = ["sg_hks"] if one else [f"sg_hks_{number}" for number in range(1, values.shape[1] + 1)]
     shown = min(max(painting.shown, 1), values.shape[1]) - 1
-    colors = _rgb_of_three(values) if painting.kind == "RGB" else _colors_of_values(values[:, shown])
+    # Signatures differ by factors: a tip keeps several times the heat of a belly. All of them are positive.
+    seen = values if painting.kind in ("HEAT", "SI_HKS") else _logarithm(values)
+    colors = _rgb_of_three(values) if painting.kind == "RGB" else _colors_of_values(seen[:, shown])
     values, colors = carried.carry(values), carried.carry(colors)
     layers = [Layer(name, column) for name, column in zip(names, values.T, strict=True)]
     return [*layers, Layer(COLOR, _with_alpha(colors))]
@@ -325,6 +327,12 @@ def linear_rgb(srgb: FloatArray) -> FloatArray:
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
+def _logarithm(values: FloatArray) -> FloatArray:
+    # A component left out of a truncated spectrum has no heat: it takes the colour of the least there is.
+    least = values[values > 0].min() if (values > 0).any() else 1.0
+    return np.log(np.maximum(values, least))
+
+
 def _colors_of_values(values: FloatArray) -> FloatArray:
     from shapegoogle_core.rendering import value_colors
 
@@ -333,9 +341,15 @@ def _colors_of_values(values: FloatArray) -> FloatArray:
 
 
 def _rgb_of_three(values: FloatArray) -> FloatArray:
-    """Each column stretched over one of red, green and blue (paper, figure 5)."""
-    low, high = np.quantile(values, QUANTILES, axis=0)
-    return linear_rgb(np.clip((values - low) / np.where(high > low, high - low, 1), 0, 1))
+    """Stretch three components of the descriptor over red, green and blue (paper, figure 5).
+
+    They are scaled to unit norm at each vertex, as equation 2 has it: as they are, all three are large at the
+    same tips, and the picture is grey.
+    """
+    norms = np.linalg.norm(values, axis=1, keepdims=True)
+    descriptor = values / np.where(norms > 0, norms, 1)
+    low, high = np.quantile(descriptor, QUANTILES, axis=0)
+    return linear_rgb(np.clip((descriptor - low) / np.where(high > low, high - low, 1), 0, 1))
 
 
 def _with_alpha(colors: FloatArray) -> NDArray[np.float32]:

@@ -37,7 +37,7 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
     bl_label = "Paint Signature"
     bl_description = (
         "Write the chosen signature onto the vertices of the selected objects, as attributes whose names "
-        "begin with sg_. This 3D view is set to solid shading with attribute colours, which undo leaves so. "
+        "begin with sg_. This 3D view is set to solid shading with attribute colors, which undo leaves so. "
         "Objects are computed as they are before modifiers, in world scale, and those with very many "
         "vertices on a simplified copy: 100,000 vertices take a few seconds"
     )
@@ -109,6 +109,8 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
             spectra.remember(task, result())
         except MeshError as error:
             self._failed.append(str(error))
+        except Exception as error:  # such as a worker process that ran out of memory and was killed
+            self._failed.append(f"{task.name!r} could not be computed: {error!r}")
 
     def _tasks(self, context: Any) -> list[Task] | None:
         """Find out what has to be computed; None, and a report, if nothing can be."""
