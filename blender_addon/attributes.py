@@ -127,13 +127,20 @@ def picked_vertex(item: Any) -> int | None:
         None if none is selected.
     """
     if item.mode == "EDIT":
-        return _picked(bmesh.from_edit_mesh(item.data))
+        edited = bmesh.from_edit_mesh(item.data)
+        return _active(edited) if _active(edited) is not None else _first(edited)
+    selected = np.empty(len(item.data.vertices), bool)
+    item.data.vertices.foreach_get("select", selected)
     copy = bmesh.new()
     try:
+        # It knows which vertex is active, but takes all corners of selected faces for selected.
         copy.from_mesh(item.data, face_normals=False, vertex_normals=False)
-        return _picked(copy)
+        active = _active(copy)
     finally:
         copy.free()
+    if active is not None and selected[active]:
+        return active
+    return int(selected.argmax()) if selected.any() else None
 
 
 def geometry_hash(item: Any) -> str:
@@ -219,8 +226,10 @@ def _show_color(data: Any) -> None:
     attributes.default_color_name = COLOR
 
 
-def _picked(mesh: Any) -> int | None:
+def _active(mesh: Any) -> int | None:
     active = mesh.select_history.active
-    if isinstance(active, bmesh.types.BMVert) and active.select:
-        return int(active.index)
+    return int(active.index) if isinstance(active, bmesh.types.BMVert) and active.select else None
+
+
+def _first(mesh: Any) -> int | None:
     return next((vertex.index for vertex in mesh.verts if vertex.select), None)

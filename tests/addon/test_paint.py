@@ -162,6 +162,11 @@ class TestValues:
         paint("HEAT", scale=0.2)
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_heat"), heat)
 
+    def test_vertex_selected_by_a_script(self, modules):
+        item = add_blob()
+        item.data.vertices.foreach_set("select", np.arange(len(item.data.vertices)) == 33)
+        assert modules.attributes.picked_vertex(item) == 33
+
     def test_heat_without_a_vertex_says_what_to_do(self):
         item = add_blob()
         bpy.ops.object.mode_set(mode="EDIT")
