@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Any
 
 import bpy
@@ -100,7 +101,9 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
             if member.note:
                 details.append(f"other {member.note}")
             if member.source:
-                details.append(bpy.path.basename(member.source))
+                # A file that is one shape is called like it: then its folder says more.
+                parts = PurePath(member.source).parts[-2:]
+                details.append(parts[0] if parts[-1] == member.name else parts[-1])
             row = column.row()
             row.label(text=member.name, icon="OBJECT_DATA")
             if details:
