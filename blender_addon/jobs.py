@@ -26,7 +26,7 @@ from . import assets
 if TYPE_CHECKING:
     from pebble import ProcessPool
 
-__all__ = ["BackgroundRun", "Worker", "redraw", "stop_all", "watch", "worker"]
+__all__ = ["BackgroundRun", "Worker", "redraw", "stop_all", "warm_up_soon", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -95,11 +95,20 @@ def _new_pool() -> ProcessPool:
 
 
 _worker = Worker()
+# Whether the worker is about to be started by `warm_up_soon`.
+_warming: list[bool] = []
 
 
 def worker() -> Worker:
     """Return the worker process of this Blender."""
     return _worker
+
+
+def warm_up_soon() -> None:
+    """Start the worker process in a moment, once in a session: cheap enough for a panel that is drawn."""
+    if not _warming and not bpy.app.background:
+        _warming.append(True)
+        bpy.app.timers.register(_worker.warm_up, first_interval=INTERVAL)
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
@@ -159,7 +168,7 @@ class BackgroundRun:
         command, environment = assets.package_command(arguments)
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
         self.exit_code: int | None = None
-        self.started = time.monotonic()
+        self._started = time.monotonic()
         self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
         self._process = subprocess.Popen(
             command,
@@ -195,10 +204,13 @@ class BackgroundRun:
             _runs.remove(self)
         return events
 
-    def wait(self) -> list[dict[str, Any]]:
-        """Wait until it has ended; returns the events that were not taken yet."""
+    def seconds(self) -> float:
+        """Return for how long it has been running."""
+        return time.monotonic() - self._started
+
+    def join(self) -> None:
+        """Wait until it has ended; take its `events` then."""
         self._reader.join()
-        return self.events()
 
     def cancel(self) -> None:
         """End it. What it had stored stays: each file is one transaction."""
@@ -217,5 +229,7 @@ def stop_all() -> None:
     """End all background work."""
     for run in list(_runs):
         run.cancel()
-        run.wait()
+        run.join()
+        run.events()
     _worker.stop()
+    _warming.clear()

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import bpy
+from . import preferences
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
@@ -35,12 +35,12 @@ def current_model(context: Any) -> ShapeModel:
     """
     from shapegoogle_core import Library, load_model
 
-    library = bpy.path.abspath(getattr(context.window_manager.shape_google, "library", ""))
-    if library and Path(library).is_file():
-        return _once(library, lambda: _model_of(Library, library))
-    addon = context.preferences.addons.get(__package__)
-    chosen = bpy.path.abspath(getattr(getattr(addon, "preferences", None), "model", "")) or "default"
-    return _once(chosen, lambda: load_model(chosen))
+    chosen = preferences.preferences(context)
+    library = chosen.library_path()
+    if library.is_file():
+        return _once(str(library), lambda: _model_of(Library, str(library)))
+    name = chosen.model_name()
+    return _once(name, lambda: load_model(name))
 
 
 def clear() -> None:

@@ -1,11 +1,50 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user chooses once: where libraries are kept, how many workers, limits, the model."""
+"""What the user chooses once: the library and its sources, workers, limits, the model."""
 
 from __future__ import annotations
 
-import bpy
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
-__all__ = ["register", "unregister"]
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
+
+from . import assets, jobs
+
+__all__ = ["preferences", "register", "unregister"]
+
+LIBRARY_SUFFIX = ".sglib"
+
+_OBJECTS = (
+    (
+        "ASSETS",
+        "Assets First",
+        "Only objects marked as assets, alone or with their collection; all of a file that has none",
+    ),
+    ("ALL", "All Objects", "Every mesh object of every file"),
+)
+_MODELS = (
+    ("DEFAULT", "Default", "Finds shapes again in another pose, size and mesh"),
+    ("PAPER", "Paper", "The parameters of the authors of Shape Google, for comparison"),
+    ("FILE", "From File", "A model that was trained on your own shapes"),
+)
+
+
+def _warm_up(_preferences: Any, _context: Any) -> None:
+    # Whoever chooses a library is about to ask it something.
+    if not bpy.app.background:
+        jobs.worker().warm_up()
+
+
+class SHAPEGOOGLE_PG_folder(bpy.types.PropertyGroup):
+    """A folder whose shapes are indexed."""
+
+    path: StringProperty(
+        name="Folder", description="Searched with all folders below it", subtype="DIR_PATH", maxlen=1024
+    )
+    use: BoolProperty(name="Index", description="Take this folder into the library", default=True)
 
 
 class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
@@ -13,5 +52,123 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
 
     bl_idname = __package__
 
+    library: StringProperty(
+        name="Library",
+        description="File that holds what is known of all shapes; made when you first index into it",
+        subtype="FILE_PATH",
+        maxlen=1024,
+        update=_warm_up,
+    )
+    folder: StringProperty(
+        name="Libraries Folder",
+        description="Where new libraries are made; empty: in Blender's own folder for this extension",
+        subtype="DIR_PATH",
+        maxlen=1024,
+    )
+    folders: CollectionProperty(type=SHAPEGOOGLE_PG_folder)
+    active_folder: IntProperty(name="Folder", options={"SKIP_SAVE"})
+    use_asset_libraries: BoolProperty(
+        name="Asset Libraries", description="Index the asset libraries of Blender's preferences", default=True
+    )
+    use_scene: BoolProperty(
+        name="This Scene",
+        description="Index the mesh objects of the open scene as they are now, saved or not",
+        default=False,
+    )
+    objects: EnumProperty(
+        name="Objects", description="Which objects of a .blend file are shapes", items=_OBJECTS
+    )
+    jobs: IntProperty(
+        name="Workers",
+        description="Processes that describe shapes; 0: one for each processor",
+        default=0,
+        min=0,
+        max=256,
+    )
+    time_limit: IntProperty(
+        name="Time Limit",
+        description="Seconds for one file; one that takes longer is skipped and listed",
+        default=300,
+        min=1,
+        max=86_400,
+    )
+    memory_limit: IntProperty(
+        name="Memory Limit",
+        description="Megabytes for one file; enforced on Linux only",
+        default=4096,
+        min=256,
+        max=1_048_576,
+    )
+    model: EnumProperty(
+        name="Model",
+        description="What describes the shapes of a new library; a library keeps the model it was made with",
+        items=_MODELS,
+    )
+    model_file: StringProperty(
+        name="Model File", description="A file made by Train Model", subtype="FILE_PATH", maxlen=1024
+    )
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_preferences,))
+    def draw(self, context: Any) -> None:
+        """Lay the preferences out."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(heading="Library")
+        column.prop(self, "library")
+        column.prop(self, "folder")
+        column = layout.column(heading="Indexing")
+        column.prop(self, "jobs")
+        column.prop(self, "time_limit")
+        column.prop(self, "memory_limit")
+        column = layout.column(heading="Model")
+        column.prop(self, "model")
+        if self.model == "FILE":
+            column.prop(self, "model_file")
+        column.operator("shape_google.train_model", icon="FILE_REFRESH")
+        progress = context.window_manager.shape_google.training
+        if progress:
+            column.label(text=progress, icon="INFO")
+
+    def library_path(self) -> Path:
+        """Return the library file: the chosen one, or the one in the libraries' folder."""
+        if self.library:
+            return Path(bpy.path.abspath(self.library))
+        return self.libraries_folder() / f"shapes{LIBRARY_SUFFIX}"
+
+    def libraries_folder(self) -> Path:
+        """Return where new libraries are made; the folder need not be there yet."""
+        if self.folder:
+            return Path(bpy.path.abspath(self.folder))
+        # An extension may write into its own folder among Blender's user files, and nowhere beside its code.
+        if re.match(r"bl_ext\.", __package__ or ""):
+            return Path(bpy.utils.extension_path_user(__package__, path="libraries"))
+        return Path(bpy.utils.user_resource("DATAFILES", path="shape_google"))
+
+    def model_name(self) -> str:
+        """Return what `shapegoogle_core.load_model` calls the chosen model."""
+        return str(bpy.path.abspath(self.model_file)) if self.model == "FILE" else str(self.model).lower()
+
+    def sources(self) -> Sequence[Path]:
+        """Return the folders that are indexed: asset libraries, then added ones."""
+        chosen = [path for _, path in assets.asset_libraries()] if self.use_asset_libraries else []
+        chosen += [Path(bpy.path.abspath(item.path)) for item in self.folders if item.use and item.path]
+        return list(dict.fromkeys(chosen))
+
+
+def preferences(context: Any | None = None) -> SHAPEGOOGLE_preferences:
+    """Return the add-on's preferences.
+
+    Parameters
+    ----------
+    context : bpy.types.Context, optional
+
+    Returns
+    -------
+    preferences : SHAPEGOOGLE_preferences
+    """
+    addon = (context or bpy.context).preferences.addons[__package__]
+    chosen: SHAPEGOOGLE_preferences = addon.preferences
+    return chosen
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_folder, SHAPEGOOGLE_preferences))

@@ -1,19 +1,165 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What panels show and operators fill: results on the window manager, painting settings on the scene."""
+"""The state of this Blender session, on the window manager: results, progress, errors; no file keeps it."""
 
 from __future__ import annotations
 
-import bpy
-from bpy.props import PointerProperty
+from pathlib import Path
+from typing import Any
 
-__all__ = ["register", "unregister"]
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+__all__ = ["add_error", "register", "session_of", "shown_matches", "unregister"]
+
+_SOURCES = (
+    ("ANY", "Anywhere", "Matches of all files"),
+    ("SCENE", "This Scene", "Only objects that are in the open scene"),
+    ("FILES", "Other Files", "Only shapes that are not in the open scene"),
+)
+
+
+class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
+    """One line of an answer."""
+
+    shape_id: IntProperty()
+    source: StringProperty(name="Source")
+    object_name: StringProperty(name="Object")
+    similarity: FloatProperty(name="Similarity")
+    distance: FloatProperty(name="Distance")
+    kind: StringProperty(name="Kind")
+    size: FloatProperty(name="Size", description="How many times as large as the query")
+    vertex_count: IntProperty(name="Vertices")
+    in_scene: BoolProperty(name="In This Scene")
+    copies: IntProperty(name="Copies", description="How many equal shapes stand for this one")
+
+
+class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
+    """A file that was not indexed, and why."""
+
+    path: StringProperty(name="File")
+    reason: StringProperty(name="Reason")
 
 
 class SHAPEGOOGLE_PG_session(bpy.types.PropertyGroup):
-    """State of this Blender session: results, progress, errors; never saved in a file."""
+    """State of this Blender session."""
+
+    # -- indexing
+    indexing: BoolProperty(name="Indexing")
+    done: IntProperty()
+    total: IntProperty()
+    progress: StringProperty(name="Progress")
+    summary: StringProperty(name="Summary")
+    shape_count: IntProperty(name="Shapes")
+    errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
+    active_error: IntProperty(name="Error")
+    training: StringProperty(name="Training")
+
+    # -- search
+    searching: BoolProperty(name="Searching")
+    query: StringProperty(name="Query", description="What was looked for")
+    answer: StringProperty(name="Answer")
+    matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
+    active_match: IntProperty(name="Match", default=-1)
+    top: IntProperty(
+        name="Results", description="How many matches are looked for", default=24, min=1, max=200
+    )
+    least_similarity: FloatProperty(
+        name="Similarity",
+        description="Least similarity of the matches shown; 0.5: as likely the same shape as another one",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    use_size: BoolProperty(
+        name="Same Size", description="Show only matches of about the size of the query", default=False
+    )
+    size_tolerance: FloatProperty(
+        name="Tolerance",
+        description="How far the size of a match may be from that of the query",
+        default=10.0,
+        min=0.1,
+        max=100.0,
+        subtype="PERCENTAGE",
+    )
+    source: EnumProperty(name="Source", description="Where matches may come from", items=_SOURCES)
+    text: StringProperty(
+        name="Text",
+        description="Show only matches with this text in their name or path",
+        options={"TEXTEDIT_UPDATE"},
+    )
+    collapse: BoolProperty(
+        name="Collapse Duplicates", description="Show equal shapes only once", default=True
+    )
 
 
-_register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_session,))
+def session_of(context: Any) -> SHAPEGOOGLE_PG_session:
+    """Return the state of this Blender session."""
+    session: SHAPEGOOGLE_PG_session = context.window_manager.shape_google
+    return session
+
+
+def add_error(session: SHAPEGOOGLE_PG_session, path: str, reason: str) -> None:
+    """Put an error into the list, once.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+    path : str
+        The file.
+    reason : str
+        What is wrong and what to do.
+    """
+    if any(error.path == path and error.reason == reason for error in session.errors):
+        return
+    error = session.errors.add()
+    error.name, error.path, error.reason = Path(path).name, path, reason
+
+
+def shown_matches(session: SHAPEGOOGLE_PG_session) -> list[tuple[int, Any]]:
+    """Return the matches that pass the filters, best first, each with its index.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+
+    Returns
+    -------
+    shown : list of (int, SHAPEGOOGLE_PG_match)
+    """
+    text = session.text.strip().lower()
+    factor = 1 + session.size_tolerance / 100
+    seen = set()
+    shown = []
+    for index, match in enumerate(session.matches):
+        if match.similarity < session.least_similarity:
+            continue
+        if session.use_size and not 1 / factor <= match.size <= factor:
+            continue
+        if session.source != "ANY" and match.in_scene != (session.source == "SCENE"):
+            continue
+        if text and text not in f"{match.name}\n{match.source}".lower():
+            continue
+        # Equal distances to six digits and as many vertices: the same mesh, wherever it is.
+        key = round(match.distance, 6), match.vertex_count
+        if session.collapse and key in seen:
+            continue
+        seen.add(key)
+        shown.append((index, match))
+    return shown
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_PG_match, SHAPEGOOGLE_PG_error, SHAPEGOOGLE_PG_session)
+)
 
 
 def register() -> None:

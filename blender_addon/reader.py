@@ -166,6 +166,7 @@ def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
     for item in objects:
         item.hide_viewport = False
         scene.collection.objects.link(item)
+        item.update_tag()  # Blender 4.2 and 4.5 leave the matrix of another scene's object as it was
     layer = scene.view_layers[0]
     layer.update()
     depsgraph = layer.depsgraph

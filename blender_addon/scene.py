@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
 
-__all__ = ["base_mesh", "evaluated_mesh", "mesh_objects", "query_mesh", "selected_part"]
+__all__ = ["base_mesh", "evaluated_mesh", "mesh_objects", "new_object", "query_mesh", "selected_part"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -96,7 +96,7 @@ def selected_part(item: Any) -> Mesh:
 
 
 def query_mesh(context: Any) -> Mesh:
-    """Return the shape that the user means: the selected part in edit mode, else the selected objects, joined.
+    """Return the shape that the user means: the selected part in edit mode, else the selection, joined.
 
     Parameters
     ----------
@@ -128,6 +128,26 @@ def query_mesh(context: Any) -> Mesh:
     depsgraph = context.evaluated_depsgraph_get()
     name = chosen[0].name if len(chosen) == 1 else f"{chosen[0].name} and {len(chosen) - 1} more"
     return _core_mesh(name, [_evaluated_arrays(item, depsgraph) for item in chosen])
+
+
+def new_object(context: Any, mesh: Mesh, name: str) -> Any:
+    """Make an object of a core mesh in the active collection.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    mesh : Mesh
+    name : str
+
+    Returns
+    -------
+    item : bpy.types.Object
+    """
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
+    item = bpy.data.objects.new(name, data)
+    context.collection.objects.link(item)
+    return item
 
 
 def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:

@@ -60,17 +60,19 @@ def load_addon() -> ModuleType:
     return addon
 
 
-def run(command: str) -> NoReturn:
+def run(module: str, *first: str) -> NoReturn:
     """Run `main(arguments)` of one of the add-on's modules and end the process with its exit code.
 
     Parameters
     ----------
-    command : str
-        Name of the module inside the add-on.
+    module : str
+        Its name inside the add-on.
+    *first : str
+        Arguments to put before those of the command line.
     """
     addon = load_addon()
     try:
-        code = importlib.import_module(f"{addon.__name__}.{command}").main(_arguments())
+        code = importlib.import_module(f"{addon.__name__}.{module}").main([*first, *_arguments()])
     except SystemExit as stop:  # argparse's, after --help or wrong usage
         code = stop.code
     sys.stdout.flush()

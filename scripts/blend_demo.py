@@ -7,7 +7,6 @@ Needs the `bpy` module; `demo_blender.py` runs it.
 from __future__ import annotations
 
 import hashlib
-import importlib
 import json
 import os
 import sys
@@ -27,7 +26,6 @@ import workbench
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from shapegoogle_core import Library
 from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.rendering import contact_sheet
 
@@ -52,6 +50,8 @@ class Found:
     name: str
     source: str
     similarity: float
+    size: float
+    kind: str
 
 
 @contextmanager
@@ -114,19 +114,30 @@ def flat_copy(item: Any, name: str) -> Any:
 
 def index_library(addon: ModuleType, folder: Path, library: Path) -> None:
     """Let the add-on bring a library up to date with the .blend files."""
-    commands = importlib.import_module(f"{addon.__name__}.commands")
-    code = commands.main(["index", str(folder), "--library", str(library)])
-    if code != 0:
-        sys.exit(f"The .blend files could not all be indexed (exit code {code})")
+    started = time.monotonic()
+    # Whatever asset libraries there are on this machine are none of the demo's; nothing of this is saved.
+    bpy.context.preferences.addons[addon.__name__].preferences.use_asset_libraries = False
+    with quiet():
+        bpy.ops.shape_google.choose_library(filepath=str(library))
+        bpy.ops.shape_google.add_folder(directory=str(folder))
+        bpy.ops.shape_google.index_library()
+    session = bpy.context.window_manager.shape_google
+    if session.errors:
+        sys.exit("\n".join(f"{error.path}: {error.reason}" for error in session.errors))
+    print(f"Index Library: {session.summary}, in {time.monotonic() - started:.1f} s", flush=True)
 
 
-def find_similar(addon: ModuleType, item: Any, library: Path) -> list[Found]:
-    """Search with an object as the add-on reads it: as it is seen, in its pose."""
-    scene = importlib.import_module(f"{addon.__name__}.scene")
+def find_similar(item: Any) -> list[Found]:
+    """Let the add-on search with an object."""
+    session = bpy.context.window_manager.shape_google
+    session.top = MATCHES
     select_only([item])
-    with Library.open(library, read_only=True) as opened:
-        matches = opened.query(scene.query_mesh(bpy.context), top=MATCHES)
-    return [Found(match.name, match.source, match.similarity) for match in matches]
+    with quiet():
+        bpy.ops.shape_google.find_similar()
+    return [
+        Found(match.object_name, match.source, match.similarity, match.size, match.kind)
+        for match in session.matches
+    ]
 
 
 def select_only(items: Sequence[Any]) -> None:
@@ -138,10 +149,13 @@ def select_only(items: Sequence[Any]) -> None:
 
 
 def print_matches(query: Any, matches: Sequence[Found]) -> None:
-    """Print the answer as the command would."""
-    print(f"{query.name}: the best {len(matches)}\n   similarity  name                 source")
+    """Print the answer."""
+    print(f"Find Similar: the best {len(matches)} for {query.name!r}")
+    print("   similarity  name              size     kind        source")
     for rank, match in enumerate(matches, start=1):
-        print(f"{rank:<3}     {match.similarity:.3f}  {match.name:<20} {match.source}", flush=True)
+        size = f"×{match.size:.2g}"
+        columns = f"{match.similarity:10.3f}  {match.name:<16}  {size:<7}  {match.kind:<10}"
+        print(f"{rank:<3}{columns}  {match.source}", flush=True)
 
 
 def load_objects(matches: Sequence[Found]) -> list[Any]:
@@ -230,6 +244,6 @@ def run(folder: Path, library: Path, picture: Path) -> None:
     addon = addon_package.load_addon()
     index_library(addon, folder, library)
     query = add_query()
-    matches = find_similar(addon, query, library)
+    matches = find_similar(query)
     print_matches(query, matches)
     update_picture(query, matches, picture)

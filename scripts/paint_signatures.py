@@ -10,5 +10,6 @@
 import runpy
 from pathlib import Path
 
-# Blender does not put the folder of a script on the path.
-runpy.run_path(str(Path(__file__).with_name("addon_package.py")))["run"]("paint_command")
+if __name__ == "__main__":
+    # Blender does not put the folder of a script on the path.
+    runpy.run_path(str(Path(__file__).with_name("addon_package.py")))["run"]("paint_command")

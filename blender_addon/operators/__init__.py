@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the user presses, one file for each verb."""
 
-from . import paint
+from . import duplicates, index, library, paint, place, query, train
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (paint,)
+_MODULES = (index, library, query, place, paint, duplicates, train)
 
 
 def register() -> None:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidebar tab "Shape Google": one file for each panel."""
 
-from . import signature
+from . import duplicates, library, search, signature
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (signature,)
+_MODULES = (library, search, signature, duplicates)
 
 
 def register() -> None:

@@ -7,16 +7,23 @@ first question reads the codes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature
 
-__all__ = ["Answer", "describe", "query", "warm_up"]
+__all__ = ["Answer", "Description", "describe", "kind_of_match", "query", "warm_up"]
+
+# Distance of bags that are the same but for the half floats of the library and other rounding.
+SAME_BAG = 1e-4
+# Relative difference of sizes that is none.
+SAME_SIZE = 1e-3
+# Similarity from which a match is more likely the same shape than the nearest of many others.
+LIKELY = 0.5
 
 # Open libraries by path, each with what tells its file from another one put in its place.
 _open: dict[Path, tuple[tuple[int, int], Library]] = {}
@@ -30,14 +37,20 @@ class Answer:
     ----------
     matches : list of Match
         Best first.
+    kinds : dict of int to str
+        What kind of match each shape is, by its id; see `kind_of_match`.
     thumbnails : dict of int to bytes
         Pictures as PNG by shape id, of those matches that have one.
+    shape_count : int
+        How many shapes the library has.
     area : float
         Of the query, in squared units.
     """
 
     matches: list[Match]
+    kinds: dict[int, str]
     thumbnails: dict[int, bytes]
+    shape_count: int
     area: float
 
 
@@ -67,38 +80,79 @@ def query(path: Path, mesh: Mesh, top: int) -> Answer:
     signature = library.model.describe(mesh)
     matches = library.query_signature(signature, top)
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
-    return Answer(matches, {shape_id: png for shape_id, png in pictures if png is not None}, signature.area)
+    return Answer(
+        matches=matches,
+        kinds={match.shape_id: kind_of_match(signature, match) for match in matches},
+        thumbnails={shape_id: png for shape_id, png in pictures if png is not None},
+        shape_count=len(library),
+        area=signature.area,
+    )
 
 
-def describe(path: Path, meshes: Sequence[Mesh]) -> list[ShapeSignature | str]:
-    """Describe meshes with the model of a library.
+def kind_of_match(query: ShapeSignature, match: Match) -> str:
+    """Say what a match probably is, by distance, counts and area alone; no geometry is compared.
+
+    Parameters
+    ----------
+    query : ShapeSignature
+    match : Match
+
+    Returns
+    -------
+    kind : str
+        "Same mesh" (as many vertices and faces, and the same bag), with the factor of its size if that is
+        another; "Same mesh, re-posed" (as many vertices and faces, and likely the same shape); "Same shape"
+        (likely, of another mesh); "Similar".
+    """
+    same_counts = (query.vertex_count, query.face_count) == (match.vertex_count, match.face_count)
+    size = float((match.area / query.area) ** 0.5)
+    if same_counts and match.distance <= SAME_BAG:
+        return "Same mesh" if abs(size - 1) <= SAME_SIZE else f"Same mesh, ×{size:.3g}"
+    if match.similarity >= LIKELY:
+        return "Same mesh, re-posed" if same_counts else "Same shape"
+    return "Similar"
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """A shape ready to be put into a library.
+
+    Attributes
+    ----------
+    signature : ShapeSignature
+    thumbnail : bytes
+        A picture as PNG.
+    """
+
+    signature: ShapeSignature
+    thumbnail: bytes
+
+
+def describe(path: Path, mesh: Mesh) -> Description | str:
+    """Describe a mesh with the model of a library.
 
     Parameters
     ----------
     path : Path
         The library.
-    meshes : sequence of Mesh
+    mesh : Mesh
 
     Returns
     -------
-    signatures : list of ShapeSignature or str
-        One for each mesh; where one cannot be described, the sentence that says why.
+    description : Description or str
+        A sentence on why, if the mesh cannot be described.
 
     Raises
     ------
     LibraryError
         If the library cannot be opened.
     """
-    from shapegoogle_core.errors import MeshError
+    from shapegoogle_core.rendering import thumbnail
 
-    model = _library(path).model
-    signatures: list[ShapeSignature | str] = []
-    for mesh in meshes:
-        try:
-            signatures.append(model.describe(mesh))
-        except MeshError as error:
-            signatures.append(str(error))
-    return signatures
+    try:
+        return Description(_library(path).model.describe(mesh), thumbnail(mesh))
+    except MeshError as error:
+        return str(error)
 
 
 def warm_up() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The demo's .blend library: rigs that move like the core's creatures, marked as assets; pictures of them."""
+"""The demo in Blender: rigs that move like the core's creatures, a library of them, the search, pictures."""
 
 import importlib.util
 import sys
@@ -13,7 +13,8 @@ pytest.importorskip("skimage", reason="making creatures needs scikit-image")
 from shapegoogle_core.evaluation.creatures import make_creature
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-PARTS = ("creature_rigs", "blend_library", "workbench")  # in the order in which they import one another
+# In the order in which they import one another.
+PARTS = ("creature_rigs", "blend_library", "workbench", "addon_package", "blend_demo")
 CHOSEN = ("Horse", "Elephant", "Hand")
 
 
@@ -165,3 +166,43 @@ def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
     assert 0.08 < red < 0.7, "the object fills a good part of it"
     assert set(bpy.data.objects) == objects, "camera and floor are gone"
     assert not bystander.hide_render
+
+
+@pytest.fixture
+def indexed(addon, scripts, folder, tmp_path):
+    """The part of the demo that shows something, with the library indexed and chosen."""
+    demo = scripts["blend_demo"]
+    scripts["blend_library"].start_empty()
+    demo.index_library(addon, folder, tmp_path / "shapes.sglib")
+    yield demo
+    chosen = bpy.context.preferences.addons[addon.__name__].preferences
+    for name in ("library", "folders", "use_asset_libraries"):
+        chosen.property_unset(name)
+
+
+def test_indexing_leaves_every_file_as_it_is_to_the_byte(folder, addon, scripts, tmp_path, request):
+    before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
+    request.getfixturevalue("indexed")
+    assert before == {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
+
+
+def test_the_query_finds_the_same_horse_in_all_its_poses(indexed, individuals):
+    matches = indexed.find_similar(indexed.add_query())
+    horse = next(individual for individual in individuals if individual.name == "Horse")
+    poses = {f"Horse {figure.pose.title()}" for figure in horse.figures}
+    assert {match.name for match in matches[: len(poses)]} == poses
+    assert all(Path(match.source).name == "horse.blend" for match in matches[: len(poses)])
+    assert matches[len(poses)].similarity < 0.5 < matches[len(poses) - 1].similarity
+
+
+def test_the_picture_is_drawn_once(indexed, scripts, tmp_path, capsys):
+    if scripts["workbench"].missing_library():
+        pytest.skip("Workbench cannot render here")
+    picture = tmp_path / "picture.png"
+    query = indexed.add_query()
+    matches = indexed.find_similar(query)[:2]
+    indexed.update_picture(query, matches, picture)
+    first = picture.stat()
+    assert first.st_size > 30_000
+    indexed.update_picture(query, matches, picture)
+    assert picture.stat().st_mtime_ns == first.st_mtime_ns

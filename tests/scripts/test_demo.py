@@ -87,7 +87,7 @@ def test_the_demo_finds_the_horse_again(demo):
     assert len(names) == demo.MATCHES
     assert all(name.startswith("horse-") for name in names[: demo.POSES_EACH]), result.stdout
     if "left out" not in result.stdout:
-        names = re.findall(r"^\d+ +[\d.]+  (.+?)  +\S+\.blend$", result.stdout, re.MULTILINE)
+        names = re.findall(r"^\d+ +[\d.]+  (.+?)  +×", result.stdout, re.MULTILINE)
         assert len(names) == demo.MATCHES
         assert all(name.startswith("Horse ") for name in names[:6]), result.stdout
     assert demo.PICTURE.stat().st_size > 50_000

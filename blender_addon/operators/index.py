@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Index folders and the open scene into the library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty
+
+from .. import scene_index
+from ..jobs import BackgroundRun, redraw
+from ..preferences import preferences
+from ..properties import add_error, session_of
+
+__all__ = ["register", "unregister"]
+
+SECONDS_BETWEEN_LOOKS = 0.25
+
+# The run that fills the library now, so that it can be cancelled.
+_running: list[BackgroundRun | scene_index.SceneIndexing] = []
+
+
+class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
+    """Bring the library up to date."""
+
+    bl_idname = "shape_google.index_library"
+    bl_label = "Index Library"
+    bl_description = (
+        "Put the shapes of all chosen sources into the library, in another Blender in the background. "
+        "Only new and changed files are read, and none is ever changed"
+    )
+
+    reread: BoolProperty(
+        name="Read All Again", description="Also files that have not changed", options={"SKIP_SAVE"}
+    )
+    retry: BoolProperty(
+        name="Retry Failed", description="Also files that failed before", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is something to index, and nothing is being indexed."""
+        chosen = preferences(context)
+        if session_of(context).indexing:
+            cls.poll_message_set("Indexing already")
+            return False
+        if not chosen.sources() and not chosen.use_scene:
+            cls.poll_message_set(
+                "Add a folder, or an asset library in Blender's preferences, or use this scene"
+            )
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Start in the background."""
+        if not self._start(context):
+            return {"CANCELLED"}
+        bpy.app.timers.register(_look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Index and wait for the end."""
+        if not self._start(context):
+            return {"CANCELLED"}
+        session = session_of(context)
+        while _running:
+            _running[0].join()
+            _take(_running[0])
+        self.report({"WARNING"} if session.errors else {"INFO"}, session.summary)
+        return {"FINISHED"}
+
+    def _start(self, context: Any) -> bool:
+        chosen, session = preferences(context), session_of(context)
+        path = chosen.library_path()
+        session.errors.clear()
+        session.summary, session.done, session.total = "", 0, 0
+        session.progress = "Looking for files …"
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if chosen.sources():
+                _running.append(BackgroundRun(_arguments(chosen, path, reread=self.reread, retry=self.retry)))
+            if chosen.use_scene:
+                _running.append(scene_index.SceneIndexing(context, path, chosen.model_name()))
+        except OSError as error:
+            _running.clear()
+            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another library")
+            return False
+        session.indexing = True
+        return True
+
+
+def _arguments(chosen: Any, path: Path, *, reread: bool, retry: bool) -> list[str]:
+    arguments = ["index", *map(str, chosen.sources()), "--library", str(path), "--events", "--json"]
+    arguments += ["--objects", chosen.objects.lower()]
+    arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
+    if chosen.jobs:
+        arguments += ["--jobs", str(chosen.jobs)]
+    if not path.exists():
+        arguments += ["--model", chosen.model_name()]
+    return arguments + ["--reread"] * reread + ["--retry"] * retry
+
+
+def _look() -> float | None:
+    """Take over what the background has done so far."""
+    if _running:
+        _take(_running[0])
+        redraw()
+    return SECONDS_BETWEEN_LOOKS if _running else None
+
+
+def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
+    """Show the events of a run, and its end."""
+    session = session_of(bpy.context)
+    for event in run.events():
+        if "total" in event:
+            _show_file(session, run, event)
+        elif "shapes" in event:
+            session.shape_count = event["shapes"]
+            _add_summary(session, event)
+            # Files that were there but could not be read have their line already; folders have none.
+            for failure in event["failed"]:
+                add_error(session, failure["source"], failure["error"])
+    if run.exit_code is None or run not in _running:
+        return
+    _running.remove(run)
+    if run.exit_code not in (0, 1):  # 1: some files failed; they are listed
+        reason = "; ".join(line for line in list(run.lines)[-3:] if line) or f"exit code {run.exit_code}"
+        add_error(session, str(preferences().library_path()), reason)
+        session.summary = session.summary or "Indexing stopped; the list of errors says why"
+    if not _running:
+        session.indexing = False
+        session.progress = ""
+
+
+def _show_file(session: Any, run: BackgroundRun | scene_index.SceneIndexing, event: dict[str, Any]) -> None:
+    session.done, session.total = event["done"], event["total"]
+    seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
+    session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
+    if event["status"] == "failed":
+        add_error(session, event["path"], event["reason"])
+
+
+def _duration(seconds: float) -> str:
+    """Say a time as people do, such as '3 min'."""
+    if seconds < 60:
+        return f"{max(round(seconds), 1)} s"
+    if seconds < 3600:
+        return f"{round(seconds / 60)} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def _add_summary(session: Any, event: dict[str, Any]) -> None:
+    parts = [f"{event[key]} {key}" for key in ("added", "updated", "unchanged") if event[key]]
+    if event["failed"]:
+        parts.append(f"{len(event['failed'])} failed")
+    text = ", ".join(parts) or "nothing found"
+    session.summary = f"{session.summary}; {text}" if session.summary else text
+
+
+class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
+    """Stop indexing."""
+
+    bl_idname = "shape_google.cancel_indexing"
+    bl_label = "Cancel Indexing"
+    bl_description = "Stop; what is in the library stays, and the next run goes on from there"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Something is being indexed."""
+        return bool(session_of(context).indexing)
+
+    def execute(self, context: Any) -> set[str]:
+        """Stop it."""
+        while _running:
+            run = _running.pop()
+            run.cancel()
+            run.join()
+            run.events()
+        session = session_of(context)
+        session.indexing = False
+        session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
+        session.progress = ""
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
+    """Copy the errors as text."""
+
+    bl_idname = "shape_google.copy_errors"
+    bl_label = "Copy Errors"
+    bl_description = "Copy all errors to the clipboard, one line each"
+
+    def execute(self, context: Any) -> set[str]:
+        """Copy them."""
+        errors = session_of(context).errors
+        context.window_manager.clipboard = "\n".join(f"{error.path}: {error.reason}" for error in errors)
+        self.report({"INFO"}, f"{len(errors)} errors copied")
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_index_library, SHAPEGOOGLE_OT_cancel_indexing, SHAPEGOOGLE_OT_copy_errors)
+)

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Use a match: append, link, open its file, select it, mark it and the query in the same words."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import bpy
+from mathutils import Vector
+
+from .. import placing, scene
+from ..placing import PlacingError
+from ..properties import session_of
+
+__all__ = ["register", "unregister"]
+
+# Room between the query and what is put beside it, as a share of their widths.
+GAP = 0.2
+
+
+def _active_match(context: Any) -> Any:
+    """Return the chosen match, or None."""
+    session = session_of(context)
+    return session.matches[session.active_match] if 0 <= session.active_match < len(session.matches) else None
+
+
+class _OnMatch:
+    """What all operators on the chosen match have in common."""
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a match."""
+        if _active_match(context) is None:
+            cls.poll_message_set("Find something and choose a match first")  # type: ignore[attr-defined]
+            return False
+        return True
+
+
+class SHAPEGOOGLE_OT_append_match(_OnMatch, bpy.types.Operator):
+    """Append the match."""
+
+    bl_idname = "shape_google.append_match"
+    bl_label = "Append"
+    bl_description = "Copy the match into this scene, to the 3D cursor; mesh files are imported"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Append it."""
+        match = _active_match(context)
+        try:
+            objects = placing.bring_in(context, match.source, match.object_name)
+        except PlacingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        placing.move_to(objects, context.scene.cursor.location)
+        self.report({"INFO"}, f"Appended {objects[0].name}")
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
+    """Link the match."""
+
+    bl_idname = "shape_google.link_match"
+    bl_label = "Link"
+    bl_description = "Link the match into this scene, at its place in its file; it stays in that file"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in another .blend file."""
+        match = _active_match(context)
+        if match is None or not match.source.lower().endswith(".blend"):
+            cls.poll_message_set("Only objects of .blend files can be linked; append this one")
+            return False
+        if match.source == bpy.data.filepath:
+            cls.poll_message_set("The match is in this file")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Link it."""
+        match = _active_match(context)
+        try:
+            objects = placing.bring_in(context, match.source, match.object_name, link=True)
+        except PlacingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Linked {objects[0].name}")
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_open_match(_OnMatch, bpy.types.Operator):
+    """Open the file of the match."""
+
+    bl_idname = "shape_google.open_match"
+    bl_label = "Open File"
+    bl_description = "Open the .blend file of the match; Blender asks first if this file has unsaved changes"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in a .blend file."""
+        match = _active_match(context)
+        if match is None or not match.source.lower().endswith(".blend"):
+            cls.poll_message_set("Only .blend files can be opened; append this match")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Open it as File > Open does, with its question for unsaved changes."""
+        return self._open(context, "INVOKE_DEFAULT")
+
+    def execute(self, context: Any) -> set[str]:
+        """Open it at once."""
+        return self._open(context, "EXEC_DEFAULT")
+
+    def _open(self, context: Any, how: str) -> set[str]:
+        source = _active_match(context).source
+        try:
+            # Scripts in it stay off, whatever the preferences say: it came out of a search.
+            bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)
+        except RuntimeError as error:
+            self.report({"ERROR"}, f"{source}: {str(error).strip()}")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
+    """Select the match."""
+
+    bl_idname = "shape_google.select_match"
+    bl_label = "Select"
+    bl_description = "Select the match, which is in this scene, and look at it"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in this scene."""
+        match = _active_match(context)
+        if match is None or not match.in_scene:
+            cls.poll_message_set("The match is not in this scene; append it")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Select it."""
+        name = _active_match(context).object_name
+        item = context.view_layer.objects.get(name)
+        if item is None:
+            self.report({"ERROR"}, f"{name!r} is not in this view layer any more; index the scene again")
+            return {"CANCELLED"}
+        _select_only(context, [item])
+        if context.region is not None and context.area is not None and context.area.type == "VIEW_3D":
+            for region in context.area.regions:
+                if region.type == "WINDOW":
+                    with context.temp_override(region=region):
+                        bpy.ops.view3d.view_selected()
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_mark_match(_OnMatch, bpy.types.Operator):
+    """Mark query and match in the same words."""
+
+    bl_idname = "shape_google.mark_match"
+    bl_label = "Mark"
+    bl_description = (
+        "Colour the active object and the match by geometric word: the same colour sits on like parts of "
+        "both. A match that is not in this scene is appended beside the active object"
+    )
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a match, and an object to compare it with."""
+        if _active_match(context) is None:
+            cls.poll_message_set("Find something and choose a match first")
+            return False
+        if context.active_object is None or context.active_object.type != "MESH":
+            cls.poll_message_set("Select the object that you looked for")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Bring the match beside the object and paint both."""
+        match = _active_match(context)
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        query = context.active_object
+        other = context.view_layer.objects.get(match.object_name) if match.in_scene else None
+        if other is None:
+            try:
+                objects = placing.bring_in(context, match.source, match.object_name)
+            except PlacingError as error:
+                self.report({"ERROR"}, str(error))
+                return {"CANCELLED"}
+            other = objects[0]
+            _put_beside(query, objects)
+        _select_only(context, [query, other] if other is not query else [query])
+        context.view_layer.objects.active = query
+        context.scene.shape_google_painting.kind = "WORDS"
+        context.scene.shape_google_painting.color = True
+        if bpy.ops.shape_google.paint() != {"FINISHED"}:
+            self.report({"ERROR"}, f"{query.name!r} and {other.name!r} cannot be painted")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _put_beside(query: Any, objects: list[Any]) -> None:
+    low, high = placing.bounds(query)
+    other_low, other_high = placing.bounds(objects[0])
+    widths = high.x - low.x, other_high.x - other_low.x
+    x = high.x + GAP * sum(widths) / 2 + widths[1] / 2
+    placing.move_to(objects, Vector((x, (low.y + high.y) / 2, low.z)))
+
+
+def _select_only(context: Any, items: list[Any]) -> None:
+    for item in scene.mesh_objects(context.view_layer.objects):
+        item.select_set(item in items)
+    context.view_layer.objects.active = items[0]
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        SHAPEGOOGLE_OT_append_match,
+        SHAPEGOOGLE_OT_link_match,
+        SHAPEGOOGLE_OT_open_match,
+        SHAPEGOOGLE_OT_select_match,
+        SHAPEGOOGLE_OT_mark_match,
+    )
+)

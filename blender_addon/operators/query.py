@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find shapes like what is selected, and choose among the matches."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.props import IntProperty
+
+from .. import assets, jobs, scene
+from ..preferences import preferences
+from ..properties import session_of
+from ..scene_index import scene_source
+
+if TYPE_CHECKING:
+    from shapegoogle_core.library.session import Answer
+
+__all__ = ["register", "unregister"]
+
+# The question that is being answered, so that it can be cancelled.
+_asked: list[Future[Any]] = []
+
+
+class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
+    """Find shapes like the selected ones."""
+
+    bl_idname = "shape_google.find_similar"
+    bl_label = "Find Similar"
+    bl_description = (
+        "Find the shapes of the library that are most like the active object, in any pose, at any size. "
+        "Several selected objects are joined; in edit mode the selected faces are looked for"
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a mesh and a library."""
+        if session_of(context).searching:
+            cls.poll_message_set("Searching already")
+            return False
+        active = context.active_object
+        chosen = scene.mesh_objects(context.selected_objects)
+        if not chosen and (active is None or active.type != "MESH"):
+            cls.poll_message_set("Select a mesh object")
+            return False
+        if not preferences(context).library_path().is_file():
+            cls.poll_message_set("Index a library first")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Ask in the worker process; the window stays usable."""
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        started = time.monotonic()
+
+        def failed(error: BaseException) -> None:
+            _asked.clear()
+            session_of(bpy.context).searching = False
+            _show_failure(bpy.context, str(error))
+
+        def done(answer: Answer) -> None:
+            _asked.clear()
+            _show(bpy.context, answer, time.monotonic() - started)
+
+        jobs.watch(future, done, failed)
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Ask and wait for the answer."""
+        from shapegoogle_core import ShapeGoogleError
+
+        started = time.monotonic()
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        try:
+            answer = future.result()
+        except ShapeGoogleError as error:
+            _show_failure(context, str(error))
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            _asked.clear()
+            session_of(context).searching = False
+        _show(context, answer, time.monotonic() - started)
+        self.report({"INFO"}, session_of(context).answer)
+        return {"FINISHED"}
+
+    def _ask(self, context: Any) -> Future[Answer] | None:
+        from shapegoogle_core import MeshError
+        from shapegoogle_core.library.session import query
+
+        session = session_of(context)
+        try:
+            mesh = scene.query_mesh(context)
+        except MeshError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+        future = jobs.worker().submit(query, preferences(context).library_path(), mesh, session.top)
+        _asked[:] = [future]
+        session.searching = True
+        session.query = mesh.name
+        session.answer = f"Looking for {mesh.name} …"
+        return future
+
+
+def _show(context: Any, answer: Answer, seconds: float) -> None:
+    session = session_of(context)
+    session.searching = False
+    session.matches.clear()
+    assets.forget_pictures()
+    here = scene_source()
+    for match in answer.matches:
+        line = session.matches.add()
+        line.name = match.name
+        line.object_name = match.object_name
+        line.shape_id = match.shape_id
+        line.source = match.source
+        line.similarity, line.distance = match.similarity, match.distance
+        line.size = (match.area / answer.area) ** 0.5
+        line.vertex_count = match.vertex_count
+        line.kind = answer.kinds[match.shape_id]
+        line.in_scene = match.source == here and match.object_name in context.scene.objects
+        assets.keep_picture(match.shape_id, answer.thumbnails.get(match.shape_id))
+    session.active_match = 0 if answer.matches else -1
+    count = f"{len(answer.matches)} of {answer.shape_count:,} shapes"
+    session.answer = f"{session.query}: the best {count}, {seconds:.1f} s"
+    session.shape_count = answer.shape_count
+
+
+def _show_failure(context: Any, reason: str) -> None:
+    session = session_of(context)
+    session.matches.clear()
+    session.active_match = -1
+    session.answer = reason
+
+
+class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):
+    """Stop searching."""
+
+    bl_idname = "shape_google.cancel_search"
+    bl_label = "Cancel Search"
+    bl_description = "Stop searching"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Something is searched."""
+        return bool(session_of(context).searching)
+
+    def execute(self, context: Any) -> set[str]:
+        """Stop it."""
+        while _asked:
+            _asked.pop().cancel()
+        session = session_of(context)
+        session.searching = False
+        session.answer = "Cancelled"
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_choose_match(bpy.types.Operator):
+    """Choose a match."""
+
+    bl_idname = "shape_google.choose_match"
+    bl_label = "Choose Match"
+    bl_options = {"INTERNAL"}
+
+    index: IntProperty(options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context: Any, properties: Any) -> str:
+        """Return the tooltip of a match: all that has no room below its picture."""
+        matches = session_of(context).matches
+        if not 0 <= properties.index < len(matches):
+            return "Choose this match"
+        match = matches[properties.index]
+        where = f"{match.object_name} in {match.source}" if match.object_name else match.source
+        return (
+            f"{where or match.name}\n{match.kind}. Similarity {match.similarity:.3f}, "
+            f"distance {match.distance:.4f}, {match.vertex_count:,} vertices, size ×{match.size:.3g}"
+        )
+
+    def execute(self, context: Any) -> set[str]:
+        """Choose it."""
+        session = session_of(context)
+        if not 0 <= self.index < len(session.matches):
+            return {"CANCELLED"}
+        session.active_match = self.index
+        return {"FINISHED"}
+
+
+@bpy.app.handlers.persistent
+def _forget_scene(*_arguments: Any) -> None:
+    """Another file is open: what was in the scene is there no more."""
+    here = scene_source()
+    for line in session_of(bpy.context).matches:
+        line.in_scene = line.source == here and line.object_name in bpy.context.scene.objects
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_find_similar, SHAPEGOOGLE_OT_cancel_search, SHAPEGOOGLE_OT_choose_match)
+)
+
+
+def register() -> None:
+    """Make the operators known to Blender."""
+    _register()
+    bpy.app.handlers.load_post.append(_forget_scene)
+
+
+def unregister() -> None:
+    """Take them back, and forget the pictures."""
+    bpy.app.handlers.load_post.remove(_forget_scene)
+    _unregister()
+    assets.forget_pictures()

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Train a model on the shapes of the library's sources."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+
+from ..jobs import BackgroundRun, redraw
+from ..preferences import preferences
+from ..properties import add_error, session_of
+
+__all__ = ["register", "unregister"]
+
+SECONDS_BETWEEN_LOOKS = 0.5
+
+
+class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
+    """Train a model on the shapes of the library's sources."""
+
+    bl_idname = "shape_google.train_model"
+    bl_label = "Train Model on This Library"
+    bl_description = (
+        "Learn words, metric and codes from the shapes of the chosen sources, in the background: about a "
+        "second for each shape and version. The model is for new libraries; this one keeps its own"
+    )
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is something to learn from."""
+        if not preferences(context).sources():
+            cls.poll_message_set("Add a folder, or an asset library in Blender's preferences")
+            return False
+        return not session_of(context).training
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Ask where to put it."""
+        self.filepath = str(preferences(context).libraries_folder() / "mine.npz")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Train, in the background where there is a window."""
+        chosen, session = preferences(context), session_of(context)
+        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".npz")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        preset = "paper" if chosen.model == "PAPER" else "default"
+        arguments = ["train", *map(str, chosen.sources()), "--output", str(path), "--preset", preset]
+        arguments += ["--objects", chosen.objects.lower()]
+        if chosen.jobs:
+            arguments += ["--jobs", str(chosen.jobs)]
+        run = BackgroundRun(arguments)
+        session.training = "Training …"
+
+        def look() -> float | None:
+            run.events()
+            if run.exit_code is None:
+                session.training = run.lines[-1] if run.lines else "Training …"
+                redraw()
+                return SECONDS_BETWEEN_LOOKS
+            session.training = ""
+            if path.exists() and run.exit_code in (0, 1):
+                chosen.model, chosen.model_file = "FILE", str(path)
+                session.summary = f"Trained {path.name}; it is used for new libraries"
+            else:
+                session.summary = "Training failed; the list of errors says why"
+                add_error(session, str(path), "; ".join(list(run.lines)[-3:]))
+            return None
+
+        if bpy.app.background:
+            run.join()
+            look()
+            self.report({"INFO"}, session.summary)
+        else:
+            bpy.app.timers.register(look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_train_model,))

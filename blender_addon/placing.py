@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bring shapes of a library into the open scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from mathutils import Matrix, Vector
+
+from . import scene
+
+__all__ = ["PlacingError", "bring_in", "move_to"]
+
+# Importers of Blender by suffix, each with its operator and, where it needs one, what else to ask of it.
+_IMPORTERS = {
+    ".obj": ("wm", "obj_import"),
+    ".ply": ("wm", "ply_import"),
+    ".stl": ("wm", "stl_import"),
+    ".glb": ("import_scene", "gltf"),
+    ".gltf": ("import_scene", "gltf"),
+}
+
+
+class PlacingError(Exception):
+    """A shape cannot be brought into the scene; the message says why and what to do."""
+
+
+def bring_in(context: Any, source: str, object_name: str, *, link: bool = False) -> list[Any]:
+    """Append or link an object of a .blend file, or import a mesh file.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    source : str
+        Path of the file.
+    object_name : str
+        Of the object in a .blend file.
+    link : bool
+        Link instead of append.
+
+    Returns
+    -------
+    objects : list of bpy.types.Object
+        The new objects, selected; the mesh objects first.
+
+    Raises
+    ------
+    PlacingError
+        If the file or the object in it is gone, or Blender cannot read it.
+    """
+    path = Path(source)
+    if not path.is_file():
+        raise PlacingError(f"'{source}' is no longer there; index the library again")
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    before = set(bpy.data.objects)
+    bpy.ops.object.select_all(action="DESELECT")
+    try:
+        if path.suffix.lower() == ".blend":
+            _from_blend(path, object_name, link)
+        else:
+            _import(context, path)
+    except RuntimeError as error:
+        raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
+    new = [
+        item for item in bpy.data.objects if item not in before and item.name in context.view_layer.objects
+    ]
+    if not new:
+        raise PlacingError(f"{path.name!r} holds no object {object_name!r} any more; index the library again")
+    new.sort(key=lambda item: (item.type != "MESH", item.name != object_name, item.name))
+    for item in new:
+        item.select_set(True)
+    context.view_layer.objects.active = new[0]
+    return new
+
+
+def _from_blend(path: Path, object_name: str, link: bool) -> None:
+    with bpy.data.libraries.load(str(path), link=True, assets_only=False) as (content, _):
+        there = object_name in content.objects
+    if not there:
+        raise PlacingError(f"{path.name!r} holds no object {object_name!r} any more; index the library again")
+    operator = bpy.ops.wm.link if link else bpy.ops.wm.append
+    operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
+
+
+def _import(context: Any, path: Path) -> None:
+    suffix = path.suffix.lower()
+    if suffix == ".fbx":
+        # Blender 4.5 has an importer of its own; earlier ones, an add-on that may be off.
+        module, name = ("wm", "fbx_import") if "fbx_import" in dir(bpy.ops.wm) else ("import_scene", "fbx")
+    elif suffix in _IMPORTERS:
+        module, name = _IMPORTERS[suffix]
+    else:
+        _from_core(context, path)
+        return
+    if name not in dir(getattr(bpy.ops, module)):
+        raise PlacingError(f"Blender's importer of {suffix} files is off; switch it on in the preferences")
+    getattr(getattr(bpy.ops, module), name)(filepath=str(path))
+
+
+def _from_core(context: Any, path: Path) -> None:
+    from shapegoogle_core import MeshError, read_mesh
+
+    try:
+        mesh = read_mesh(path)
+    except MeshError as error:
+        raise PlacingError(str(error)) from error
+    scene.new_object(context, mesh, path.stem)
+
+
+def move_to(objects: list[Any], place: Vector) -> None:
+    """Move new objects so that the bottom centre of the first one is at a place; linked ones stay.
+
+    Parameters
+    ----------
+    objects : list of bpy.types.Object
+        As from `bring_in`.
+    place : Vector
+    """
+    bpy.context.view_layer.update()
+    low, high = bounds(objects[0])
+    offset = Vector(place) - Vector(((low.x + high.x) / 2, (low.y + high.y) / 2, low.z))
+    for item in objects:
+        # Children and what an armature moves follow their parents.
+        if item.parent is None and item.library is None:
+            item.matrix_world = Matrix.Translation(offset) @ item.matrix_world
+    bpy.context.view_layer.update()
+
+
+def bounds(item: Any) -> tuple[Vector, Vector]:
+    """Return the least and the largest corner of an object's box in the world, modifiers included.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+
+    Returns
+    -------
+    low, high : Vector
+    """
+    corners = [item.matrix_world @ Vector(corner) for corner in item.bound_box]
+    low = Vector(min(corner[axis] for corner in corners) for axis in range(3))
+    high = Vector(max(corner[axis] for corner in corners) for axis in range(3))
+    return low, high

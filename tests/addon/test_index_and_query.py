@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: MIT
+"""Index Library and Find Similar, as pressed by a user, on real files in a real background Blender."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from shapegoogle_core import Library
+
+
+@pytest.fixture
+def preferences(addon, tmp_path: Path):
+    """The add-on's preferences, with a library of this test and no sources."""
+    chosen = bpy.context.preferences.addons[addon.__name__].preferences
+    session = bpy.context.window_manager.shape_google
+    chosen.library = str(tmp_path / "shapes.sglib")
+    chosen.folders.clear()
+    chosen.use_asset_libraries, chosen.use_scene, chosen.objects, chosen.jobs = False, False, "ALL", 1
+    session.matches.clear()
+    session.errors.clear()
+    session.least_similarity, session.use_size, session.source, session.text = 0, False, "ANY", ""
+    session.collapse = True
+    return chosen
+
+
+@pytest.fixture
+def session():
+    return bpy.context.window_manager.shape_google
+
+
+def lumpy(name: str, seed: int, subdivisions: int = 4):
+    """A lumpy ellipsoid, another one for each seed."""
+    random = np.random.default_rng(seed)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
+    item = bpy.context.object
+    item.name = name
+    points = np.empty((len(item.data.vertices), 3), np.float32)
+    item.data.vertices.foreach_get("co", points.ravel())
+    centers = random.standard_normal((4, 3))
+    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
+    points *= (1 + np.exp(-6 * (1 - points @ centers.T)) @ random.uniform(0, 0.7, 4))[:, None]
+    points *= random.uniform(0.6, 1.8, 3)
+    item.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    item.data.update()
+    return item
+
+
+@pytest.fixture
+def folder(blender, tmp_path: Path) -> Path:
+    """A folder of three .blend files with a shape each, a mesh file, and one that is broken."""
+    folder = tmp_path / "assets"
+    folder.mkdir()
+    for seed, name in enumerate(["apple", "pear", "plum"]):
+        item = lumpy(name.title(), seed)
+        bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{name}.blend"), copy=True)
+        if name == "plum":
+            bpy.ops.wm.obj_export(filepath=str(folder / "nut.obj"))
+        bpy.data.objects.remove(item)
+    (folder / "broken.blend").write_bytes(b"no Blender file")
+    return folder
+
+
+@pytest.fixture
+def indexed(folder: Path, preferences, session) -> Path:
+    add_folder(preferences, folder)
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    return folder
+
+
+def add_folder(preferences, folder: Path) -> None:
+    assert bpy.ops.shape_google.add_folder(directory=str(folder)) == {"FINISHED"}
+    assert [item.path for item in preferences.folders] == [str(folder)]
+
+
+def digests(folder: Path) -> dict[str, str]:
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
+
+
+def test_index_a_folder(folder: Path, preferences, session) -> None:
+    before = digests(folder)
+    add_folder(preferences, folder)
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    assert not session.indexing
+    assert session.summary == "4 added, 1 failed"
+    assert [(error.name, "broken.blend" in error.reason) for error in session.errors] == [
+        ("broken.blend", True)
+    ]
+    with Library.open(preferences.library) as library:
+        assert {(shape.object_name, Path(shape.source).name) for shape in library.shapes()} == {
+            ("Apple", "apple.blend"),
+            ("Pear", "pear.blend"),
+            ("Plum", "plum.blend"),
+            ("", "nut.obj"),
+        }
+        assert all(library.thumbnail(shape.shape_id) for shape in library.shapes())
+    assert digests(folder) == before
+
+    # A second time there is nothing to do; a changed file is read again.
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged, 1 failed"
+    status = (folder / "pear.blend").stat()
+    os.utime(folder / "pear.blend", ns=(status.st_atime_ns, status.st_mtime_ns + 10**9))
+    (folder / "broken.blend").unlink()
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged"
+
+
+def test_find_similar(indexed: Path, preferences, session) -> None:
+    item = lumpy("Query", 1)
+    item.scale = 3, 3, 3
+    item.rotation_euler = 1, 2, 3
+    bpy.context.view_layer.update()
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    best = session.matches[0]
+    assert (best.name, best.kind) == ("Pear", "Same mesh, ×0.333")
+    assert best.similarity > 0.9
+    assert Path(best.source) == indexed / "pear.blend"
+    assert best.size == pytest.approx(1 / 3, rel=1e-3)
+    assert session.answer.startswith("Query: the best 4 of 4 shapes")
+    assert not best.in_scene
+
+
+def test_filters(addon, indexed: Path, preferences, session) -> None:
+    shown_matches = importlib.import_module(f"{addon.__name__}.properties").shown_matches
+    lumpy("Query", 2)
+    bpy.ops.shape_google.find_similar()
+    # Plum and the .obj made of it are the same mesh.
+    assert len(session.matches) == 4
+    assert len(shown_matches(session)) == 3
+    session.collapse = False
+    assert len(shown_matches(session)) == 4
+    session.text = "NUT"
+    assert [match.name for _, match in shown_matches(session)] == ["nut.obj"]
+    session.text = ""
+    session.least_similarity = 1.0
+    assert {match.name for _, match in shown_matches(session)} == {"Plum", "nut.obj"}
+    session.least_similarity = 0
+    session.use_size, session.size_tolerance = True, 0.1
+    assert {match.name for _, match in shown_matches(session)} == {"Plum", "nut.obj"}
+    session.source = "SCENE"
+    assert shown_matches(session) == []
+
+
+def test_the_selected_part_and_several_objects(indexed: Path, preferences, session) -> None:
+    item = lumpy("Query", 0)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    with pytest.raises(RuntimeError, match="'Query' has no selected faces"):
+        bpy.ops.shape_google.find_similar()
+    bpy.ops.mesh.select_all(action="SELECT")
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert session.matches[0].name == "Apple"
+    assert session.query == "Query, selected part"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    other = lumpy("Other", 1)
+    item.select_set(True)
+    other.select_set(True)
+    bpy.ops.shape_google.find_similar()
+    assert session.query in ("Query and 1 more", "Other and 1 more")
+
+
+def test_the_scene_itself(preferences, session) -> None:
+    lumpy("First", 0)
+    lumpy("Second", 1)
+    preferences.use_scene = True
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    assert session.summary == "2 added"
+    bpy.context.view_layer.objects.active = bpy.data.objects["First"]
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.shape_google.find_similar()
+    assert [(match.name, match.in_scene) for match in session.matches] == [("First", True), ("Second", True)]
+    bpy.ops.shape_google.choose_match(index=1)
+    assert bpy.ops.shape_google.select_match() == {"FINISHED"}
+    assert [item.name for item in bpy.context.selected_objects] == ["Second"]
+
+
+def test_append_and_mark(indexed: Path, preferences, session) -> None:
+    query = lumpy("Query", 1)
+    bpy.ops.shape_google.find_similar()
+    bpy.context.scene.cursor.location = 10, 0, 0
+    bpy.ops.shape_google.append_match()
+    pear = bpy.data.objects["Pear"]
+    assert pear.library is None
+    assert (pear.matrix_world.translation - bpy.context.scene.cursor.location).length < 3
+    assert bpy.context.active_object == pear
+
+    bpy.context.view_layer.objects.active = query
+    assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
+    beside = bpy.data.objects["Pear.001"]
+    assert {item.name for item in bpy.context.selected_objects} == {"Query", "Pear.001"}
+    # The same mesh has the same words, vertex by vertex.
+    words = [
+        np.array([entry.value for entry in item.data.attributes["sg_word"].data]) for item in (query, beside)
+    ]
+    assert (words[0] == words[1]).mean() > 0.99
+    assert len(np.unique(words[0])) > 1
+    colors = [item.data.color_attributes["sg_color"] for item in (query, beside)]
+    np.testing.assert_allclose(colors[0].data[0].color[:], colors[1].data[0].color[:])
+    low = min((beside.matrix_world @ vertex.co).x for vertex in beside.data.vertices)
+    high = max((query.matrix_world @ vertex.co).x for vertex in query.data.vertices)
+    assert low > high
+
+
+def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences, session) -> None:
+    lumpy("Query", 2)
+    bpy.ops.shape_google.find_similar()
+    index = [match.name for match in session.matches].index("nut.obj")
+    bpy.ops.shape_google.choose_match(index=index)
+    assert not bpy.ops.shape_google.link_match.poll()
+    assert not bpy.ops.shape_google.open_match.poll()
+    bpy.ops.shape_google.append_match()
+    assert len(bpy.context.active_object.data.vertices) == 642
+    (indexed / "nut.obj").unlink()
+    with pytest.raises(RuntimeError, match=r"nut\.obj' is no longer there; index the library again"):
+        bpy.ops.shape_google.append_match()
+
+
+def test_link(indexed: Path, preferences, session) -> None:
+    lumpy("Query", 0)
+    bpy.ops.shape_google.find_similar()
+    bpy.ops.shape_google.link_match()
+    assert bpy.data.objects["Apple"].library is not None
+    bpy.data.libraries.remove(bpy.data.libraries[0])
+
+
+def test_unusable_library(preferences, session, tmp_path: Path) -> None:
+    lumpy("Query", 0)
+    assert not bpy.ops.shape_google.find_similar.poll()
+    (tmp_path / "shapes.sglib").write_text("no library")
+    with pytest.raises(RuntimeError, match="is not a Shape Google library"):
+        bpy.ops.shape_google.find_similar()
+    with pytest.raises(RuntimeError, match="is not a Shape Google library"):
+        bpy.ops.shape_google.choose_library(filepath=str(tmp_path / "shapes.sglib"))
+
+
+def test_jobs_of_two(addon) -> None:
+    """A worker that was stopped starts again, and an error comes back as it is."""
+    jobs = importlib.import_module(f"{addon.__name__}.jobs")
+    worker = jobs.worker()
+    assert worker.submit(abs, -3).result() == 3
+    worker.stop()
+    assert worker.submit(abs, -4).result() == 4
+    with pytest.raises(TypeError):
+        worker.submit(abs, SimpleNamespace()).result()
