@@ -192,8 +192,12 @@ def write_library(folder: Path, individuals: Sequence[Individual] = INDIVIDUALS)
 
 
 def _read_stamps(folder: Path) -> dict[str, str]:
-    path = folder / STAMP_FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    """Read what the files were made from; nothing if that is not there or was cut short."""
+    try:
+        stamps = json.loads((folder / STAMP_FILE).read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return {}
+    return stamps if isinstance(stamps, dict) else {}
 
 
 def _stamp(individual: Individual) -> str:

@@ -168,6 +168,13 @@ def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
     assert not bystander.hide_render
 
 
+def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(blend_library, individuals, tmp_path):
+    (tmp_path / blend_library.STAMP_FILE).write_text('{"animals/ho')
+    hand = individuals[-1]
+    assert blend_library.write_library(tmp_path, [hand]) == [tmp_path / hand.path]
+    assert blend_library.write_library(tmp_path, [hand]) == []
+
+
 @pytest.fixture
 def indexed(addon, scripts, folder, tmp_path):
     """The part of the demo that shows something, with the library indexed and chosen."""
