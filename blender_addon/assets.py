@@ -40,21 +40,15 @@ def asset_libraries() -> list[tuple[str, Path]]:
     return [(name, path) for name, path in found if path.is_dir()]
 
 
-def blend_reader(objects: str = "all") -> ExternalReader:
+def blend_reader() -> ExternalReader:
     """Return the Blender that reads .blend and .fbx files for the core.
-
-    Parameters
-    ----------
-    objects : {"all", "assets"}
-        Which objects of a .blend file are shapes: all meshes, or only those marked as assets where there are
-        any.
 
     Returns
     -------
     reader : ExternalReader
         This Blender once more, in the background; where Blender is a Python module, this Python.
     """
-    from shapegoogle_core.indexing import ExternalReader
+    from shapegoogle_core.indexing import ExternalReader, ReaderOption
 
     script = str(Path(__file__).with_name("reader.py"))
     command: tuple[str, ...]
@@ -66,7 +60,14 @@ def blend_reader(objects: str = "all") -> ExternalReader:
         suffixes=frozenset(BLENDER_SUFFIXES),
         command=command,
         title=f"Blender {bpy.app.version_string}",
-        options=(("objects", objects),),
+        offers=(
+            ReaderOption(
+                "objects",
+                ("all", "assets"),
+                "which objects of a .blend file are shapes: all meshes, or only those marked as assets where "
+                "there are any",
+            ),
+        ),
     )
 
 
@@ -132,7 +133,8 @@ def package_command(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]
     if bpy.app.binary_path:
         # `--addons` also where the user has not saved that the add-on is on.
         options = ["--background", "--disable-autoexec", "--python-exit-code", "1", "--addons", package]
-        code = run + "[sys.argv.index('--') + 1:]))"
+        # Worker processes import their parent's main file, and Blender calls it "<blender string>".
+        code = f"__file__ = None; {run}[sys.argv.index('--') + 1:]))"
         return [bpy.app.binary_path, *options, "--python-expr", code, "--", *arguments], environment
     # A module is looked for beside this package, wherever the other process starts.
     paths = [str(Path(__file__).parents[package.count(".") + 1]), environment.get("PYTHONPATH", "")]

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import signal
-import sys
 from collections.abc import Sequence
 
 import bpy
 
-from . import assets
+from . import assets, paint_command
 
 __all__ = ["main", "register", "unregister"]
 
@@ -19,14 +18,13 @@ COMMAND = "shape_google"
 _handle: list[object] = []
 
 
-def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND}") -> int:
+def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} {{command}}") -> int:
     """Run the `shapegoogle` command with .blend and .fbx files among its inputs.
 
     Parameters
     ----------
     arguments : sequence of str
-        Such as ``["index", "assets", "--library", "shapes.sglib"]``. One more option than the command has:
-        ``--objects assets`` takes of a .blend file only what is marked as an asset, if anything is.
+        Such as ``["index", "assets", "--library", "shapes.sglib"]``; "paint" is `paint_command`.
     program : str, optional
         What the help calls the command.
 
@@ -39,19 +37,9 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND}"
 
     # Blender leaves Ctrl-C to itself; here it must end the run in an orderly way.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    remaining, objects = _take_option(list(arguments), "--objects", ("all", "assets"))
-    return cli.main(remaining, reader=assets.blend_reader(objects), program=program)
-
-
-def _take_option(arguments: list[str], name: str, choices: tuple[str, ...]) -> tuple[list[str], str]:
-    """Take an option that the core's command does not know out of its arguments; the first is the default."""
-    if name not in arguments:
-        return arguments, choices[0]
-    place = arguments.index(name)
-    value = arguments[place + 1] if place + 1 < len(arguments) else ""
-    if value not in choices:
-        sys.exit(f"{name} must be one of {', '.join(choices)}, not {value!r}")
-    return arguments[:place] + arguments[place + 2 :], value
+    if arguments[:1] == ["paint"]:
+        return paint_command.main(arguments[1:])
+    return cli.main(arguments, reader=assets.blend_reader(), program=program)
 
 
 def register() -> None:

@@ -60,7 +60,7 @@ def load_addon() -> ModuleType:
     return addon
 
 
-def run(module: str, *first: str) -> NoReturn:
+def run(module: str, *first: str, **options: str) -> NoReturn:
     """Run `main(arguments)` of one of the add-on's modules and end the process with its exit code.
 
     Parameters
@@ -69,10 +69,12 @@ def run(module: str, *first: str) -> NoReturn:
         Its name inside the add-on.
     *first : str
         Arguments to put before those of the command line.
+    **options : str
+        What else `main` takes.
     """
     addon = load_addon()
     try:
-        code = importlib.import_module(f"{addon.__name__}.{module}").main([*first, *_arguments()])
+        code = importlib.import_module(f"{addon.__name__}.{module}").main([*first, *_arguments()], **options)
     except SystemExit as stop:  # argparse's, after --help or wrong usage
         code = stop.code
     sys.stdout.flush()

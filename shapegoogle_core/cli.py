@@ -8,6 +8,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import metadata
 
 from shapegoogle_core import commands, duplicates_command
@@ -34,7 +35,7 @@ def main(
     arguments: Sequence[str] | None = None,
     *,
     reader: ExternalReader | None = None,
-    program: str = "shapegoogle",
+    program: str = "shapegoogle {command}",
 ) -> int:
     """Run the command.
 
@@ -45,7 +46,7 @@ def main(
     reader : ExternalReader, optional
         Another program that reads more kinds of files.
     program : str, optional
-        What the help calls the command.
+        What the help calls the command; `{command}` stands for "index" and so on.
 
     Returns
     -------
@@ -56,8 +57,11 @@ def main(
         # A file name that the terminal's encoding lacks must not end the run.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    options = _parser(program).parse_args(arguments)
+    options = _parser(program, reader).parse_args(arguments)
     options.reader = reader
+    if reader is not None:
+        chosen = [(offer.name, getattr(options, offer.name, offer.choices[0])) for offer in reader.offers]
+        options.reader = replace(reader, options=tuple(chosen))
     run: Callable[[argparse.Namespace], int] = options.run
     try:
         exit_code = run(options)
@@ -77,9 +81,9 @@ def main(
     return exit_code
 
 
-def _parser(program: str) -> argparse.ArgumentParser:
+def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog=program,
+        prog=program.partition(" {")[0],
         description="Find a 3D shape again: in another pose, at another size, with another mesh.",
         epilog="examples:\n"
         "  shapegoogle index ~/models --library shapes.sglib\n"
@@ -94,6 +98,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
     index = _command(
         subparsers,
+        program,
         "index",
         commands.index,
         "put the meshes of folders into a library; only new and changed files are read",
@@ -133,6 +138,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
     query = _command(
         subparsers,
+        program,
         "query",
         commands.query,
         "find the shapes of a library that are most like a mesh",
@@ -157,12 +163,13 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     query.add_argument("--json", action="store_true", help="print one JSON object for each mesh")
 
-    info = _command(subparsers, "info", commands.info, "say what a library holds", "")
+    info = _command(subparsers, program, "info", commands.info, "say what a library holds", "")
     _library_option(info)
     info.add_argument("--json", action="store_true", help="print one JSON object")
 
     duplicates = _command(
         subparsers,
+        program,
         "duplicates",
         duplicates_command.duplicates,
         "list copied files and shapes that are the same or hard to tell apart",
@@ -173,6 +180,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
     train = _command(
         subparsers,
+        program,
         "train",
         commands.train,
         "learn a model from your own shapes",
@@ -196,11 +204,20 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     train.add_argument("--seed", type=int, default=0, metavar="N", help="of all random choices (%(default)s)")
     _jobs_option(train)
+    for command in (index, query, train):
+        for offer in () if reader is None else reader.offers:
+            command.add_argument(
+                f"--{offer.name}",
+                choices=offer.choices,
+                default=offer.choices[0],
+                help=f"{offer.summary} (%(default)s)",
+            )
     return parser
 
 
 def _command(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser],
+    program: str,
     name: str,
     run: Callable[[argparse.Namespace], int],
     summary: str,
@@ -208,6 +225,7 @@ def _command(
 ) -> argparse.ArgumentParser:
     parser = subparsers.add_parser(
         name,
+        prog=program.format(command=name),
         help=summary,
         description=f"{summary[0].upper()}{summary[1:]}.",
         epilog=f"{details}\n{EXIT_CODES}",

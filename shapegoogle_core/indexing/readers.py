@@ -39,6 +39,7 @@ __all__ = [
     "ExternalReader",
     "FileShapes",
     "FoundShape",
+    "ReaderOption",
     "end_external_readers",
     "read_shapes",
     "readable_suffixes",
@@ -87,6 +88,24 @@ class FileShapes:
 
 
 @dataclass(frozen=True)
+class ReaderOption:
+    """A choice that a reader's program offers; the command has an option of this name.
+
+    Attributes
+    ----------
+    name : str
+    choices : tuple of str
+        The first is the default.
+    summary : str
+        For the command's help.
+    """
+
+    name: str
+    choices: tuple[str, ...]
+    summary: str
+
+
+@dataclass(frozen=True)
 class ExternalReader:
     """Another program that reads files which this package does not.
 
@@ -98,8 +117,10 @@ class ExternalReader:
         How it is started.
     title : str
         What errors call it.
+    offers : tuple of ReaderOption
+        What can be chosen.
     options : tuple of (str, str)
-        Sent along with every request.
+        What was chosen: names and values, sent along with every request.
     time_limit : float
         Seconds that it may take for one file; it is killed then.
     environment : tuple of (str, str)
@@ -109,6 +130,7 @@ class ExternalReader:
     suffixes: frozenset[str]
     command: tuple[str, ...]
     title: str
+    offers: tuple[ReaderOption, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
     time_limit: float = 300.0
     environment: tuple[tuple[str, str], ...] = field(default=(), repr=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -27,7 +28,7 @@ def read(addon):
     assets = importlib.import_module(f"{addon.__name__}.assets")
 
     def read_file(path: Path, objects: str = "all"):
-        return read_shapes(path, assets.blend_reader(objects))
+        return read_shapes(path, replace(assets.blend_reader(), options=(("objects", objects),)))
 
     yield read_file
     end_external_readers()
