@@ -35,7 +35,7 @@ _MODELS = (
 def _warm_up(_preferences: Any, _context: Any) -> None:
     # Whoever chooses a library is about to ask it something.
     if not bpy.app.background:
-        jobs.worker().warm_up()
+        jobs.warm_up()
 
 
 class SHAPEGOOGLE_PG_folder(bpy.types.PropertyGroup):
@@ -114,16 +114,20 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Library")
-        column.prop(self, "library")
-        column.prop(self, "folder")
+        column.prop(self, "library", placeholder=self.library_path().name)
+        column.prop(self, "folder", placeholder="Blender's own folder for extensions")
         column = layout.column(heading="Indexing")
-        column.prop(self, "jobs")
-        column.prop(self, "time_limit")
-        column.prop(self, "memory_limit")
+        column.prop(self, "jobs", text="Workers (0: All Processors)")
+        column.prop(self, "time_limit", text="Time Limit per File (s)")
+        column.prop(self, "memory_limit", text="Memory Limit (MB)")
         column = layout.column(heading="Model")
         column.prop(self, "model")
         if self.model == "FILE":
             column.prop(self, "model_file")
+        # Below the fields, not below their names.
+        split = column.split(factor=0.4)
+        split.separator()
+        column = split.column()
         column.operator("shape_google.train_model", icon="FILE_REFRESH")
         progress = context.window_manager.shape_google.training
         if progress:

@@ -68,6 +68,7 @@ class SHAPEGOOGLE_PG_session(bpy.types.PropertyGroup):
     answer: StringProperty(name="Answer")
     matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
     active_match: IntProperty(name="Match", default=-1)
+    page: IntProperty(name="Page", description="Which page of the gallery is shown, from 0", min=0)
     top: IntProperty(
         name="Results", description="How many matches are looked for", default=24, min=1, max=200
     )

@@ -127,6 +127,7 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
         line.in_scene = match.source == here and match.object_name in context.scene.objects
         assets.keep_picture(match.shape_id, answer.thumbnails.get(match.shape_id))
     session.active_match = 0 if answer.matches else -1
+    session.page = 0
     count = f"{len(answer.matches)} of {answer.shape_count:,} shapes"
     session.answer = f"{session.query}: the best {count}, {seconds:.1f} s"
     session.shape_count = answer.shape_count
@@ -192,6 +193,22 @@ class SHAPEGOOGLE_OT_choose_match(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class SHAPEGOOGLE_OT_turn_page(bpy.types.Operator):
+    """Show other matches."""
+
+    bl_idname = "shape_google.turn_page"
+    bl_label = "Show More Matches"
+    bl_description = "Show the next or the previous matches"
+    bl_options = {"INTERNAL"}
+
+    page: IntProperty(min=0, options={"SKIP_SAVE"})
+
+    def execute(self, context: Any) -> set[str]:
+        """Show them."""
+        session_of(context).page = self.page
+        return {"FINISHED"}
+
+
 @bpy.app.handlers.persistent
 def _forget_scene(*_arguments: Any) -> None:
     """Another file is open: what was in the scene is there no more."""
@@ -201,7 +218,12 @@ def _forget_scene(*_arguments: Any) -> None:
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
-    (SHAPEGOOGLE_OT_find_similar, SHAPEGOOGLE_OT_cancel_search, SHAPEGOOGLE_OT_choose_match)
+    (
+        SHAPEGOOGLE_OT_find_similar,
+        SHAPEGOOGLE_OT_cancel_search,
+        SHAPEGOOGLE_OT_choose_match,
+        SHAPEGOOGLE_OT_turn_page,
+    )
 )
 
 

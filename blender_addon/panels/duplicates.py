@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from ..duplicate_properties import KINDS
+from .text import wrapped
 
 __all__ = ["register", "unregister"]
 
@@ -68,12 +69,15 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
         row.prop(shown, "min_similarity", slider=True)
         if shown.running:
             row = layout.row(align=True)
+            row.scale_y = 1.3
             row.progress(factor=shown.progress, text=shown.status)
             row.operator("shape_google.cancel_duplicates", text="", icon="X")
         else:
-            layout.operator("shape_google.find_duplicates", icon="VIEWZOOM")
+            row = layout.row()
+            row.scale_y = 1.3
+            row.operator("shape_google.find_duplicates", icon="VIEWZOOM")
             if shown.status:
-                layout.label(text=shown.status)
+                wrapped(layout, shown.status, context)
         if not len(shown.groups):
             return
         layout.template_list("SHAPEGOOGLE_UL_duplicates", "", shown, "groups", shown, "index", rows=4)
@@ -83,10 +87,11 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
             row.operator("shape_google.link_duplicates", icon="LINKED")
         if 0 <= shown.index < len(shown.groups):
             group = shown.groups[shown.index]
-            layout.label(
+            column = layout.column(align=True)
+            column.label(
                 text=f"{KINDS[group.kind][0]}: {group.meshes} × {group.name}", icon=KINDS[group.kind][1]
             )
-            layout.label(text=f"{_SAVINGS.get(group.kind, 'One instead of all saves')} {group.saving}")
+            column.label(text=f"{_SAVINGS.get(group.kind, 'One instead of all saves')} {group.saving}")
             self._draw_members(layout, group)
 
     def _draw_members(self, layout: Any, group: Any) -> None:

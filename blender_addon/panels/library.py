@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Any
 
 import bpy
@@ -31,7 +32,8 @@ class SHAPEGOOGLE_UL_folders(bpy.types.UIList):
         """Lay a folder out."""
         row = layout.row(align=True)
         row.prop(item, "use", text="")
-        row.prop(item, "path", text="", emboss=False)
+        # The sidebar is too narrow for a path; that of the active folder is below the list.
+        row.label(text=PurePath(item.path.rstrip("/\\")).name or item.path)
 
 
 class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
@@ -48,7 +50,7 @@ class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """Lay an error out."""
-        layout.label(text=item.name, icon="ERROR")
+        layout.label(text=item.name, icon="FILE")
 
 
 class SHAPEGOOGLE_PT_library(bpy.types.Panel):
@@ -60,59 +62,78 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
     bl_region_type = "UI"
     bl_order = 10
 
+    def draw_header_preset(self, context: Any) -> None:
+        """Say at the right of the title how large the library is."""
+        count = session_of(context).shape_count
+        if count:
+            self.layout.label(text=f"{count:,} shape{'' if count == 1 else 's'}")
+
     def draw(self, context: Any) -> None:
         """Lay the panel out."""
         layout = self.layout
         chosen, session = preferences(context), session_of(context)
-        path = chosen.library_path()
-        row = layout.row(align=True)
-        row.operator("shape_google.choose_library", text=path.name, icon="FILE_FOLDER")
-        if session.shape_count:
-            layout.label(text=f"{session.shape_count:,} shapes", icon="MESH_MONKEY")
-        column = layout.column(align=True)
-        names = [name for name, _ in assets.asset_libraries()]
-        row = column.row()
-        row.enabled = bool(names)
-        row.prop(chosen, "use_asset_libraries", text=f"Asset Libraries ({len(names)})")
-        column.prop(chosen, "use_scene")
-        row = layout.row()
-        row.template_list(
-            "SHAPEGOOGLE_UL_folders", "", chosen, "folders", chosen, "active_folder", rows=2, maxrows=6
-        )
-        column = row.column(align=True)
-        column.operator("shape_google.add_folder", text="", icon="ADD")
-        column.operator("shape_google.remove_folder", text="", icon="REMOVE")
-        layout.prop(chosen, "objects", text="")
-        _draw_indexing(layout, session)
+        layout.operator("shape_google.choose_library", text=chosen.library_path().name, icon="FILE_FOLDER")
+        _draw_sources(layout, chosen, context)
+        _draw_indexing(layout, session, context)
         if session.errors:
             _draw_errors(layout, session, context)
 
 
-def _draw_indexing(layout: Any, session: Any) -> None:
+def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_sources")
+    header.label(text="Sources")
+    if body is None:
+        return
+    column = body.column(align=True)
+    libraries = len(assets.asset_libraries())
+    row = column.row()
+    row.enabled = libraries > 0
+    row.prop(chosen, "use_asset_libraries", text=f"Asset Libraries ({libraries})")
+    column.prop(chosen, "use_scene")
+    row = body.row()
+    row.template_list(
+        "SHAPEGOOGLE_UL_folders", "", chosen, "folders", chosen, "active_folder", rows=2, maxrows=6
+    )
+    column = row.column(align=True)
+    column.operator("shape_google.add_folder", text="", icon="ADD")
+    column.operator("shape_google.remove_folder", text="", icon="REMOVE")
+    if 0 <= chosen.active_folder < len(chosen.folders):
+        wrapped(body, chosen.folders[chosen.active_folder].path, context)
+    split = body.split(factor=0.3)
+    split.label(text="Objects")
+    split.prop(chosen, "objects", text="")
+
+
+def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
     if session.indexing:
         row = layout.row(align=True)
+        row.scale_y = 1.3
         share = session.done / session.total if session.total else 0.0
         row.progress(factor=share, text=session.progress)
-        row.operator("shape_google.cancel_indexing", text="", icon="CANCEL")
+        row.operator("shape_google.cancel_indexing", text="", icon="X")
         return
     row = layout.row(align=True)
     row.scale_y = 1.3
     row.operator("shape_google.index_library", icon="FILE_REFRESH")
     row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
     if session.summary:
-        layout.label(text=session.summary, icon="INFO")
+        wrapped(layout, session.summary, context)
 
 
 def _draw_errors(layout: Any, session: Any, context: Any) -> None:
-    row = layout.row()
-    row.label(text=f"{len(session.errors)} not indexed", icon="ERROR")
-    row.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
-    layout.template_list(
+    header, body = layout.panel("SHAPEGOOGLE_errors")
+    header.label(text=f"{len(session.errors)} not indexed", icon="ERROR")
+    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
+    if body is None:
+        return
+    body.template_list(
         "SHAPEGOOGLE_UL_errors", "", session, "errors", session, "active_error", rows=2, maxrows=6
     )
     if 0 <= session.active_error < len(session.errors):
         error = session.errors[session.active_error]
-        wrapped(layout.box(), f"{error.path}: {error.reason}", context)
+        box = body.box()
+        wrapped(box, error.path, context)
+        wrapped(box, error.reason, context)
 
 
 class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):

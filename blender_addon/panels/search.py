@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import PurePath
 from typing import Any
 
 import bpy
@@ -14,9 +14,11 @@ from .text import wrapped
 
 __all__ = ["register", "unregister"]
 
-# Pictures are so many units of the interface wide; a column of the gallery needs a little more.
+# Pictures are so many units of the interface wide; a column of the gallery needs a little more, in pixels.
 PICTURE_SCALE = 4.6
-COLUMN_PIXELS = 105
+COLUMN_WIDTH = 105
+# More rows would push what follows out of sight; the other matches are on further pages.
+GALLERY_ROWS = 3
 
 
 class SHAPEGOOGLE_PT_search(bpy.types.Panel):
@@ -37,56 +39,53 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         row.scale_y = 1.3
         if session.searching:
             row.label(text=session.answer, icon="SORTTIME")
-            row.operator("shape_google.cancel_search", text="", icon="CANCEL")
+            row.operator("shape_google.cancel_search", text="", icon="X")
         else:
             row.operator("shape_google.find_similar", icon="VIEWZOOM")
+        _draw_filters(layout, session)
         if session.answer and not session.searching:
             wrapped(layout, session.answer, context)
         if not session.matches:
             return
         shown = shown_matches(session)
-        _draw_gallery(layout, session, shown, context)
-        if len(shown) < len(session.matches):
-            layout.label(text=f"{len(session.matches) - len(shown)} hidden by the filters", icon="FILTER")
         if any(index == session.active_match for index, _ in shown):
-            _draw_match(layout, session.matches[session.active_match], context)
+            _draw_match(layout, session.matches[session.active_match])
+        _draw_gallery(layout, session, shown, context)
+        hidden = len(session.matches) - len(shown)
+        if hidden:
+            layout.label(text=f"{hidden} hidden by the filters", icon="FILTER")
 
 
-def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:
-    scale = context.preferences.system.ui_scale
-    columns = max(1, int(context.region.width / (COLUMN_PIXELS * scale)))
-    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
-    for index, match in shown:
-        box = grid.box()
-        column = box.column(align=True)
-        icon = assets.picture_icon(match.shape_id)
-        if icon:
-            column.template_icon(icon_value=icon, scale=PICTURE_SCALE)
-        else:
-            column.label(text="No picture")
-        column.operator(
-            "shape_google.choose_match",
-            text=match.object_name or match.name,
-            depress=index == session.active_match,
-        ).index = index
-        column.label(text=f"{similarity_text(match)}  {match.kind}")
+def _draw_filters(layout: Any, session: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_filters", default_closed=True)
+    header.label(text="Filters")
+    if body is None:
+        return
+    body.use_property_split = True
+    body.use_property_decorate = False
+    body.prop(session, "top")
+    body.prop(session, "least_similarity", slider=True)
+    body.prop(session, "source")
+    body.prop(session, "text", icon="VIEWZOOM")
+    row = body.row(heading="Same Size")
+    row.prop(session, "use_size", text="")
+    sub = row.row()
+    sub.enabled = session.use_size
+    sub.prop(session, "size_tolerance", text="")
+    body.prop(session, "collapse")
 
 
-def similarity_text(match: Any) -> str:
-    """Return a similarity so that only the very same shape is said to be 1."""
-    rounded = f"{match.similarity:.2f}"
-    return "> 0.99" if rounded == "1.00" and match.distance > 0 else rounded
-
-
-def _draw_match(layout: Any, match: Any, context: Any) -> None:
+def _draw_match(layout: Any, match: Any) -> None:
     box = layout.box()
-    box.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
-    where = "This scene" if match.in_scene else match.source or "Added without a file"
-    wrapped(box, where if match.in_scene else str(Path(where)), context)
     column = box.column(align=True)
-    column.scale_y = 0.85
-    column.label(text=f"{match.kind}, similarity {similarity_text(match)}")
-    column.label(text=f"{match.vertex_count:,} vertices, size ×{match.size:.3g}")
+    column.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
+    # Its whole path is in the tooltip of its picture: here it would push the gallery about.
+    where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
+    details = column.column(align=True)
+    details.scale_y = 0.8
+    details.label(text=where)
+    details.label(text=f"{match.kind}, similarity {similarity_text(match)}")
+    details.label(text=f"{match.vertex_count:,} vertices, size ×{match.size:.3g}")
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     if match.in_scene:
         grid.operator("shape_google.select_match", icon="RESTRICT_SELECT_OFF")
@@ -97,32 +96,52 @@ def _draw_match(layout: Any, match: Any, context: Any) -> None:
     grid.operator("shape_google.mark_match", icon="COLOR")
 
 
-class SHAPEGOOGLE_PT_filters(bpy.types.Panel):
-    """Which matches are shown."""
+def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:
+    scale = context.preferences.system.ui_scale
+    columns = max(1, int(context.region.width / (COLUMN_WIDTH * scale)))
+    size = columns * GALLERY_ROWS
+    pages = max(1, -(-len(shown) // size))
+    # Filters and the width of the sidebar may leave fewer pages than there were.
+    page = min(session.page, pages - 1)
+    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
+    for index, match in shown[page * size : (page + 1) * size]:
+        column = grid.box().column(align=True)
+        icon = assets.picture_icon(match.shape_id)
+        if icon:
+            column.template_icon(icon_value=icon, scale=PICTURE_SCALE)
+        else:
+            column.label(text="No picture")
+        column.operator(
+            "shape_google.choose_match",
+            text=match.object_name or match.name,
+            depress=index == session.active_match,
+        ).index = index
+        column.label(text=f"{similarity_text(match)}  {_short_kind(match.kind)}")
+    if pages > 1:
+        row = layout.row(align=True)
+        _draw_turn(row, page - 1, pages, "TRIA_LEFT")
+        middle = row.row()
+        middle.alignment = "CENTER"
+        middle.label(text=f"{page * size + 1} to {min((page + 1) * size, len(shown))} of {len(shown)}")
+        _draw_turn(row, page + 1, pages, "TRIA_RIGHT")
 
-    bl_label = "Filters"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_parent_id = "SHAPEGOOGLE_PT_search"
-    bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context: Any) -> None:
-        """Lay the panel out."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        session = session_of(context)
-        layout.prop(session, "top")
-        layout.prop(session, "least_similarity", slider=True)
-        layout.prop(session, "source")
-        layout.prop(session, "text", icon="VIEWZOOM")
-        row = layout.row(heading="Same Size")
-        row.prop(session, "use_size", text="")
-        sub = row.row()
-        sub.enabled = session.use_size
-        sub.prop(session, "size_tolerance", text="±")
-        layout.prop(session, "collapse")
+def _draw_turn(layout: Any, page: int, pages: int, icon: str) -> None:
+    row = layout.row()
+    row.enabled = 0 <= page < pages
+    row.operator("shape_google.turn_page", text="", icon=icon).page = page
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PT_search, SHAPEGOOGLE_PT_filters))
+def similarity_text(match: Any) -> str:
+    """Return a similarity so that only the very same shape is said to be 1."""
+    rounded = f"{match.similarity:.2f}"
+    return "0.99+" if rounded == "1.00" and match.distance > 0 else rounded
+
+
+def _short_kind(kind: str) -> str:
+    """Shorten what kind a match is for a picture's width: "Same mesh, re-posed" to "Re-posed"."""
+    short = kind.rpartition(", ")[2]
+    return short[:1].upper() + short[1:]
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PT_search,))

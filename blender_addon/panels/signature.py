@@ -12,7 +12,10 @@ from ..painting_settings import settings_of
 
 __all__ = ["register", "unregister"]
 
-CHART_SCALE = 8.0
+# The chart of a bag is as wide as the sidebar lets it be, in units of the interface of 20 pixels.
+UNIT = 20.0
+CHART_MARGIN = 4.0
+LARGEST_CHART = 14.0
 
 
 class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
@@ -52,12 +55,14 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
             column.prop(settings, "weights")
         layout.prop(settings, "color")
         row = layout.row(align=True)
+        row.scale_y = 1.3
         row.operator("shape_google.paint", icon="BRUSH_DATA")
         row.operator("shape_google.clear_paint", icon="X")
         icon = 0 if item is None else bag_chart.icon_of(item)
         if settings.kind == "WORDS" and icon:
             layout.label(text=f"Bag of {item.name}")
-            layout.template_icon(icon, scale=CHART_SCALE)
+            units = context.region.width / (UNIT * context.preferences.system.ui_scale)
+            layout.template_icon(icon, scale=min(max(units - CHART_MARGIN, 1.0), LARGEST_CHART))
 
 
 class SHAPEGOOGLE_PT_signature_computation(bpy.types.Panel):
