@@ -24,9 +24,9 @@ import bpy
 from . import assets
 
 if TYPE_CHECKING:
-    from pebble import ProcessPool
+    from shapegoogle_core.background import Worker
 
-__all__ = ["BackgroundRun", "Worker", "redraw", "stop_all", "warm_up_soon", "watch", "worker"]
+__all__ = ["BackgroundRun", "redraw", "stop_all", "warm_up", "warm_up_soon", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -37,78 +37,33 @@ PATIENCE = 5.0
 KEPT_LINES = 100
 
 
-class Worker:
-    """A process that computes with the core; started at the first task, which takes a second or two."""
-
-    def __init__(self) -> None:
-        self._pool: ProcessPool | None = None
-
-    def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
-        """Hand in a task; tasks run one after the other.
-
-        Parameters
-        ----------
-        function : callable
-            Of the core: it must be importable where there is no bpy.
-        *arguments : object
-            Picklable.
-
-        Returns
-        -------
-        future : Future
-            Cancelling it ends the process if the task runs already; the next task starts another one.
-        """
-        from shapegoogle_core.indexing.workers import single_threaded
-
-        if self._pool is None:
-            self._pool = _new_pool()
-        with single_threaded():
-            try:
-                future: Future[T] = self._pool.schedule(function, args=arguments)
-            except RuntimeError:  # pebble's word for a pool that broke: its process was killed, say
-                self.stop()
-                return self.submit(function, *arguments)
-        return future
-
-    def warm_up(self) -> None:
-        """Start the process, so that the first answer need not wait for it."""
-        if self._pool is None:
-            from shapegoogle_core.library.session import warm_up
-
-            self.submit(warm_up)
-
-    def stop(self) -> None:
-        """End the process and whatever it is doing."""
-        if self._pool is not None:
-            self._pool.stop()  # type: ignore[no-untyped-call]
-            self._pool.join()
-            self._pool = None
-
-
-def _new_pool() -> ProcessPool:
-    import multiprocessing
-
-    from pebble import ProcessPool
-
-    # A forked copy of Blender would share its window and its threads' locks.
-    return ProcessPool(max_workers=1, context=multiprocessing.get_context("spawn"))
-
-
-_worker = Worker()
+_worker: list[Worker] = []
 # Whether the worker is about to be started by `warm_up_soon`.
 _warming: list[bool] = []
 
 
 def worker() -> Worker:
-    """Return the worker process of this Blender."""
-    return _worker
+    """Return the worker process of this Blender, which starts at its first task."""
+    from shapegoogle_core.background import Worker
+
+    if not _worker:
+        _worker.append(Worker())
+    return _worker[0]
+
+
+def warm_up() -> None:
+    """Start the worker process, so that the first answer need not wait for it."""
+    from shapegoogle_core.library.session import warm_up as prepare
+
+    if not worker().started:
+        worker().submit(prepare)
 
 
 def warm_up_soon() -> None:
     """Start the worker process in a moment, once in a session: cheap enough for a panel that is drawn."""
     if not _warming and not bpy.app.background:
         _warming.append(True)
-        bpy.app.timers.register(_worker.warm_up, first_interval=INTERVAL)
+        bpy.app.timers.register(warm_up, first_interval=INTERVAL)
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
@@ -170,6 +125,8 @@ class BackgroundRun:
         self.exit_code: int | None = None
         self._started = time.monotonic()
         self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
+        from shapegoogle_core.launching import NO_WINDOW
+
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
@@ -177,6 +134,7 @@ class BackgroundRun:
             stderr=subprocess.STDOUT,
             encoding="utf-8",
             errors="replace",
+            creationflags=NO_WINDOW,
             env=environment,
         )
         _runs.append(self)
@@ -231,5 +189,6 @@ def stop_all() -> None:
         run.cancel()
         run.join()
         run.events()
-    _worker.stop()
+    while _worker:
+        _worker.pop().stop()
     _warming.clear()

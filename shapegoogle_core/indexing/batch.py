@@ -20,8 +20,8 @@ from shapegoogle_core.indexing.workers import (
     Workers,
     default_jobs,
     describe_file,
-    single_threaded,
 )
+from shapegoogle_core.launching import single_threaded
 from shapegoogle_core.library import Library, NewShape, SourceRecord
 
 __all__ = ["FileOutcome", "IndexReport", "index_files"]

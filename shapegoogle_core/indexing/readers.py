@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.launching import NO_WINDOW
 from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
 
 __all__ = [
@@ -260,6 +261,7 @@ class _Process:
                     stderr=subprocess.STDOUT,
                     encoding="utf-8",
                     errors="replace",
+                    creationflags=NO_WINDOW,
                     env={**os.environ, **dict(self._reader.environment)},
                 )
             except OSError as error:

@@ -34,7 +34,6 @@ __all__ = ["DescribedFile", "DescribedShape", "Failure", "Workers", "default_job
 FILES_PER_WORKER = 500
 # So often in a row all processes may die before any file is done; then something other than a file is wrong.
 MAX_RESTARTS = 2
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,21 +280,6 @@ class Workers:
     def _stop(self) -> None:
         self._pool.stop()  # type: ignore[no-untyped-call]
         self._pool.join()
-
-
-@contextmanager
-def single_threaded() -> Iterator[None]:
-    """Have processes started inside the block compute on one thread each, unless the user chose a number.
-
-    The variables must be there before numpy is imported, which is before a worker's first own line runs.
-    """
-    added = [name for name in THREAD_VARIABLES if name not in os.environ]
-    os.environ.update(dict.fromkeys(added, "1"))
-    try:
-        yield
-    finally:
-        for name in added:
-            os.environ.pop(name, None)
 
 
 @contextmanager

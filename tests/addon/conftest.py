@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import bpy
@@ -30,11 +31,28 @@ def addon() -> ModuleType:
 
 
 @pytest.fixture(autouse=True)
-def blender(addon: ModuleType) -> ModuleType:
-    """An empty scene for every test."""
+def blender(addon: ModuleType, tmp_path: Path) -> ModuleType:
+    """An empty scene, no results, and a library of its own that is not there yet, for every test."""
     if bpy.context.object is not None and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     for collection in (bpy.data.objects, bpy.data.meshes, bpy.data.armatures, bpy.data.images):
         for block in list(collection):
             collection.remove(block)
+    preferences = bpy.context.preferences.addons[addon.__name__].preferences
+    preferences.library = str(tmp_path / "shapes.sglib")
+    preferences.folders.clear()
+    preferences.use_asset_libraries, preferences.use_scene = False, False
+    preferences.objects, preferences.jobs, preferences.model = "ALL", 1, "DEFAULT"
+    session = bpy.context.window_manager.shape_google
+    for name in (
+        "matches",
+        "errors",
+        "least_similarity",
+        "use_size",
+        "size_tolerance",
+        "source",
+        "text",
+        "collapse",
+    ):
+        session.property_unset(name)
     return bpy

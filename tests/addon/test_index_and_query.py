@@ -7,28 +7,17 @@ import hashlib
 import importlib
 import os
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 
-from shapegoogle_core import Library
+from shapegoogle_core import Library, ShapeGoogleError
 
 
 @pytest.fixture
-def preferences(addon, tmp_path: Path):
-    """The add-on's preferences, with a library of this test and no sources."""
-    chosen = bpy.context.preferences.addons[addon.__name__].preferences
-    session = bpy.context.window_manager.shape_google
-    chosen.library = str(tmp_path / "shapes.sglib")
-    chosen.folders.clear()
-    chosen.use_asset_libraries, chosen.use_scene, chosen.objects, chosen.jobs = False, False, "ALL", 1
-    session.matches.clear()
-    session.errors.clear()
-    session.least_similarity, session.use_size, session.source, session.text = 0, False, "ANY", ""
-    session.collapse = True
-    return chosen
+def preferences(addon):
+    return bpy.context.preferences.addons[addon.__name__].preferences
 
 
 @pytest.fixture
@@ -248,5 +237,5 @@ def test_jobs_of_two(addon) -> None:
     assert worker.submit(abs, -3).result() == 3
     worker.stop()
     assert worker.submit(abs, -4).result() == 4
-    with pytest.raises(TypeError):
-        worker.submit(abs, SimpleNamespace()).result()
+    with pytest.raises(ShapeGoogleError, match="TypeError"):
+        worker.submit(abs, "three").result()
