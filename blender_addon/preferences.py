@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -143,10 +142,11 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         """Return where new libraries are made; the folder need not be there yet."""
         if self.folder:
             return Path(bpy.path.abspath(self.folder))
-        # An extension may write into its own folder among Blender's user files, and nowhere beside its code.
-        if re.match(r"bl_ext\.", __package__ or ""):
+        try:
+            # Its own folder among Blender's user files, and nowhere beside its code.
             return Path(bpy.utils.extension_path_user(__package__, path="libraries"))
-        return Path(bpy.utils.user_resource("DATAFILES", path="shape_google"))
+        except ValueError:  # this package is no extension, but a folder on Python's path
+            return Path(bpy.utils.user_resource("DATAFILES", path="shape_google"))
 
     def model_name(self) -> str:
         """Return what `shapegoogle_core.load_model` calls the chosen model."""
