@@ -34,10 +34,9 @@ _QUIET_BLENDER = ("--background", "--factory-startup", "--disable-autoexec", "--
 
 
 def asset_libraries() -> list[tuple[str, Path]]:
-    """Names and folders of the asset libraries in Blender's preferences that exist."""
+    """Names and folders of the asset libraries in Blender's preferences, there or not."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
-    found = [(library.name, Path(bpy.path.abspath(library.path))) for library in libraries if library.path]
-    return [(name, path) for name, path in found if path.is_dir()]
+    return [(library.name, Path(bpy.path.abspath(library.path))) for library in libraries if library.path]
 
 
 def blend_reader() -> ExternalReader:

@@ -152,9 +152,16 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         """Return what `shapegoogle_core.load_model` calls the chosen model."""
         return str(bpy.path.abspath(self.model_file)) if self.model == "FILE" else str(self.model).lower()
 
+    def has_sources(self) -> bool:
+        """Whether any source of files is chosen; looks at no disk."""
+        libraries = self.use_asset_libraries and bool(assets.asset_libraries())
+        return libraries or any(item.use and item.path for item in self.folders)
+
     def sources(self) -> Sequence[Path]:
-        """Return the folders that are indexed: asset libraries, then added ones."""
-        chosen = [path for _, path in assets.asset_libraries()] if self.use_asset_libraries else []
+        """Return the folders that are indexed: asset libraries that are there, then added folders."""
+        libraries = assets.asset_libraries() if self.use_asset_libraries else []
+        # Blender lists a library of its own from the start, and few make its folder.
+        chosen = [path for _, path in libraries if path.is_dir()]
         chosen += [Path(bpy.path.abspath(item.path)) for item in self.folders if item.use and item.path]
         return list(dict.fromkeys(chosen))
 

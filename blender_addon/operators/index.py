@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         if session_of(context).indexing:
             cls.poll_message_set("Indexing already")
             return False
-        if not chosen.sources() and not chosen.use_scene:
+        if not chosen.has_sources() and not chosen.use_scene:
             cls.poll_message_set(
                 "Add a folder, or an asset library in Blender's preferences, or use this scene"
             )
@@ -73,14 +74,19 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
 
     def _start(self, context: Any) -> bool:
         chosen, session = preferences(context), session_of(context)
-        path = chosen.library_path()
+        path, sources = chosen.library_path(), chosen.sources()
+        if not sources and not chosen.use_scene:
+            self.report({"ERROR"}, "None of the chosen folders is there; add one, or plug in its drive")
+            return False
         session.errors.clear()
         session.summary, session.done, session.total = "", 0, 0
         session.progress = "Looking for files …"
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            if chosen.sources():
-                _running.append(BackgroundRun(_arguments(chosen, path, reread=self.reread, retry=self.retry)))
+            if sources:
+                _running.append(
+                    BackgroundRun(_arguments(chosen, sources, path, reread=self.reread, retry=self.retry))
+                )
             if chosen.use_scene:
                 _running.append(scene_index.SceneIndexing(context, path, chosen.model_name()))
         except OSError as error:
@@ -91,8 +97,8 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         return True
 
 
-def _arguments(chosen: Any, path: Path, *, reread: bool, retry: bool) -> list[str]:
-    arguments = ["index", *map(str, chosen.sources()), "--library", str(path), "--events", "--json"]
+def _arguments(chosen: Any, sources: Sequence[Path], path: Path, *, reread: bool, retry: bool) -> list[str]:
+    arguments = ["index", *map(str, sources), "--library", str(path), "--events", "--json"]
     arguments += ["--objects", chosen.objects.lower()]
     arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
     if chosen.jobs:

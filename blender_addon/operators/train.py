@@ -34,7 +34,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """There is something to learn from."""
-        if not preferences(context).sources():
+        if not preferences(context).has_sources():
             cls.poll_message_set("Add a folder, or an asset library in Blender's preferences")
             return False
         return not session_of(context).training
