@@ -1,0 +1,388 @@
+# SPDX-License-Identifier: MIT
+"""A real Blender in a window of its own on a screen that nobody sees, with a pointer that really clicks.
+
+How is known where a button is? Blender does not say. So the pointer wanders down the sidebar, and at every
+step Blender is asked what the button under it does: Copy Python Command and Copy Data Path of the menu that
+every button has. Headers of panels have no such menu, but closed ones are one height apart, from the top.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from shapegoogle_core.evaluation.creatures import make_creature
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+SIZE = 1280, 800
+PANELS = ("Library", "Search", "Signature", "Duplicates")
+# In pixels, at a scale of the interface of 1: the middle of the first header below the top of the sidebar,
+# the height of a closed panel with its gap, the tabs at the right, and steps that no button slips through.
+FIRST_HEADER, HEADER, TABS, STEP = 16, 28, 20, 14
+# Where in the width of the sidebar buttons are: in its left and right half, or the small ones of a row.
+HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
+# Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing; and
+# until Blender has noticed where the pointer is.
+LIMIT, STILL, NOTICED = 120.0, 1.0, 0.07
+# Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
+HESITATION = 0.5
+TOOLS = ("Xvfb", "xdotool", "import")
+CREATURES = {
+    "horse": ("rest", "walk", "gallop"),
+    "dog": ("rest", "sit"),
+    "human": ("stand", "walk"),
+    "octopus": ("sprawl",),
+    "bird": ("glide",),
+}
+VERTICES = 2000
+QUERY = ("horse", "rear", 2600)
+
+
+class Window:
+    """A Blender with a window, and what a person does with it.
+
+    Parameters
+    ----------
+    process : Popen
+    display : str
+        Of the screen, such as ":99".
+    requests : Path
+        The folder that `driver.py` watches.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], display: str, requests: Path) -> None:
+        self.process, self._requests = process, requests
+        self._environment = {**os.environ, "DISPLAY": display}
+        self._numbers = count()
+        self._panel = ""
+
+    def ask(self, function: str, *arguments: Any) -> Any:
+        """Call a function of `driver.py` inside Blender."""
+        path = self._requests / f"{next(self._numbers):06}.request"
+        written = path.with_suffix(".part")
+        written.write_text(json.dumps([function, arguments]))
+        written.rename(path)
+        answer = path.with_suffix(".answer")
+        end = time.monotonic() + LIMIT
+        while not answer.exists():
+            assert self.process.poll() is None, f"Blender ended with exit code {self.process.returncode}"
+            assert time.monotonic() < end, f"Blender does not answer {function}{arguments}"
+            time.sleep(0.01)
+        content = json.loads(answer.read_text())
+        answer.unlink()
+        assert "error" not in content, content["error"]
+        return content["result"]
+
+    def run(self, code: str) -> Any:
+        """Run code inside Blender, for what no click is needed; `result` is returned."""
+        return self.ask("run", code)
+
+    def wait(self, condition: Callable[[dict[str, Any]], object], what: str) -> dict[str, Any]:
+        """Wait until the state of the add-on and the scene is as it should become."""
+        end = time.monotonic() + LIMIT
+        while not condition(state := self.ask("state")):
+            assert time.monotonic() < end, f"not within {LIMIT:.0f} s: {what}\n{json.dumps(state, indent=1)}"
+            time.sleep(0.05)
+        return state
+
+    # -- pointer and keys
+
+    def tool(self, *words: object) -> None:
+        """Call xdotool."""
+        subprocess.run(["xdotool", *map(str, words)], env=self._environment, check=True, timeout=60)
+
+    def move(self, x: float, y: float) -> None:
+        """Put the pointer somewhere."""
+        self.tool("mousemove", round(x), round(y))
+        time.sleep(NOTICED)
+
+    def click(self, x: float, y: float, *, key: str = "") -> None:
+        """Click somewhere, perhaps with a key held down."""
+        self.move(x, y)
+        time.sleep(HESITATION)
+        held = (["keydown", key], ["keyup", key]) if key else ([], [])
+        self.tool(*held[0], "click", 1, *held[1])
+
+    def drag(self, x: float, y: float, dx: float, dy: float, *, button: int = 1) -> None:
+        """Drag with a button of the mouse held down, in steps as a hand does."""
+        self.move(x, y)
+        time.sleep(0.5)
+        self.tool("mousedown", button)
+        for step in range(1, 9):
+            self.move(x + dx * step / 8, y + dy * step / 8)
+        self.tool("mouseup", button)
+
+    def undo(self) -> None:
+        """Press Ctrl-Z above the 3D view."""
+        left, top, right, bottom = self.ask("regions")["window"]
+        self.move(left + 0.3 * (right - left), (top + bottom) / 2)
+        time.sleep(0.3)
+        self.tool("key", "ctrl+z")
+
+    def rest(self) -> None:
+        """Take the pointer to where it is above nothing."""
+        self.move(SIZE[0] * 0.35, SIZE[1] - 10)
+
+    # -- the sidebar
+
+    def open(self, panel: str) -> None:
+        """Open one panel of the tab by clicking headers, and close all others."""
+        left, top, right, bottom = self.ask("regions")["ui"]
+        x, first = left + (right - left) / 4, top + FIRST_HEADER
+        self.move(x, (top + bottom) / 2)
+        self.tool("click", "--repeat", 40, "--delay", 5, 4)
+        if panel == self._panel:
+            self.settle()
+            return
+        self.click(x, first, key="ctrl")  # closes all others; itself it opens or closes
+        self.settle()
+        if self._button_at(x, first + HEADER) is not None:
+            self.click(x, first)
+            self.settle()
+        self.click(x, first + HEADER * PANELS.index(panel))
+        self._panel = panel
+        self.settle()
+
+    def settle(self) -> None:
+        """Wait until Blender has drawn what was clicked."""
+        time.sleep(0.4)
+        self.ask("regions")
+
+    def _button_at(self, x: float, y: float) -> str | None:
+        self.move(x, y)
+        button: str | None = self.ask("button")
+        return button
+
+    def find(
+        self, action: str, *, occurrence: int = 0, columns: Sequence[float] = HALVES
+    ) -> tuple[float, float]:
+        """Find a button by what it does, scrolling down if need be.
+
+        Parameters
+        ----------
+        action : str
+            Part of what Copy Python Command or Copy Data Path gives.
+        occurrence : int
+            How many such buttons to pass over.
+        columns : sequence of float
+            Where to look, as shares of the width, one after the other.
+
+        Returns
+        -------
+        x, y : float
+            On the button, where the pointer is.
+        """
+        while True:
+            left, top, right, bottom = self.ask("regions")["ui"]
+            seen = 0
+            for share in columns:
+                x, before = left + share * (right - TABS - left), ""
+                for y in range(top + 8, bottom - 4, STEP):
+                    button = self._button_at(x, y) or ""
+                    if action in button and button != before:
+                        time.sleep(0.3)
+                        # A slow Blender may have answered for the place before.
+                        if action in (self.ask("button") or ""):
+                            if seen == occurrence:
+                                return x, y
+                            seen += 1
+                    before = button
+            scrolled = self.ask("scrolled")
+            self.tool("click", "--repeat", 12, "--delay", 10, 5)
+            self.settle()
+            assert self.ask("scrolled") != scrolled, f"no button in the sidebar does {action!r}"
+
+    def press(
+        self, action: str, *, occurrence: int = 0, columns: Sequence[float] = HALVES
+    ) -> tuple[float, float]:
+        """Click a button that is found by what it does; where it was."""
+        x, y = self.find(action, occurrence=occurrence, columns=columns)
+        self.click(x, y)
+        return x, y
+
+    # -- pictures
+
+    def picture(self, part: str | tuple[int, int, int, int] = "") -> Image.Image:
+        """Photograph the window once it has stopped changing.
+
+        Parameters
+        ----------
+        part : str or (left, top, right, bottom)
+            A region, such as "ui", the sidebar; none: all.
+        """
+        self.rest()
+        end = time.monotonic() + LIMIT
+        before, image = None, self._photograph()
+        while before is None or before.tobytes() != image.tobytes():
+            assert time.monotonic() < end, "the window never stops changing"
+            time.sleep(STILL)
+            before, image = image, self._photograph()
+        return self._crop(image, part)
+
+    def photograph(self, part: str | tuple[int, int, int, int] = "") -> Image.Image:
+        """Photograph the window, or a region of it, as it is now."""
+        return self._crop(self._photograph(), part)
+
+    def _crop(self, image: Image.Image, part: str | tuple[int, int, int, int]) -> Image.Image:
+        return image.crop(self.ask("regions")[part] if isinstance(part, str) else part) if part else image
+
+    def _photograph(self) -> Image.Image:
+        command = ["import", "-silent", "-window", "root", "-depth", "8", "rgb:-"]
+        result = subprocess.run(
+            command, env=self._environment, stdout=subprocess.PIPE, check=True, timeout=60
+        )
+        image = Image.frombytes("RGB", SIZE, result.stdout)
+        # To look at where a test fails.
+        image.save(self._requests.parent / f"picture-{next(self._numbers):06}.png", compress_level=1)
+        return image
+
+    def clean_scene(self, query: Path, name: str) -> None:
+        """Start with nothing but the shape to look for, selected and in view."""
+        self.ask("empty_scene")
+        self.ask("add_object", str(query), name)
+        self.ask("look")
+
+
+def colorful(image: Image.Image) -> float:
+    """Share of the pixels of a picture that have a decided colour."""
+    pixels = np.asarray(image, np.int16)
+    return float(((pixels.max(-1) - pixels.min(-1)) > 60).mean())
+
+
+@contextmanager
+def screen(log: Path) -> Iterator[str]:
+    """Start a screen that exists only in memory; its name, such as ":99"."""
+    reading, writing = os.pipe()
+    depth = "x".join(map(str, (*SIZE, 24)))
+    options = ["-screen", "0", depth, "+extension", "GLX", "-nolisten", "tcp"]
+    with log.open("wb") as output:
+        server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(writing), *options],
+            pass_fds=[writing],
+            stdout=output,
+            stderr=output,
+        )
+    os.close(writing)
+    try:
+        ready, _, _ = select.select([reading], [], [], LIMIT)
+        number = os.read(reading, 16).decode().strip() if ready else ""
+        assert number, f"Xvfb does not start: {log.read_text(errors='replace')}"
+        yield f":{number}"
+    finally:
+        os.close(reading)
+        server.terminate()
+        server.wait(LIMIT)
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory) -> Path:
+    """A folder for everything."""
+    return tmp_path_factory.mktemp("window")
+
+
+@pytest.fixture(scope="session")
+def query(folder) -> Path:
+    """A horse in a pose that is in no file."""
+    kind, pose, vertices = QUERY
+    return write_ply(folder / "query.ply", make_creature(kind, 2011, vertex_count=vertices).pose(pose))
+
+
+@pytest.fixture(scope="session")
+def shapes(folder) -> Path:
+    """The folder to index; `prepare.py` writes what is good in it, here is a file that is none."""
+    place = folder / "shapes"
+    place.mkdir()
+    (place / "unicorn.blend").write_bytes(b"There are no unicorns.")
+    return place
+
+
+def write_ply(path: Path, mesh: Any) -> Path:
+    trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path)
+    return path
+
+
+def blend_files(folder: Path) -> Iterator[str]:
+    """Write the meshes of the library, and say which belong into one file."""
+    for kind, poses in CREATURES.items():
+        creature = make_creature(kind, 2011, vertex_count=VERTICES)
+        paths = [folder / f"{kind} {pose}.ply".title().replace(".Ply", ".ply") for pose in poses]
+        for path, pose in zip(paths, poses, strict=True):
+            write_ply(path, creature.pose(pose))
+        yield "|".join([kind, *map(str, paths)])
+
+
+@pytest.fixture(scope="session")
+def user_folder(folder, shapes) -> Path:
+    """A user folder of Blender with the built extension, which knows the folder to index."""
+    extension = os.environ.get("SHAPEGOOGLE_EXTENSION")
+    missing = [tool for tool in TOOLS if not shutil.which(tool)]
+    if not extension or not os.environ.get("BLENDER"):
+        pytest.skip("SHAPEGOOGLE_EXTENSION or BLENDER is not set; run scripts/test.py tests/gui")
+    if missing:
+        pytest.skip(f"not installed: {', '.join(missing)}; Debian: apt install xvfb xdotool imagemagick")
+    user = folder / "user"
+    modules = user / "scripts" / "modules"
+    modules.mkdir(parents=True)
+    # As people must give numpy to a Blender that has none.
+    for package in Path(os.environ["SHAPEGOOGLE_BLENDER_MODULES"]).glob("numpy*"):
+        (modules / package.name).symlink_to(package)
+    arguments = [extension, folder / "shapes.sglib", shapes, *blend_files(folder)]
+    command = [os.environ["BLENDER"], "--background", "--python-exit-code", "1"]
+    result = subprocess.run(
+        [*command, "--python", HERE / "prepare.py", "--", *arguments],
+        cwd=ROOT,
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(user)},
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=5 * LIMIT,
+        check=False,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    return user
+
+
+@pytest.fixture(scope="session")
+def window(folder, user_folder) -> Iterator[Window]:
+    """Blender's window, with the add-on's tab of the sidebar open."""
+    requests = folder / "requests"
+    requests.mkdir()
+    with screen(folder / "xvfb.log") as display, (folder / "blender.log").open("wb") as log:
+        variables = {"DISPLAY": display, "BLENDER_USER_RESOURCES": str(user_folder)}
+        size = ("--window-geometry", "0", "0", *map(str, SIZE))
+        process = subprocess.Popen(
+            [os.environ["BLENDER"], *size, "--python", HERE / "driver.py", "--", requests],
+            cwd=ROOT,
+            env={**os.environ, **variables, "LIBGL_ALWAYS_SOFTWARE": "1"},
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            window = Window(process, display, requests)
+            window.ask("show_sidebar")
+            window.wait(lambda state: window.ask("show_tab"), "the tab of the add-on in the sidebar")
+            window.picture()
+            yield window
+            window.ask("quit_blender")
+            process.wait(LIMIT)
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, 9)
+                process.wait()

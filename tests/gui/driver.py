@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""Runs inside a Blender with a window: does what the test asks for, between two redraws, and answers.
+
+The test writes a request into a folder, `N.request` with the name of a function below and its arguments as
+JSON; this one answers in `N.answer`. Real clicks come from outside; only what they lead to is read here.
+"""
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import bpy
+
+NAME = "bl_ext.user_default.shape_google"
+CATEGORY = "Shape Google"
+SECONDS_BETWEEN_LOOKS = 0.05
+# In words that no button puts into the clipboard.
+NOTHING = "no button"
+
+
+def view():
+    """The window, the 3D view and its regions by type."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    return window, area, {region.type: region for region in area.regions}
+
+
+def overridden(region_type):
+    window, area, regions = view()
+    return bpy.context.temp_override(window=window, area=area, region=regions[region_type])
+
+
+def rectangle(region):
+    """Left, top, right and bottom of a region in the picture of the window, whose rows count from above."""
+    height = bpy.context.window_manager.windows[0].height
+    return [region.x, height - region.y - region.height, region.x + region.width, height - region.y]
+
+
+def regions():
+    """Where the sidebar and the 3D view itself are."""
+    return {name.lower(): rectangle(region) for name, region in view()[2].items()}
+
+
+def show_sidebar():
+    """Open the sidebar; its tabs are there only after it was drawn once."""
+    view()[1].spaces.active.show_region_ui = True
+
+
+def show_tab():
+    """Open the tab of the add-on."""
+    sidebar = view()[2]["UI"]
+    try:
+        sidebar.active_panel_category = CATEGORY
+    except TypeError:  # not drawn yet, so it has no tabs
+        return False
+    view()[1].tag_redraw()
+    return True
+
+
+def scrolled():
+    """How far the sidebar is scrolled."""
+    return view()[2]["UI"].view2d.region_to_view(0, 0)[1]
+
+
+def view_direction():
+    """How the 3D view is turned."""
+    return list(view()[1].spaces.active.region_3d.view_rotation)
+
+
+def button():
+    """What the button under the pointer does, as Blender copies it: a command, or the path of a property."""
+    manager = bpy.context.window_manager
+    with overridden("UI"):
+        for copy in (bpy.ops.ui.copy_python_command_button, bpy.ops.ui.copy_data_path_button):
+            if copy.poll():
+                manager.clipboard = NOTHING
+                copy()
+                if manager.clipboard != NOTHING:
+                    return manager.clipboard
+    return None
+
+
+def state():
+    """All that the add-on shows, and what is in the scene."""
+    manager = bpy.context.window_manager
+    session, duplicates = manager.shape_google, manager.shape_google_duplicates
+    return {
+        "session": {
+            name: getattr(session, name)
+            for name in (
+                "indexing",
+                "done",
+                "total",
+                "progress",
+                "summary",
+                "shape_count",
+                "searching",
+                "query",
+                "answer",
+                "active_match",
+            )
+        },
+        "errors": [[error.path, error.reason] for error in session.errors],
+        "matches": [
+            {name: getattr(match, name) for name in ("name", "object_name", "source", "similarity", "kind")}
+            for match in session.matches
+        ],
+        "duplicates": {
+            "running": duplicates.running,
+            "status": duplicates.status,
+            "groups": [
+                {"kind": group.kind, "chosen": group.chosen, "members": [line.name for line in group.members]}
+                for group in duplicates.groups
+            ],
+        },
+        "painting": {
+            name: getattr(bpy.context.scene.shape_google_painting, name) for name in ("kind", "scale")
+        },
+        "objects": {
+            item.name: {
+                "data": item.data.name if item.data else None,
+                "selected": item.select_get(),
+                "attributes": sorted(
+                    attribute.name
+                    for attribute in (item.data.attributes if item.type == "MESH" else ())
+                    if attribute.name.startswith("sg_")
+                ),
+                "visible": item.visible_get(),
+            }
+            for item in bpy.context.scene.objects
+        },
+        "active": getattr(bpy.context.view_layer.objects.active, "name", None),
+    }
+
+
+def word_colors(name):
+    """The word and the colour of every vertex of an object."""
+    mesh = bpy.data.objects[name].data
+    words = [item.value for item in mesh.attributes["sg_word"].data]
+    colors = [[round(value, 4) for value in item.color[:3]] for item in mesh.attributes["sg_color"].data]
+    return [words, colors]
+
+
+def colors(name):
+    """The colour of every vertex of an object."""
+    mesh = bpy.data.objects[name].data
+    return [[round(value, 4) for value in item.color[:3]] for item in mesh.attributes["sg_color"].data]
+
+
+def add_object(path, name, location=(0, 0, 0)):
+    """Import a mesh file, as File > Import does, as the only selected object."""
+    with overridden("WINDOW"):
+        bpy.ops.wm.ply_import(filepath=path)
+        item = bpy.context.view_layer.objects.active
+        item.name = item.data.name = name
+        item.location = location
+        bpy.ops.ed.undo_push(message="Import")
+
+
+def look():
+    """Show the whole scene from before and a little from above."""
+    with overridden("WINDOW"):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_orbit(angle=0.5, type="ORBITLEFT")
+        bpy.ops.view3d.view_orbit(angle=0.35, type="ORBITUP")
+        bpy.ops.view3d.view_all()
+
+
+def empty_scene():
+    """Remove what a new file holds."""
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+
+
+def run(code):
+    """Run code, for what no click can set."""
+    scope = {"bpy": bpy, "preferences": bpy.context.preferences.addons[NAME].preferences}
+    exec(code, scope)
+    view()[1].tag_redraw()
+    return scope.get("result")
+
+
+def quit_blender():
+    """End without a question for unsaved changes."""
+    bpy.app.timers.register(lambda: os._exit(0), first_interval=0.2)
+
+
+def answer(folder):
+    """Do what was asked since the last look."""
+    for path in sorted(folder.glob("*.request")):
+        name, arguments = json.loads(path.read_text())
+        path.unlink()
+        try:
+            content = {"result": globals()[name](*arguments)}
+        except Exception:
+            content = {"error": traceback.format_exc()}
+        written = path.with_suffix(".written")
+        written.write_text(json.dumps(content))
+        written.rename(path.with_suffix(".answer"))
+    return SECONDS_BETWEEN_LOOKS
+
+
+if __name__ == "__main__":
+    FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+    bpy.app.timers.register(lambda: answer(FOLDER), persistent=True)

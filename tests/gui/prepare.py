@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+"""Run inside a Blender without a window: install the zip, set it up as a user would, write .blend files.
+
+    prepare.py ZIP LIBRARY FOLDER NAME|MESH|MESH...  NAME|...
+
+For every NAME, FOLDER/NAME.blend is written, with an object for each of the .ply files.
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+
+NAME = "bl_ext.user_default.shape_google"
+
+
+def write_blend(path, meshes):
+    """Save a file with one object for each mesh file, side by side."""
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    for number, mesh in enumerate(meshes):
+        bpy.ops.wm.ply_import(filepath=mesh)
+        item = bpy.context.view_layer.objects.active
+        item.name = item.data.name = Path(mesh).stem
+        item.location.x = 2.0 * number
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+
+
+def main(package, library, folder, *files):
+    bpy.ops.extensions.package_install_files(filepath=package, repo="user_default", enable_on_install=True)
+    preferences = bpy.context.preferences
+    preferences.view.show_splash = False
+    own = preferences.addons[NAME].preferences
+    own.library = library
+    own.jobs = 1  # slow enough to watch
+    entry = own.folders.add()
+    entry.name, entry.path = Path(folder).name, folder
+    bpy.ops.wm.save_userpref()
+    for line in files:
+        name, *meshes = line.split("|")
+        write_blend(Path(folder) / f"{name}.blend", meshes)
+
+
+main(*sys.argv[sys.argv.index("--") + 1 :])

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+"""What a person does with the add-on, in Blender's window: press buttons, look at what comes of it."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.gui.conftest import CREATURES, FIRST, LAST, LIMIT, colorful
+
+NAME = "Rearing Horse"
+SHAPES = sum(len(poses) for poses in CREATURES.values())
+# Seconds that Blender may leave the pointer without an answer while it indexes: it only draws.
+PATIENCE = 5.0
+
+
+@pytest.fixture(scope="module")
+def indexed(window, query) -> dict:
+    """The library, indexed by a click; what was seen meanwhile."""
+    window.clean_scene(query, NAME)
+    window.open("Library")
+    _, y = window.press("shape_google.index_library")
+    left, _, right, _ = window.ask("regions")["ui"]
+    button = left, round(y) - 8, right, round(y) + 8
+    window.wait(lambda state: state["session"]["indexing"], "indexing begun")
+    # Meanwhile the window is as usable as ever: turn the view.
+    direction = window.ask("view_direction")
+    left, top, right, bottom = window.ask("regions")["window"]
+    window.drag(left + 0.3 * (right - left), (top + bottom) / 2, 60, 0, button=2)
+    started = time.monotonic()
+    while window.ask("view_direction") == direction and time.monotonic() - started < LIMIT:
+        time.sleep(0.05)
+    waited = time.monotonic() - started
+    turned = window.ask("state")["session"]["indexing"]
+    seen: dict[int, str] = {}
+    bar = None
+
+    def ended(state):
+        nonlocal bar
+        session = state["session"]
+        if session["indexing"] and session["done"]:
+            seen[session["done"]] = session["progress"]
+            bar = bar or window.photograph(button)
+        return not session["indexing"]
+
+    state = window.wait(ended, "the end of indexing")
+    return {"state": state, "seen": seen, "waited": waited, "turned": turned, "bar": bar} | {
+        "button": window.picture(button)
+    }
+
+
+@pytest.fixture
+def found(window, indexed, query) -> dict:
+    """The answer to a click on Find Similar, in a scene with nothing but the query."""
+    window.clean_scene(query, NAME)
+    window.open("Search")
+    window.run("bpy.context.window_manager.shape_google.matches.clear()")
+    window.press("shape_google.find_similar")
+    return window.wait(
+        lambda state: state["matches"] and not state["session"]["searching"], "an answer to the query"
+    )
+
+
+def blue(image):
+    """Share of the pixels of a picture in the blue of progress bars and of what is chosen."""
+    pixels = np.asarray(image, np.int16)
+    return float((pixels[..., 2] - pixels[..., 0] > 60).mean())
+
+
+def horses(state):
+    return [match["object_name"] for match in state["matches"][: len(CREATURES["horse"])]]
+
+
+def test_index_library_goes_on_beside_a_usable_window(indexed):
+    state = indexed["state"]
+    assert state["session"]["shape_count"] == SHAPES
+    assert state["session"]["done"] == state["session"]["total"] == len(CREATURES) + 1
+    assert len(indexed["seen"]) > 1
+    assert all(f"{done} of " in text and "left" in text for done, text in indexed["seen"].items())
+    assert blue(indexed["bar"]) > 0.05 > blue(indexed["button"])
+    assert indexed["turned"], "indexing had ended before the view was turned"
+    assert indexed["waited"] < PATIENCE
+
+
+def test_a_file_that_cannot_be_read_is_listed_and_why(window, indexed, shapes):
+    ((path, reason),) = indexed["state"]["errors"]
+    assert Path(path) == shapes / "unicorn.blend"
+    assert "unicorn.blend" in reason
+    window.open("Library")
+    before = window.picture("ui")
+    window.run("bpy.context.window_manager.shape_google.active_error = -1")
+    # The sentence is below the list for as long as its line is chosen.
+    assert before.tobytes() != window.picture("ui").tobytes()
+    window.run("bpy.context.window_manager.shape_google.active_error = 0")
+    window.press("shape_google.copy_errors", columns=LAST)
+    window.settle()
+    assert reason in window.run("result = bpy.context.window_manager.clipboard")
+
+
+def test_find_similar_fills_the_gallery(window, found):
+    assert len(found["matches"]) == SHAPES
+    assert all(name.startswith("Horse") for name in horses(found))
+    assert found["session"]["active_match"] == 0
+    x, y = window.find("shape_google.choose_match")
+    # The picture is above its name, as wide as it is high.
+    above = np.asarray(window.picture((round(x) - 30, round(y) - 90, round(x) + 30, round(y) - 20)), float)
+    assert above.std() > 15
+    window.run("bpy.context.window_manager.shape_google.least_similarity = 1.0")
+    empty = window.picture((round(x) - 30, round(y) - 90, round(x) + 30, round(y) - 20))
+    window.run("bpy.context.window_manager.shape_google.least_similarity = 0.0")
+    assert np.asarray(empty, float).tobytes() != above.tobytes()
+
+
+def test_a_match_is_chosen_and_appended(window, found):
+    window.press("shape_google.choose_match", occurrence=1)
+    state = window.wait(lambda state: state["session"]["active_match"] > 0, "another match chosen")
+    name = state["matches"][state["session"]["active_match"]]["object_name"]
+    window.press("shape_google.append_match")
+    state = window.wait(lambda state: name in state["objects"], f"{name} in the scene")
+    assert state["active"] == name
+    assert set(state["objects"]) == {NAME, name}
+    window.undo()
+    window.wait(lambda state: set(state["objects"]) == {NAME}, "undo takes it out again")
+
+
+def test_mark_shows_both_shapes_in_the_same_colours(window, found):
+    before = window.picture("window")
+    window.press("shape_google.mark_match")
+    state = window.wait(
+        lambda state: (
+            len(state["objects"]) == 2
+            and all("sg_word" in item["attributes"] for item in state["objects"].values())
+        ),
+        "both shapes painted",
+    )
+    other = next(name for name in state["objects"] if name != NAME)
+    colors: dict[int, set] = {}
+    words = []
+    for name in (NAME, other):
+        item_words, item_colors = window.ask("word_colors", name)
+        words.append(set(item_words))
+        for word, color in zip(item_words, item_colors, strict=True):
+            colors.setdefault(word, set()).add(tuple(color))
+    assert len(words[0] & words[1]) > 5
+    assert all(len(values) == 1 for values in colors.values())
+    window.ask("look")
+    assert colorful(window.picture("window")) > colorful(before) + 0.005
+
+
+def test_paint_signature_slide_and_undo(window, query):
+    window.clean_scene(query, NAME)
+    window.run("bpy.context.scene.shape_google_painting.kind = 'HKS'")
+    window.open("Signature")
+    before = window.picture("window")
+    window.press("bpy.ops.shape_google.paint")
+    window.wait(lambda state: "sg_hks" in state["objects"][NAME]["attributes"], "the signature painted")
+    colors = window.ask("colors", NAME)
+    assert len({tuple(color) for color in colors}) > 100
+    painted = window.picture("window")
+    assert colorful(painted) > colorful(before) + 0.005
+
+    x, y = window.find("shape_google_painting.scale")
+    left, _, right, _ = window.ask("regions")["ui"]
+    window.drag(x, y, (right - left) / 5, 0)
+    state = window.wait(lambda state: not math.isclose(state["painting"]["scale"], 0.5), "the slider moved")
+    assert state["painting"]["scale"] > 0.5
+    assert window.ask("colors", NAME) != colors
+    assert window.picture("window").tobytes() != painted.tobytes()
+
+    window.undo()
+    window.settle()
+    window.undo()
+    window.wait(lambda state: not state["objects"][NAME]["attributes"], "undo takes the signature off")
+    assert colorful(window.picture("window")) == pytest.approx(colorful(before), abs=0.01)
+
+
+def test_duplicates_are_found_linked_and_unlinked(window, query):
+    window.clean_scene(query, "First")
+    window.ask("add_object", str(query), "Second", [2, 0, 0])
+    window.open("Duplicates")
+    window.press("shape_google.find_duplicates")
+    state = window.wait(
+        lambda state: state["duplicates"]["groups"] and not state["duplicates"]["running"], "a group"
+    )
+    (group,) = state["duplicates"]["groups"]
+    assert group == {"kind": "IDENTICAL", "chosen": False, "members": ["First", "Second"]}
+    window.press(".chosen", columns=FIRST)
+    window.wait(lambda state: state["duplicates"]["groups"][0]["chosen"], "the group chosen")
+    window.press("shape_google.link_duplicates")
+
+    def shared(state):
+        return state["objects"]["First"]["data"] == state["objects"]["Second"]["data"]
+
+    window.wait(shared, "both objects with one mesh")
+    window.undo()
+    window.wait(lambda state: not shared(state), "undo gives each its own mesh again")
