@@ -117,12 +117,15 @@ class BackgroundRun:
         The last lines that it printed and that were no events.
     exit_code : int or None
         None while it runs.
+    reported : bool
+        For whoever takes the events: whether the last one, which sums all up, was among them.
     """
 
     def __init__(self, arguments: Sequence[str]) -> None:
         command, environment = assets.package_command(arguments)
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
         self.exit_code: int | None = None
+        self.reported = False
         self._started = time.monotonic()
         self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
         from shapegoogle_core.launching import NO_WINDOW

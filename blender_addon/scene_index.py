@@ -39,6 +39,7 @@ class SceneIndexing:
     def __init__(self, context: Any, library: Path, model: str) -> None:
         self.lines: deque[str] = deque()
         self.exit_code: int | None = None
+        self.reported = False
         self._started = time.monotonic()
         self._library, self._model = library, model
         self._source = scene_source()

@@ -253,37 +253,52 @@ class Plan:
         if not addon and not extension and not window:
             return
         variables: dict[str, str] = {}
+        package = self._build()
         try:
             real = blenders.find_real_blender()
             modules = blenders.prepare_modules(real)
+            if addon and package:
+                self._add_addon_inside(real, modules, package, user_folder, addon)
         except environment.SetupError as error:
             self.left_out.append(f"all tests in a real Blender: {error}")
         else:
             variables |= {"BLENDER": real.command, "SHAPEGOOGLE_BLENDER_MODULES": str(modules)}
-            if addon:
-                (user_folder / "scripts").mkdir()
-                (user_folder / "scripts" / "modules").symlink_to(modules, target_is_directory=True)
-                command = [real.command, "--background", "--python-exit-code", "1"]
-                command += ["--python", "tests/run_in_blender.py", "--"]
-                resources = {"BLENDER_USER_RESOURCES": str(user_folder)}
-                self.addon.append(Run(f"add-on in Blender {real.version}", command, addon, resources))
-        if extension or window:
-            self.add_extension(extension, window, variables)
+        if package:
+            self._add_extension(extension, window, {**variables, "SHAPEGOOGLE_EXTENSION": str(package)})
 
-    def add_extension(self, extension: list[str], window: list[str], variables: dict[str, str]) -> None:
-        """Add the tests of the built zip, without and with a window."""
+    def _add_addon_inside(
+        self, real: blenders.RealBlender, modules: Path, package: Path, user_folder: Path, paths: list[str]
+    ) -> None:
+        """Add the add-on's tests inside a real Blender, where the add-on is the installed extension."""
+        (user_folder / "scripts").mkdir()
+        (user_folder / "scripts" / "modules").symlink_to(modules, target_is_directory=True)
+        resources = {"BLENDER_USER_RESOURCES": str(user_folder)}
+        install = ["extension", "install-file", "--repo", "user_default", "--enable", str(package)]
+        environment.run(
+            f"Installing the extension in Blender {real.version}",
+            [real.command, "--command", *install],
+            {**os.environ, **resources},
+        )
+        command = [real.command, "--background", "--python-exit-code", "1"]
+        command += ["--python", "tests/run_in_blender.py", "--"]
+        self.addon.append(Run(f"add-on in Blender {real.version}", command, paths, resources))
+
+    def _build(self) -> Path | None:
+        """Build the extension; None if it cannot be built here."""
         try:
             build_extension.extension_tool()
         except environment.SetupError as error:
             self.left_out.append(f"the tests of the built extension: {error}")
-            return
+            return None
         try:
-            path = build_extension.build(wheels.this_platform())
+            return build_extension.build(wheels.this_platform())
         except environment.SetupError as error:
             print(f"The extension cannot be built: {error}", flush=True)
             self.broken.append("building the extension")
-            return
-        variables = {**variables, "SHAPEGOOGLE_EXTENSION": str(path)}
+            return None
+
+    def _add_extension(self, extension: list[str], window: list[str], variables: dict[str, str]) -> None:
+        """Add the tests of the built zip, without and with a window."""
         pytest = [sys.executable, "-m", "pytest"]
         if extension:
             self.addon.append(Run("extension", pytest, extension, variables))

@@ -123,6 +123,7 @@ def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
         if "total" in event:
             _show_file(session, run, event)
         elif "shapes" in event:
+            run.reported = True
             session.shape_count = event["shapes"]
             _add_summary(session, event)
             # Files that were there but could not be read have their line already; folders have none.
@@ -131,7 +132,8 @@ def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
     if run.exit_code is None or run not in _running:
         return
     _running.remove(run)
-    if run.exit_code not in (0, 1):  # 1: some files failed; they are listed
+    # 1: some files failed, and are listed; or Blender could not even start the run.
+    if run.exit_code not in (0, 1) or not run.reported:
         reason = "; ".join(line for line in list(run.lines)[-3:] if line) or f"exit code {run.exit_code}"
         add_error(session, str(preferences().library_path()), reason)
         session.summary = session.summary or "Indexing stopped; the list of errors says why"
