@@ -23,6 +23,8 @@ __all__ = ["main"]
 
 # As in shapegoogle_core.indexing.readers, which cannot be imported here.
 ANSWER = "shapegoogle-answer "
+# Blender's z.
+UP_AXIS = 2
 # Two scales closer than this are one: float32 matrices carry about seven digits.
 SAME_SCALE = 1e-5
 
@@ -54,7 +56,7 @@ def read(request: dict[str, str]) -> dict[str, Any]:
     Returns
     -------
     answer : dict
-        "shapes", "problems" and "joined", whether the shapes are one.
+        "shapes", "problems", "joined" (whether the shapes are one) and "up_axis".
 
     Raises
     ------
@@ -72,7 +74,7 @@ def read(request: dict[str, str]) -> dict[str, Any]:
         objects = _assets(objects) or objects
     with Path(request["output"]).open("wb") as output:
         # Like the other files for exchange, an .fbx is one shape; a .blend is one for each object.
-        return {**_write_shapes(objects, output), "joined": is_fbx}
+        return {**_write_shapes(objects, output), "joined": is_fbx, "up_axis": UP_AXIS}
 
 
 def _reason(path: str, error: Exception) -> str:

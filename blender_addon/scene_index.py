@@ -16,6 +16,9 @@ from . import jobs, scene
 
 __all__ = ["SceneIndexing", "scene_source"]
 
+# Blender's z.
+UP_AXIS = 2
+
 
 def scene_source() -> str:
     """Return what the library calls the open file: its path, or a name for one that was never saved."""
@@ -63,7 +66,7 @@ class SceneIndexing:
                 task: Future[Any] = Future()
                 task.set_result(str(error))
             else:
-                task = jobs.worker().submit(describe, self._library, mesh)
+                task = jobs.worker().submit(describe, self._library, mesh, UP_AXIS)
             self._tasks.append(task)
 
     def seconds(self) -> float:

@@ -11,7 +11,7 @@ triangles (int32), little-endian, and answers with one line on its standard outp
 `ANSWER`; other lines are its own affair. With "joined", all shapes are parts of one::
 
     shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
-    row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false}
+    row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
     shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
 """
 
@@ -65,11 +65,14 @@ class FoundShape:
     twin_of : int or None
         Index of an earlier shape of the same file that differs only by a motion, a mirroring or one factor
         of scale.
+    up_axis : int or None
+        Which axis points up, 1 or 2, if the file says so.
     """
 
     mesh: Mesh
     object_name: str = ""
     twin_of: int | None = None
+    up_axis: int | None = None
 
 
 @dataclass(frozen=True)
@@ -279,6 +282,7 @@ _programs: dict[ExternalReader, _Process] = {}
 def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> FileShapes:
     """Take the arrays out of the file that the program wrote."""
     shapes: list[FoundShape] = []
+    up_axis = answer["up_axis"]
     problems = [str(problem) for problem in answer["problems"]]
     places: dict[int, int] = {}  # of the program's shapes among those that are none of the problems
     with output.open("rb") as file:
@@ -295,9 +299,9 @@ def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> FileShapes:
                 problems.append(str(error))
                 continue
             places[index] = len(shapes)
-            shapes.append(FoundShape(mesh, name, places.get(record["twin_of"])))
+            shapes.append(FoundShape(mesh, name, places.get(record["twin_of"]), up_axis))
     if answer["joined"] and shapes:
-        shapes = [FoundShape(_joined([shape.mesh for shape in shapes], path.name))]
+        shapes = [FoundShape(_joined([shape.mesh for shape in shapes], path.name), up_axis=up_axis)]
     return FileShapes(shapes, problems)
 
 

@@ -133,7 +133,9 @@ def _describe_shape(
         # Neither the signature nor the picture depends on place and size.
         signature = replace(twin.signature, area=shape.mesh.area)
         return DescribedShape(shape.object_name, signature, twin.thumbnail)
-    return DescribedShape(shape.object_name, model.describe(shape.mesh), thumbnail(shape.mesh))
+    return DescribedShape(
+        shape.object_name, model.describe(shape.mesh), thumbnail(shape.mesh, up_axis=shape.up_axis)
+    )
 
 
 def default_jobs() -> int:

@@ -128,7 +128,7 @@ class Description:
     thumbnail: bytes
 
 
-def describe(path: Path, mesh: Mesh) -> Description | str:
+def describe(path: Path, mesh: Mesh, up_axis: int | None = None) -> Description | str:
     """Describe a mesh with the model of a library.
 
     Parameters
@@ -136,6 +136,8 @@ def describe(path: Path, mesh: Mesh) -> Description | str:
     path : Path
         The library.
     mesh : Mesh
+    up_axis : int, optional
+        Which axis points up in the picture, 1 or 2, where that is known.
 
     Returns
     -------
@@ -150,7 +152,7 @@ def describe(path: Path, mesh: Mesh) -> Description | str:
     from shapegoogle_core.rendering import thumbnail
 
     try:
-        return Description(_library(path).model.describe(mesh), thumbnail(mesh))
+        return Description(_library(path).model.describe(mesh), thumbnail(mesh, up_axis=up_axis))
     except MeshError as error:
         return str(error)
 

@@ -78,7 +78,9 @@ def render(
     return _compose(shaded, covered, size, background)
 
 
-def thumbnail(mesh: Mesh, size: int = 128, colors: ArrayLike | None = None) -> bytes:
+def thumbnail(
+    mesh: Mesh, size: int = 128, colors: ArrayLike | None = None, up_axis: int | None = None
+) -> bytes:
     """Small picture of a mesh as PNG, on a transparent background.
 
     Parameters
@@ -88,13 +90,15 @@ def thumbnail(mesh: Mesh, size: int = 128, colors: ArrayLike | None = None) -> b
         Width and height in pixels.
     colors : (3,) or (n, 3) array_like, optional
         As for `render`.
+    up_axis : {1, 2}, optional
+        As for `canonical_view`.
 
     Returns
     -------
     png : bytes
         A few kilobytes: 64 grey or colour levels are kept.
     """
-    picture = render(mesh, colors, (size, size), None)
+    picture = render(mesh, colors, (size, size), None, canonical_view(mesh, up_axis))
     with io.BytesIO() as file:
         picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", optimize=True)
         return file.getvalue()

@@ -47,7 +47,7 @@ def look_from(direction: ArrayLike, up: ArrayLike) -> FloatArray:
     return np.stack([right, np.cross(toward, right), toward])
 
 
-def canonical_view(mesh: Mesh) -> FloatArray:
+def canonical_view(mesh: Mesh, up_axis: int | None = None) -> FloatArray:
     """Three-quarter view that shows most of a shape, upright if it can be told what is up.
 
     Files have y or z up and rarely say which. An axis along which the shape is clearly thinnest is not up: a
@@ -58,6 +58,8 @@ def canonical_view(mesh: Mesh) -> FloatArray:
     Parameters
     ----------
     mesh : Mesh
+    up_axis : {1, 2}, optional
+        Where it is known: y (1), or z (2) as in Blender.
 
     Returns
     -------
@@ -71,9 +73,10 @@ def canonical_view(mesh: Mesh) -> FloatArray:
     extents = np.ptp(mesh.vertices, axis=0)
     thin = int(extents.argmin())
     clearly_thin = extents[thin] < _THIN * np.sort(extents)[1]
-    candidates = [axis for axis in (2, 1) if not (clearly_thin and axis == thin)]
-    base_widths = {axis: _base_width(centred, axis) for axis in candidates}
-    up_axis = max(candidates, key=lambda axis: base_widths[axis] * (_LEAN_TO_Z if axis == 2 else 1))
+    if up_axis is None:
+        candidates = [axis for axis in (2, 1) if not (clearly_thin and axis == thin)]
+        base_widths = {axis: _base_width(centred, axis) for axis in candidates}
+        up_axis = max(candidates, key=lambda axis: base_widths[axis] * (_LEAN_TO_Z if axis == 2 else 1))
     up, front = _AXES[up_axis], _FRONT_OF_UP[up_axis]
     # Look along the direction in which the shape is thin seen from above.
     ground = np.stack([front, np.cross(up, front)])

@@ -274,3 +274,14 @@ class TestContactSheet:
             contact_sheet([self.tile] * 2, ["a"])
         with pytest.raises(ValueError, match="at least one column"):
             contact_sheet([self.tile], ["a"], columns=0)
+
+
+@pytest.mark.parametrize("up_axis", [1, 2])
+def test_what_is_up_can_be_told(up_axis: int) -> None:
+    """A cone on its tip, whose base is no sign of what is up."""
+    cone = trimesh.creation.cone(radius=1, height=2)
+    vertices = cone.vertices * [1, 1, -1]
+    if up_axis == 1:
+        vertices = vertices[:, [0, 2, 1]]
+    view = canonical_view(Mesh(vertices, cone.faces), up_axis)
+    assert view[1, up_axis] > 0.9

@@ -40,6 +40,7 @@ for line in sys.stdin:
     words = open(request["path"]).read().split()
     print("reading", request["path"], "warning: noise on the other stream", file=sys.stderr)
     answer = {"shapes": [], "problems": [], "joined": "joined" in words}
+    answer["up_axis"] = 2
     with open(request["output"], "wb") as output:
         for word in words:
             if word == "crash":
