@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -13,7 +13,16 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
 
-__all__ = ["base_mesh", "evaluated_mesh", "mesh_objects", "new_object", "query_mesh", "selected_part"]
+__all__ = [
+    "base_mesh",
+    "evaluated_mesh",
+    "is_evaluated",
+    "mesh_objects",
+    "new_object",
+    "query_mesh",
+    "selected_part",
+    "split_evaluated",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -22,6 +31,52 @@ IntArray = NDArray[np.int32]
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
     """Those objects that are meshes, in the same order."""
     return [item for item in objects if item.type == "MESH"]
+
+
+def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:
+    """Tell the objects that Blender evaluates in the view layer from those that it does not.
+
+    Blender leaves out what is disabled in viewports or lies in excluded collections only. Such an object has
+    no modifiers that could be seen, and after opening a file its ``matrix_world`` is the identity: where it
+    stands and how large it is cannot be known. What is hidden with the eye is evaluated all the same.
+
+    Parameters
+    ----------
+    objects : iterable of bpy.types.Object
+    context : bpy.types.Context
+        Its view layer counts.
+
+    Returns
+    -------
+    evaluated, others : list of bpy.types.Object
+        Both in the order given. The world matrices of the first are up to date.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    enabled = _enabled_objects(context.view_layer.layer_collection)
+    evaluated: list[Any] = []
+    others: list[Any] = []
+    for item in objects:
+        # Whether it is in the graph is not enough: what other objects refer to is there in part, without
+        # its modifiers, and what is disabled by an animation keeps a matrix that is out of date.
+        own = item.evaluated_get(depsgraph)
+        seen = item in enabled and own.is_evaluated and not own.hide_viewport
+        (evaluated if seen else others).append(item)
+    return evaluated, others
+
+
+def is_evaluated(item: Any, context: Any) -> bool:
+    """Whether Blender evaluates an object in the view layer; for many objects, use `split_evaluated`.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    context : bpy.types.Context
+
+    Returns
+    -------
+    evaluated : bool
+    """
+    return bool(split_evaluated([item], context)[0])
 
 
 def base_mesh(item: Any) -> Mesh:
@@ -148,6 +203,17 @@ def new_object(context: Any, mesh: Mesh, name: str) -> Any:
     item = bpy.data.objects.new(name, data)
     context.collection.objects.link(item)
     return item
+
+
+def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:
+    """Objects of a layer collection and those below it whose collections do not keep them from being seen."""
+    disabled = (
+        disabled or layer.collection.hide_viewport
+    )  # passed on to collections inside, as `exclude` is not
+    found = set() if disabled or layer.exclude else set(layer.collection.objects)
+    for child in layer.children:
+        found |= _enabled_objects(child, disabled=disabled)
+    return found
 
 
 def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:

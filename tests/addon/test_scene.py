@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Objects of the open scene as meshes: which ones can be read at all, and which shape the user means."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def scene(addon):
+    return importlib.import_module(f"{addon.__name__}.scene")
+
+
+def add(name: str, collection=None, scale: float = 1):
+    bpy.ops.mesh.primitive_cube_add()
+    item = bpy.context.object
+    item.name = name
+    item.scale = scale, scale, scale
+    if collection is not None:
+        for other in item.users_collection:
+            other.objects.unlink(item)
+        collection.objects.link(item)
+    return item
+
+
+def add_collection(name: str, parent=None):
+    collection = bpy.data.collections.new(name)
+    (parent or bpy.context.scene.collection).children.link(collection)
+    return collection
+
+
+def test_what_the_view_layer_does_not_evaluate(scene, tmp_path: Path) -> None:
+    """The world matrix of such an object is wrong once the file was opened again."""
+    layers = bpy.context.view_layer.layer_collection.children
+    shown = [add("shown", scale=2)]
+    hidden = [add("disabled", scale=2)]
+    hidden[0].hide_viewport = True
+    hidden.append(add("excluded", add_collection("Excluded")))
+    layers["Excluded"].exclude = True
+    disabled = add_collection("Disabled")
+    disabled.hide_viewport = True
+    hidden.append(add("inside", add_collection("Inside", disabled)))
+    shown.append(add("in two collections", disabled))
+    bpy.context.scene.collection.objects.link(shown[-1])
+    shown.append(add("eye closed"))
+    shown[-1].hide_set(True)
+    shown.append(add("eye of its collection closed", add_collection("Closed")))
+    layers["Closed"].hide_viewport = True
+    # In the dependency graph for the sake of others, but not as it would be seen.
+    hidden.append(add("disabled parent", scale=2))
+    hidden[-1].modifiers.new("Subdivision", "SUBSURF")
+    shown.append(add("child"))
+    shown[-1].parent = hidden[-1]
+    hidden[-1].hide_viewport = True
+    hidden.append(add("disabled by an animation", scale=2))
+    hidden[-1].hide_viewport = True
+    hidden[-1].keyframe_insert("hide_viewport", frame=1)
+    names = [item.name for item in shown], [item.name for item in hidden]
+    path = str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    found = scene.split_evaluated(bpy.context.scene.objects, bpy.context)
+    assert [{item.name for item in part} for part in found] == [set(part) for part in names]
+    assert np.allclose(bpy.data.objects["shown"].matrix_world.to_scale(), 2)
+    assert scene.is_evaluated(bpy.data.objects["shown"], bpy.context)
+    assert not scene.is_evaluated(bpy.data.objects["disabled"], bpy.context)
+    # Nothing of the user's was changed to find out.
+    assert bpy.data.objects["disabled"].hide_viewport
+    assert bpy.context.view_layer.layer_collection.children["Excluded"].exclude
