@@ -30,10 +30,17 @@ from shapegoogle_core.evaluation.creatures import make_creature
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
 SIZE = 1280, 800
-PANELS = ("Library", "Search", "Signature", "Duplicates")
+# The panels from top to bottom, each with the first of its buttons.
+PANELS = {
+    "Library": "shape_google.choose_library",
+    "Search": "shape_google.find_similar",
+    "Signature": "shape_google_painting.kind",
+    "Duplicates": "shape_google_duplicates.scope",
+}
 # In pixels, at a scale of the interface of 1: the middle of the first header below the top of the sidebar,
-# the height of a closed panel with its gap, the tabs at the right, and steps that no button slips through.
-FIRST_HEADER, HEADER, TABS, STEP = 16, 28, 20, 14
+# the first button below a header's middle, the height of a closed panel with its gap, the tabs at the right,
+# and steps that no button slips through.
+FIRST_HEADER, FIRST_BUTTON, HEADER, TABS, STEP = 16, 32, 28, 20, 14
 # Where in the width of the sidebar buttons are: in its left and right half, or the small ones of a row.
 HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
 # Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing; and
@@ -142,31 +149,36 @@ class Window:
 
     def open(self, panel: str) -> None:
         """Open one panel of the tab by clicking headers, and close all others."""
-        left, top, right, bottom = self.ask("regions")["ui"]
+        left, top, right, _ = self.ask("regions")["ui"]
         x, first = left + (right - left) / 4, top + FIRST_HEADER
-        self.move(x, (top + bottom) / 2)
-        self.tool("click", "--repeat", 40, "--delay", 5, 4)
-        if panel == self._panel:
+        header = first + HEADER * list(PANELS).index(panel)
+        for _ in range(4):  # a click that came while Blender was busy may have been for nothing
+            # On a header: where the sidebar is empty, the wheel is for the 3D view behind it.
+            self.move(x, first)
+            self.tool("click", "--repeat", 40, "--delay", 5, 4)
             self.settle()
-            return
-        self.click(x, first, key="ctrl")  # closes all others; itself it opens or closes
-        self.settle()
-        if self._button_at(x, first + HEADER) is not None:
-            self.click(x, first)
+            if panel == self._panel and PANELS[panel] in self._button_at(x, header + FIRST_BUTTON):
+                return
+            self.click(x, first, key="ctrl")  # closes all others; itself it opens or closes
             self.settle()
-        self.click(x, first + HEADER * PANELS.index(panel))
-        self._panel = panel
-        self.settle()
+            if PANELS["Library"] in self._button_at(x, first + FIRST_BUTTON):
+                self.click(x, first)
+                self.settle()
+            self.click(x, header)
+            self.settle()
+            self._panel = panel
+            if PANELS[panel] in self._button_at(x, header + FIRST_BUTTON):
+                return
+        raise AssertionError(f"the panel {panel} cannot be opened")
 
     def settle(self) -> None:
         """Wait until Blender has drawn what was clicked."""
         time.sleep(0.4)
         self.ask("regions")
 
-    def _button_at(self, x: float, y: float) -> str | None:
+    def _button_at(self, x: float, y: float) -> str:
         self.move(x, y)
-        button: str | None = self.ask("button")
-        return button
+        return self.ask("button") or ""
 
     def find(
         self, action: str, *, occurrence: int = 0, columns: Sequence[float] = HALVES
@@ -193,7 +205,7 @@ class Window:
             for share in columns:
                 x, before = left + share * (right - TABS - left), ""
                 for y in range(top + 8, bottom - 4, STEP):
-                    button = self._button_at(x, y) or ""
+                    button = self._button_at(x, y)
                     if action in button and button != before:
                         time.sleep(0.3)
                         # A slow Blender may have answered for the place before.
@@ -203,6 +215,7 @@ class Window:
                             seen += 1
                     before = button
             scrolled = self.ask("scrolled")
+            self.move(x, top + FIRST_HEADER)
             self.tool("click", "--repeat", 12, "--delay", 10, 5)
             self.settle()
             assert self.ask("scrolled") != scrolled, f"no button in the sidebar does {action!r}"
@@ -289,20 +302,20 @@ def screen(log: Path) -> Iterator[str]:
         server.wait(LIMIT)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     """A folder for everything."""
     return tmp_path_factory.mktemp("window")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def query(folder) -> Path:
     """A horse in a pose that is in no file."""
     kind, pose, vertices = QUERY
     return write_ply(folder / "query.ply", make_creature(kind, 2011, vertex_count=vertices).pose(pose))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def shapes(folder) -> Path:
     """The folder to index; `prepare.py` writes what is good in it, here is a file that is none."""
     place = folder / "shapes"
@@ -326,7 +339,7 @@ def blend_files(folder: Path) -> Iterator[str]:
         yield "|".join([kind, *map(str, paths)])
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def user_folder(folder, shapes) -> Path:
     """A user folder of Blender with the built extension, which knows the folder to index."""
     extension = os.environ.get("SHAPEGOOGLE_EXTENSION")
@@ -357,7 +370,7 @@ def user_folder(folder, shapes) -> Path:
     return user
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def window(folder, user_folder) -> Iterator[Window]:
     """Blender's window, with the add-on's tab of the sidebar open."""
     requests = folder / "requests"

@@ -159,13 +159,17 @@ def add_object(path, name, location=(0, 0, 0)):
         bpy.ops.ed.undo_push(message="Import")
 
 
-def look():
-    """Show the whole scene from before and a little from above."""
+def look(turn=0.5):
+    """Show the whole scene from before, turned by an angle, and a little from above."""
     with overridden("WINDOW"):
+        bpy.context.view_layer.update()
         bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_orbit(angle=0.5, type="ORBITLEFT")
+        bpy.ops.view3d.view_orbit(angle=turn, type="ORBITLEFT")
         bpy.ops.view3d.view_orbit(angle=0.35, type="ORBITUP")
         bpy.ops.view3d.view_all()
+        # The sidebar is above the right part of the view.
+        bpy.ops.view3d.zoom(delta=-1, use_cursor_init=False)
+        bpy.ops.view3d.view_pan(type="PANRIGHT")
 
 
 def empty_scene():
@@ -176,7 +180,7 @@ def empty_scene():
 
 def run(code):
     """Run code, for what no click can set."""
-    scope = {"bpy": bpy, "preferences": bpy.context.preferences.addons[NAME].preferences}
+    scope = {"bpy": bpy, "name": NAME, "preferences": bpy.context.preferences.addons[NAME].preferences}
     exec(code, scope)
     view()[1].tag_redraw()
     return scope.get("result")

@@ -30,6 +30,7 @@ def main(package, library, folder, *files):
     bpy.ops.extensions.package_install_files(filepath=package, repo="user_default", enable_on_install=True)
     preferences = bpy.context.preferences
     preferences.view.show_splash = False
+    preferences.view.smooth_view = 0  # a view that is still turning cannot be turned further
     own = preferences.addons[NAME].preferences
     own.library = library
     own.jobs = 1  # slow enough to watch

@@ -70,14 +70,14 @@ def test_search_and_words(window, library, horse):
     window.open("Search")
     window.press("shape_google.find_similar")
     window.wait(lambda state: state["matches"], "an answer")
-    window.press("shape_google.choose_match", occurrence=1)
+    window.press("shape_google.choose_match", columns=(0.75,))
     window.press("shape_google.mark_match")
     window.wait(lambda state: "sg_word" in state["objects"][NAME]["attributes"], "words")
     window.run(
         "[item.hide_set(True) for item in bpy.data.objects if item.type == 'ARMATURE']\n"
         "[item.select_set(False) for item in bpy.data.objects]"
     )
-    window.ask("look")
+    window.ask("look", 0.25)
     save(window.picture(), "sidebar")
 
 
@@ -87,7 +87,6 @@ def test_signature(window, library, horse):
     window.open("Signature")
     window.press("bpy.ops.shape_google.paint")
     window.wait(lambda state: state["objects"][NAME]["attributes"], "the signature painted")
-    window.run("[item.select_set(False) for item in bpy.data.objects]")
     save(window.picture(), "signature")
 
 
@@ -95,7 +94,11 @@ def test_duplicates(window, library, horse):
     window.clean_scene(horse, "Horse A")
     window.ask("add_object", str(horse), "Horse B", [1.5, 0, 0])
     window.ask("add_object", str(horse), "Foal", [0.2, -1.6, 0])
-    window.run("from mathutils import Matrix\nbpy.data.objects['Foal'].data.transform(Matrix.Scale(0.6, 4))")
+    window.run(
+        "from mathutils import Matrix\n"
+        "mesh = bpy.data.objects['Foal'].data\n"
+        "mesh.transform(Matrix.Scale(0.6, 4)); mesh.update()"
+    )
     window.ask("look")
     window.open("Duplicates")
     window.press("shape_google.find_duplicates")
@@ -107,10 +110,12 @@ def test_duplicates(window, library, horse):
 
 
 def test_preferences(window, library):
+    # A new window opens under the pointer.
+    window.move(SIZE[0] / 2, SIZE[1] / 2)
     window.run(
         "preferences.library = ''\n"
         "bpy.ops.screen.userpref_show('INVOKE_DEFAULT')\n"
-        f"bpy.ops.preferences.addon_show(module={window.run('result = preferences.bl_idname')!r})"
+        "bpy.ops.preferences.addon_show(module=name)"
     )
     image = window.picture()
     left, bottom, width, height = window.run(
