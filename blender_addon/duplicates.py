@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from .mesh_data import WorldMesh, differing_data, world_mesh
-from .scene import base_mesh, mesh_objects
+from .scene import base_mesh, mesh_objects, split_evaluated
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
@@ -135,17 +135,22 @@ class SceneShapes:
     skipped : list of str
         Objects that cannot be compared: without vertices or extent, with broken coordinates, or flattened by
         their scale.
+    hidden : list of str
+        Objects that Blender does not evaluate in the view layer: their places and sizes are not known.
     """
 
     shapes: list[_Shape]
     skipped: list[str]
+    hidden: list[str]
 
 
-def collect_shapes(objects: Sequence[Any]) -> SceneShapes:
+def collect_shapes(context: Any, objects: Sequence[Any]) -> SceneShapes:
     """Compare the meshes of objects.
 
     Parameters
     ----------
+    context : bpy.types.Context
+        Its view layer counts.
     objects : sequence of bpy.types.Object
         Others than meshes are left out.
 
@@ -156,7 +161,8 @@ def collect_shapes(objects: Sequence[Any]) -> SceneShapes:
     from shapegoogle_core.mesh.congruence import TOLERANCE, congruence
 
     users: defaultdict[Any, list[Any]] = defaultdict(list)
-    for item in sorted(mesh_objects(objects), key=lambda item: str(item.name)):
+    evaluated, hidden = split_evaluated(mesh_objects(objects), context)
+    for item in sorted(evaluated, key=lambda item: str(item.name)):
         users[item.data].append(item)
     shapes: list[_Shape] = []
     skipped: list[str] = []
@@ -181,7 +187,7 @@ def collect_shapes(objects: Sequence[Any]) -> SceneShapes:
         else:
             insort(candidates, (compactness, len(shapes)))
             shapes.append(_Shape(mesh, []))
-    return SceneShapes(shapes, skipped)
+    return SceneShapes(shapes, skipped, sorted(item.name for item in hidden))
 
 
 def scene_groups(found: SceneShapes) -> list[Group]:

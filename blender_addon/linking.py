@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mesh_data import WorldMesh, differing_data, world_mesh
+from .scene import split_evaluated
 
 __all__ = ["Linked", "link_data"]
 
@@ -19,6 +20,9 @@ FloatArray = NDArray[np.float64]
 
 # Blender keeps matrices in single precision: places far from the origin are less exact.
 SINGLE = 4 * float(np.finfo(np.float32).eps)
+HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
+# Of these kinds a parent deforms its children, as a modifier would.
+DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,10 @@ def link_data(context: Any, objects: Sequence[Any]) -> Linked:
     first, others = objects[0], objects[1:]
     result = Linked([], [])
     others = [item for item in others if item.data != first.data]
+    # The matrices of those that Blender does not evaluate are not to be trusted, nor checked afterwards.
+    hidden = set(split_evaluated(objects, context)[1])
     reason = _mesh_reason(first.data) or ("it is being edited" if first.mode != "OBJECT" else "")
+    reason = HIDDEN if first in hidden else reason
     target = None if reason else world_mesh(first)
     if target is None:
         reason = reason or "it has no extent"
@@ -64,7 +71,7 @@ def link_data(context: Any, objects: Sequence[Any]) -> Linked:
         return result
     corrections: dict[Any, tuple[FloatArray, bool] | str] = {}
     for item in others:
-        reason = _object_reason(item) or _mesh_reason(item.data)
+        reason = HIDDEN if item in hidden else _object_reason(item) or _mesh_reason(item.data)
         if not reason:
             data = item.data
             if data not in corrections:
@@ -131,10 +138,10 @@ def _link(context: Any, item: Any, data: Any, correction: FloatArray, same_order
     reach = np.linalg.norm(np.ptp((corners @ wanted.T)[:, :3], axis=0))
     allowed = _tolerance() * reach + SINGLE * np.abs(before[:3, 3]).max()
     stays = _farthest(corners, before, wanted) <= allowed
-    reason = _moving_reason(item, stays, same_order)
+    reason = _moving_reason(context, item, stays, same_order)
     if reason:
         return reason
-    seen = _evaluated(context, item) if item.modifiers else None
+    seen = _evaluated(context, item) if _is_deformed(item) else None
     children = [
         (child, child.matrix_parent_inverse.copy(), child.matrix_world.copy()) for child in item.children
     ]
@@ -148,7 +155,7 @@ def _link(context: Any, item: Any, data: Any, correction: FloatArray, same_order
     elif any(not np.allclose(child.matrix_world, was, atol=allowed) for child, _, was in children):
         reason = "its children would move"
     elif seen is not None and not _same_points(seen, _evaluated(context, item), allowed):
-        reason = "its modifiers would give another shape"
+        reason = f"its {'modifiers' if item.modifiers else 'parent'} would give another shape"
     if reason:
         item.data = old_data
         item.matrix_basis = old_basis
@@ -170,7 +177,12 @@ def _place(
         child.matrix_parent_inverse = Matrix((back @ np.array(inverse, np.float64)).tolist())
 
 
-def _moving_reason(item: Any, stays: bool, same_order: bool) -> str:
+def _is_deformed(item: Any) -> bool:
+    """Whether an object may be seen otherwise than its mesh says."""
+    return bool(item.modifiers) or (item.parent is not None and item.parent_type in DEFORMING_PARENTS)
+
+
+def _moving_reason(context: Any, item: Any, stays: bool, same_order: bool) -> str:
     """Why an object must not get a mesh with another origin or order of vertices, or an empty text."""
     if not same_order:
         if any(child.parent_type.startswith("VERTEX") for child in item.children):
@@ -181,12 +193,16 @@ def _moving_reason(item: Any, stays: bool, same_order: bool) -> str:
         return ""
     if item.modifiers:
         return "it has modifiers, and its mesh is placed otherwise in its object"
+    if _is_deformed(item):
+        return "its parent deforms it, and its mesh is placed otherwise in its object"
     if _is_animated(item) or item.constraints:
         return "it is animated or constrained, and its mesh is placed otherwise in its object"
     if item.rigid_body is not None:
         return "it is a rigid body, and its mesh is placed otherwise in its object"
     if any(child.library is not None or child.override_library is not None for child in item.children):
         return "it has children from another file"
+    if split_evaluated(item.children, context)[1]:
+        return "it has children that are disabled in viewports or in excluded collections; show them first"
     users = bpy.data.user_map(subset=[item])[item]
     hangers = [
         user.name

@@ -17,7 +17,7 @@ from ..duplicate_properties import show_groups
 from ..preferences import preferences
 
 if TYPE_CHECKING:
-    from shapegoogle_core import Mesh, ShapeModel, ShapeSignature
+    from shapegoogle_core import ShapeModel, ShapeSignature
 
 __all__ = ["register", "unregister"]
 
@@ -56,12 +56,15 @@ class _Search:
 class _Similar(_Search):
     """Describes the meshes of a scene, a few at a time, and groups them."""
 
-    def __init__(
-        self, model: ShapeModel, solids: list[duplicates.Solid], meshes: list[Mesh], least: float
-    ) -> None:
+    def __init__(self, model: ShapeModel, found: duplicates.SceneShapes, least: float) -> None:
         super().__init__()
-        self._model, self._solids, self._meshes, self._least = model, solids, meshes, least
+        self._model, self._least, self._hidden = model, least, len(found.hidden)
+        self._solids, self._meshes = duplicates.solid_shapes(found)
         self._signatures: list[ShapeSignature | str] = []
+
+    def begin(self) -> None:
+        self.start(f"Comparing shapes: 0 of {len(self._meshes)}")
+        self.go_on()
 
     def go_on(self) -> None:
         from shapegoogle_core.library.duplicate_tasks import describe_meshes
@@ -75,7 +78,7 @@ class _Similar(_Search):
         show_groups(
             shown, _group(self._model, self._solids, self._signatures, self._least), "SCENE", add=True
         )
-        self.end(_summary(shown))
+        self.end(_summary(shown, self._hidden))
 
     def _take(self, signatures: list[ShapeSignature | str]) -> None:
         self._signatures += signatures
@@ -120,10 +123,16 @@ def _group(
     return duplicates.similar_groups([solid for solid, _ in described], groups)
 
 
-def _summary(shown: Any) -> str:
+def _summary(shown: Any, hidden: int = 0) -> str:
+    """Say what was found, and how many objects could not be looked at."""
     count = len(shown.groups)
     where = "this scene" if shown.found_in == "SCENE" else "the library"
-    return f"{count} group{'' if count == 1 else 's'} in {where}" if count else f"No duplicates in {where}"
+    text = f"{count} group{'' if count == 1 else 's'} in {where}" if count else f"No duplicates in {where}"
+    return f"{text}; {hidden} hidden object{' was' if hidden == 1 else 's were'} left out" if hidden else text
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
 
 
 def _library_path(context: Any) -> str:
@@ -172,11 +181,9 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             model = self._model(context)
             if model is None:
                 return {"CANCELLED"}
-            solids, meshes = duplicates.solid_shapes(found)
-            similar = _Similar(model, solids, meshes, shown.min_similarity)
+            similar = _Similar(model, found, shown.min_similarity)
             _running.append(similar)
-            similar.start(f"Comparing shapes: 0 of {len(meshes)}")
-            similar.go_on()
+            similar.begin()
         return {"FINISHED"}
 
     def execute(self, context: Any) -> set[str]:
@@ -186,6 +193,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
+        hidden = 0
         if shown.scope == "LIBRARY":
             try:
                 groups = library_duplicates(_library_path(context), shown.min_similarity)
@@ -197,6 +205,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             found = self._same(context)
             if found is None:
                 return {"CANCELLED"}
+            hidden = len(found.hidden)
             if shown.similar:
                 model = self._model(context)
                 if model is None:
@@ -204,7 +213,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
                 solids, meshes = duplicates.solid_shapes(found)
                 signatures = describe_meshes(model, meshes)
                 show_groups(shown, _group(model, solids, signatures, shown.min_similarity), "SCENE", add=True)
-        shown.status = _summary(shown)
+        shown.status = _summary(shown, hidden)
         self.report({"INFO"}, shown.status)
         return {"FINISHED"}
 
@@ -214,17 +223,22 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
 
         shown = context.window_manager.shape_google_duplicates
         try:
-            found = duplicates.collect_shapes(context.scene.objects)
+            found = duplicates.collect_shapes(context, context.scene.objects)
         except ShapeGoogleError as error:
             self.report({"ERROR"}, str(error))
             return None
         show_groups(shown, duplicates.scene_groups(found), "SCENE")
-        shown.status = _summary(shown)
+        shown.status = _summary(shown, len(found.hidden))
+        if found.hidden:
+            self.report(
+                {"WARNING"},
+                f"Disabled in viewports or in excluded collections, and so left out: {_some(found.hidden)}",
+            )
         if found.skipped:
             self.report(
                 {"WARNING"},
                 f"{len(found.skipped)} objects have no extent or broken coordinates and were left out: "
-                + ", ".join(found.skipped[:5]),
+                f"{_some(found.skipped)}",
             )
         return found
 

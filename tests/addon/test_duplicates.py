@@ -276,6 +276,19 @@ def _armature(item):
     item.modifiers.new("rig", "ARMATURE").object = rig
 
 
+def _lattice_parent(item):
+    """A parent of this kind deforms it without any modifier."""
+    lattice = bpy.data.objects.new("lattice", bpy.data.lattices.new("lattice"))
+    bpy.context.scene.collection.objects.link(lattice)
+    lattice.data.points[0].co_deform.x -= 1
+    item.parent, item.parent_type = lattice, "LATTICE"
+
+
+def _turned_with_lattice_parent(item):
+    item.data.transform(motion(5))
+    _lattice_parent(item)
+
+
 def _turned_with_modifier(item):
     item.data.transform(motion(5))
     item.modifiers.new("array", "ARRAY")
@@ -301,6 +314,7 @@ def _animated_mesh(item):
         (_shape_keys, "shape keys"),
         (_armature, "armature"),
         (_turned_with_modifier, "modifiers"),
+        (_turned_with_lattice_parent, "its parent deforms it"),
         (_turned_and_animated, "animated"),
         (_turned_target, "refers to it"),
         (_animated_mesh, "mesh is animated"),
@@ -338,6 +352,49 @@ def test_a_skewed_object_is_put_back(addon, shown):
     assert "cannot hold" in result.refused[0][1]
     assert item.data == own
     np.testing.assert_allclose(in_world(item), before, atol=1e-5)
+
+
+@pytest.mark.parametrize("how", ["disabled", "excluded"])
+def test_what_blender_does_not_evaluate_is_left_out(addon, shown, tmp_path, how):
+    """After opening the file again its world matrix is the identity: linking moved and scaled it."""
+    data = lump()
+    add("a", data)
+    hidden = add("hidden", changed(data, motion(3)))
+    hidden.location, hidden.scale = (10, 20, 30), (2, 2, 2)
+    if how == "disabled":
+        hidden.hide_viewport = True
+    else:
+        collection = bpy.data.collections.new("Excluded")
+        bpy.context.scene.collection.children.link(collection)
+        bpy.context.scene.collection.objects.unlink(hidden)
+        collection.objects.link(hidden)
+        bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    shown = bpy.context.window_manager.shape_google_duplicates
+    assert find(shown) == {}
+    assert shown.status == "No duplicates in this scene; 1 hidden object was left out"
+    # A group may have been found before one of its members was hidden.
+    seen, hidden = bpy.data.objects["a"], bpy.data.objects["hidden"]
+    for objects in ([seen, hidden], [hidden, seen]):
+        result = module(addon, "linking").link_data(bpy.context, objects)
+        assert result.linked == []
+        assert "show it first" in result.refused[0][1]
+    assert seen.data != hidden.data
+    assert (hidden.location[:], hidden.scale[:]) == ((10, 20, 30), (2, 2, 2))
+
+
+def test_a_child_that_is_not_evaluated_keeps_its_parent(addon, shown):
+    data = lump()
+    add("a", data)
+    item = add("b", changed(data, motion(3)))
+    child = add("child", lump("other", seed=5))
+    child.parent = item
+    child.hide_viewport = True
+    before = item.matrix_world.copy()
+    result = module(addon, "linking").link_data(bpy.context, [bpy.data.objects["a"], item])
+    assert "children that are disabled" in result.refused[0][1]
+    assert item.matrix_world == before
 
 
 def test_only_chosen_groups_are_linked_and_a_changed_mesh_is_not(shown):
@@ -438,7 +495,7 @@ def test_objects_without_extent_are_left_out_and_named(addon, shown):
     flat = lump()
     add("nothing", empty)
     add("flattened", flat, Matrix.Diagonal((1, 1, 0, 1)))
-    found = module(addon, "duplicates").collect_shapes(bpy.context.scene.objects)
+    found = module(addon, "duplicates").collect_shapes(bpy.context, bpy.context.scene.objects)
     assert set(found.skipped) == {"nothing", "flattened"}
     assert find(shown) == {}
 
