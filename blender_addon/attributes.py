@@ -144,17 +144,18 @@ def picked_vertex(item: Any) -> int | None:
 
 
 def geometry_hash(item: Any) -> str:
-    """Hash of an object's base mesh, the same after moving or turning the object.
+    """Hash of all that the lengths on an object's base mesh depend on.
 
     Parameters
     ----------
     item : bpy.types.Object
-        A mesh object.
+        A mesh object that Blender evaluates.
 
     Returns
     -------
     digest : str
-        Equal iff vertices, polygons and the object's scale (to six digits) are.
+        The same after moving, turning or mirroring the object. Another one for other vertices, other polygons
+        or another scale; scales that differ by less than about one millionth may share one.
     """
     if item.mode == "EDIT":
         item.update_from_editmode()
@@ -170,8 +171,8 @@ def geometry_hash(item: Any) -> str:
     largest = float(np.abs(metric).max())
     digest = hashlib.blake2b(digest_size=16)
     for array in (coordinates, corners, starts):
+        digest.update(f"{len(array)} ".encode())  # else bytes of one could be taken for those of the next
         digest.update(array.tobytes())
-        digest.update(b"|")
     digest.update(f"{largest:.6g} {np.round(metric / (largest or 1), 6) + 0.0}".encode())
     return digest.hexdigest()
 

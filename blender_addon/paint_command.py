@@ -15,6 +15,7 @@ import bpy
 
 from . import painted, spectra
 from .painting import CHANNELS, KINDS, LAPLACIANS, Painting, times_of
+from .scene import split_evaluated
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
@@ -155,6 +156,7 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
     """Yield the meshes that are asked for, while their scene is open: else their scale is unknown."""
     missing = dict.fromkeys(names or [])
     seen: set[Any] = set()
+    hidden: dict[Any, str] = {}
     for scene in bpy.data.scenes:
         bpy.context.window.scene = scene
         for layer in scene.view_layers:
@@ -163,7 +165,9 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
                 item.update_tag()  # Blender 4 would leave those of another scene without their scale
             layer.update()
             wanted = [item for item in layer.objects if names is None or item.name in names]
-            items, refused = painted.targets(wanted)
+            shown, disabled = split_evaluated(wanted, bpy.context)
+            hidden.update((item, item.name) for item in disabled if item.type == "MESH")
+            items, refused = painted.targets(shown)
             for item in wanted:
                 missing.pop(item.name, None)
                 if item.type != "MESH" and names is not None:
@@ -173,6 +177,12 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
                 if item.data not in seen:
                     seen.add(item.data)
                     yield item
+    # Another view layer may have shown them, or another object their mesh.
+    left_out = [name for item, name in hidden.items() if item.data not in seen]
+    if names is not None:
+        failed += [f"{name!r} is disabled in viewports; enable it first" for name in left_out]
+    elif left_out:
+        _say(f"left out, as they are disabled in viewports: {', '.join(left_out)}")
     failed += [f"{name!r} is in no scene of the file" for name in missing]
 
 

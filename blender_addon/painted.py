@@ -37,11 +37,12 @@ _ranges: dict[int, _Range] = {}
 
 
 def targets(objects: Sequence[Any]) -> tuple[list[Any], list[str]]:
-    """Objects to paint: meshes that can be changed, one for each mesh.
+    """Objects to paint: meshes that can be changed and whose scale is known, one for each mesh.
 
     Parameters
     ----------
     objects : sequence of bpy.types.Object
+        Of the view layer of the context.
 
     Returns
     -------
@@ -50,8 +51,15 @@ def targets(objects: Sequence[Any]) -> tuple[list[Any], list[str]]:
         A sentence for each mesh object that cannot be painted.
     """
     items, refused, seen = [], [], set()
-    for item in scene.mesh_objects(objects):
-        if not item.data.is_editable:
+    meshes = scene.mesh_objects(objects)
+    hidden = set(scene.split_evaluated(meshes, bpy.context)[1])
+    for item in meshes:
+        if item in hidden:
+            refused.append(
+                f"{item.name!r} is disabled in viewports or in an excluded collection, so that its scale is "
+                "not known; show it first"
+            )
+        elif not item.data.is_editable:
             refused.append(f"{item.name!r} has its mesh in another file; make it local first")
         elif item.data not in seen:
             seen.add(item.data)

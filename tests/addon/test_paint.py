@@ -364,9 +364,25 @@ class TestCache:
         item.rotation_euler = (1, 2, 3)
         bpy.context.view_layer.update()
         assert modules.attributes.geometry_hash(item) == digest
-        item.scale.x *= 1.01
+        item.scale.y *= -1
         bpy.context.view_layer.update()
-        assert modules.attributes.geometry_hash(item) != digest
+        assert modules.attributes.geometry_hash(item) == digest
+        for factor in (1.01, 1 + 1e-5):
+            item.scale.x *= factor
+            bpy.context.view_layer.update()
+            assert modules.attributes.geometry_hash(item) != digest
+            digest = modules.attributes.geometry_hash(item)
+
+    def test_another_cut_of_the_same_bytes_is_another_hash(self, modules):
+        """The corners of two meshes may be the same numbers in the same order."""
+        digests = set()
+        for polygons in ([(0, 1, 2, 3), (0, 3, 4, 5)], [(0, 1, 2), (3, 0, 3, 4, 5)]):
+            data = bpy.data.meshes.new("Sheet")
+            data.from_pydata([(x, y, 0) for x in range(3) for y in range(2)], [], polygons)
+            item = bpy.data.objects.new("Sheet", data)
+            bpy.context.collection.objects.link(item)
+            digests.add(modules.attributes.geometry_hash(item))
+        assert len(digests) == 2
 
     def test_is_bounded(self, modules, monkeypatch):
         spectra = modules.spectra
@@ -400,6 +416,16 @@ class TestPoll:
         bpy.ops.object.mode_set(mode="SCULPT")
         assert not bpy.ops.shape_google.paint.poll()
         bpy.ops.object.mode_set(mode="OBJECT")
+
+    def test_objects_that_are_not_evaluated_are_refused(self, modules):
+        """Their scale is not known; another object of the same mesh is painted in their place."""
+        item = add_blob()
+        twin = bpy.data.objects.new("Twin", item.data)
+        bpy.context.collection.objects.link(twin)
+        twin.hide_viewport = True
+        items, refused = modules.painted.targets([twin, item])
+        assert items == [item]
+        assert [reason for reason in refused if "'Twin' is disabled" in reason]
 
     def test_objects_that_share_a_mesh_are_painted_once(self, modules):
         item = add_blob()

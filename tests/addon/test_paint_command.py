@@ -172,3 +172,25 @@ def test_script(source, tmp_path, arguments, code, said):
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == code, done.stderr
     assert said in done.stdout + done.stderr
+
+
+def test_disabled_objects_are_left_out_and_named(main, source, capsys):
+    """Blender does not evaluate them: their scale would be taken for 1."""
+    bpy.ops.wm.open_mainfile(filepath=str(source))
+    hidden = bpy.data.objects.new("Cutter", bpy.data.objects["Ball"].data.copy())
+    hidden.scale = 5, 5, 5
+    bpy.context.scene.collection.objects.link(hidden)
+    hidden.hide_viewport = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    output = source.with_name("out.blend")
+    arguments = [str(source), "--output", str(output)]
+    capsys.readouterr()
+    main([*arguments, "--object", "Ball"])
+    assert "Cutter" not in capsys.readouterr().err
+    main(arguments)
+    assert "left out, as they are disabled in viewports: Cutter" in capsys.readouterr().err
+    assert main([*arguments, "--object", "Ball", "--object", "Cutter"]) == 1
+    assert "'Cutter' is disabled in viewports" in capsys.readouterr().err
+    bpy.ops.wm.open_mainfile(filepath=str(output))
+    assert "sg_hks" in bpy.data.objects["Ball"].data.attributes
+    assert "sg_hks" not in bpy.data.objects["Cutter"].data.attributes
