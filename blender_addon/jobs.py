@@ -92,7 +92,7 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
         redraw()
         return None
 
-    bpy.app.timers.register(look, first_interval=INTERVAL)
+    bpy.app.timers.register(look, first_interval=INTERVAL, persistent=True)
 
 
 def redraw() -> None:

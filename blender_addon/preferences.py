@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,12 @@ __all__ = ["preferences", "register", "unregister"]
 LIBRARY_SUFFIX = ".sglib"
 
 _OBJECTS = (
+    ("ALL", "All Objects", "Every mesh object of every file"),
     (
         "ASSETS",
         "Assets First",
         "Only objects marked as assets, alone or with their collection; all of a file that has none",
     ),
-    ("ALL", "All Objects", "Every mesh object of every file"),
 )
 _MODELS = (
     ("DEFAULT", "Default", "Finds shapes again in another pose, size and mesh"),
@@ -31,19 +32,43 @@ _MODELS = (
 )
 
 
-def _warm_up(_preferences: Any, _context: Any) -> None:
+def _absolute(name: str) -> Callable[[Any, Any], None]:
+    """Return what makes a path absolute: relative to the open file, it would be another in the next one."""
+
+    def update(group: Any, _context: Any) -> None:
+        path = getattr(group, name)
+        absolute = os.path.abspath(bpy.path.abspath(path)) if path else ""  # noqa: PTH100 - keeps links
+        if path != absolute:
+            setattr(group, name, absolute)
+
+    return update
+
+
+def _library_chosen(group: Any, context: Any) -> None:
+    _absolute("library")(group, context)
     # Whoever chooses a library is about to ask it something.
     if not bpy.app.background:
         jobs.warm_up()
+
+
+def _changed(_group: Any, context: Any) -> None:
+    # Blender does not notice by itself that something inside a list was changed.
+    context.preferences.is_dirty = True
 
 
 class SHAPEGOOGLE_PG_folder(bpy.types.PropertyGroup):
     """A folder whose shapes are indexed."""
 
     path: StringProperty(
-        name="Folder", description="Searched with all folders below it", subtype="DIR_PATH", maxlen=1024
+        name="Folder",
+        description="Searched with all folders below it",
+        subtype="DIR_PATH",
+        maxlen=1024,
+        update=_absolute("path"),
     )
-    use: BoolProperty(name="Index", description="Take this folder into the library", default=True)
+    use: BoolProperty(
+        name="Index", description="Take this folder into the library", default=True, update=_changed
+    )
 
 
 class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
@@ -56,13 +81,14 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         description="File that holds what is known of all shapes; made when you first index into it",
         subtype="FILE_PATH",
         maxlen=1024,
-        update=_warm_up,
+        update=_library_chosen,
     )
     folder: StringProperty(
         name="Libraries Folder",
         description="Where new libraries are made; empty: in Blender's own folder for this extension",
         subtype="DIR_PATH",
         maxlen=1024,
+        update=_absolute("folder"),
     )
     folders: CollectionProperty(type=SHAPEGOOGLE_PG_folder)
     active_folder: IntProperty(name="Folder", options={"SKIP_SAVE"})
@@ -104,7 +130,11 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         items=_MODELS,
     )
     model_file: StringProperty(
-        name="Model File", description="A file made by Train Model", subtype="FILE_PATH", maxlen=1024
+        name="Model File",
+        description="A file made by Train Model",
+        subtype="FILE_PATH",
+        maxlen=1024,
+        update=_absolute("model_file"),
     )
 
     def draw(self, context: Any) -> None:
@@ -130,18 +160,19 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column.operator("shape_google.train_model", icon="FILE_REFRESH")
         progress = context.window_manager.shape_google.training
         if progress:
+            column.operator("shape_google.cancel_training", icon="CANCEL")
             column.label(text=progress, icon="INFO")
 
     def library_path(self) -> Path:
         """Return the library file: the chosen one, or the one in the libraries' folder."""
         if self.library:
-            return Path(bpy.path.abspath(self.library))
+            return Path(self.library)
         return self.libraries_folder() / f"shapes{LIBRARY_SUFFIX}"
 
     def libraries_folder(self) -> Path:
         """Return where new libraries are made; the folder need not be there yet."""
         if self.folder:
-            return Path(bpy.path.abspath(self.folder))
+            return Path(self.folder)
         try:
             # Its own folder among Blender's user files, and nowhere beside its code.
             return Path(bpy.utils.extension_path_user(__package__, path="libraries"))
@@ -150,7 +181,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
 
     def model_name(self) -> str:
         """Return what `shapegoogle_core.load_model` calls the chosen model."""
-        return str(bpy.path.abspath(self.model_file)) if self.model == "FILE" else str(self.model).lower()
+        return str(self.model_file) if self.model == "FILE" else str(self.model).lower()
 
     def has_sources(self) -> bool:
         """Whether any source of files is chosen; looks at no disk."""
@@ -162,7 +193,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         libraries = assets.asset_libraries() if self.use_asset_libraries else []
         # Blender lists a library of its own from the start, and few make its folder.
         chosen = [path for _, path in libraries if path.is_dir()]
-        chosen += [Path(bpy.path.abspath(item.path)) for item in self.folders if item.use and item.path]
+        chosen += [Path(item.path) for item in self.folders if item.use and item.path]
         return list(dict.fromkeys(chosen))
 
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The state of this Blender session, on the window manager: results, progress, errors; no file keeps it."""
+"""The state of this Blender session, on the window manager: results, progress, errors; no file keeps it.
+
+Opening a file with its own windows brings a new window manager; the state is carried over to it.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,6 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     size: FloatProperty(name="Size", description="How many times as large as the query")
     vertex_count: IntProperty(name="Vertices")
     in_scene: BoolProperty(name="In This Scene")
-    copies: IntProperty(name="Copies", description="How many equal shapes stand for this one")
 
 
 class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
@@ -138,8 +140,8 @@ def shown_matches(session: SHAPEGOOGLE_PG_session) -> list[tuple[int, Any]]:
     """
     text = session.text.strip().lower()
     factor = 1 + session.size_tolerance / 100
-    seen = set()
-    shown = []
+    best: dict[tuple[float, int], int] = {}  # of each shape the place among those shown
+    shown: list[tuple[int, Any]] = []
     for index, match in enumerate(session.matches):
         if match.similarity < session.least_similarity:
             continue
@@ -151,11 +153,52 @@ def shown_matches(session: SHAPEGOOGLE_PG_session) -> list[tuple[int, Any]]:
             continue
         # Equal distances to six digits and as many vertices: the same mesh, wherever it is.
         key = round(match.distance, 6), match.vertex_count
-        if session.collapse and key in seen:
+        if session.collapse and key in best:
+            # The one that can be selected stands for its copies in files.
+            if match.in_scene and not shown[best[key]][1].in_scene:
+                shown[best[key]] = index, match
             continue
-        seen.add(key)
+        best.setdefault(key, len(shown))
         shown.append((index, match))
     return shown
+
+
+# What there was before a file was opened.
+_kept: list[dict[str, Any]] = []
+
+
+@bpy.app.handlers.persistent
+def _keep(*_arguments: Any) -> None:
+    _kept[:] = [_values(session_of(bpy.context))]
+
+
+@bpy.app.handlers.persistent
+def _bring_back(*_arguments: Any) -> None:
+    while _kept:
+        _assign(session_of(bpy.context), _kept.pop())
+
+
+def _values(group: Any) -> dict[str, Any]:
+    """Read all that is set in a property group, collections included."""
+    values: dict[str, Any] = {}
+    for entry in group.bl_rna.properties:
+        name = entry.identifier
+        if entry.type == "COLLECTION":
+            values[name] = [_values(item) for item in getattr(group, name)]
+        elif not entry.is_readonly:
+            values[name] = getattr(group, name)
+    return values
+
+
+def _assign(group: Any, values: dict[str, Any]) -> None:
+    for name, value in values.items():
+        if isinstance(value, list):
+            collection = getattr(group, name)
+            collection.clear()
+            for item in value:
+                _assign(collection.add(), item)
+        else:
+            setattr(group, name, value)
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
@@ -167,9 +210,16 @@ def register() -> None:
     """Make the properties known to Blender."""
     _register()
     bpy.types.WindowManager.shape_google = PointerProperty(type=SHAPEGOOGLE_PG_session)
+    bpy.app.handlers.load_pre.append(_keep)
+    bpy.app.handlers.load_post.append(_bring_back)
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Take them back; nothing goes on by the time the add-on is switched on again."""
+    bpy.app.handlers.load_post.remove(_bring_back)
+    bpy.app.handlers.load_pre.remove(_keep)
+    session = session_of(bpy.context)
+    for name in ("indexing", "progress", "searching", "training", "matches", "answer", "active_match"):
+        session.property_unset(name)
     del bpy.types.WindowManager.shape_google
     _unregister()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from concurrent.futures import Future
+from concurrent.futures import FIRST_COMPLETED, Future
 from concurrent.futures import wait as wait_for
 from pathlib import Path
 from typing import Any
@@ -14,19 +14,29 @@ import bpy
 
 from . import jobs, scene
 
-__all__ = ["SceneIndexing", "scene_source"]
+__all__ = ["SceneIndexing", "file_of", "scene_source"]
 
 # Blender's z.
 UP_AXIS = 2
+# Objects in the hands of the worker: enough that it never waits, few enough to keep memory flat.
+AHEAD = 3
+# The scene and its file are two sources: each has its own objects, and may change without the other.
+MARK = " (open scene)"
+DONE, UNUSABLE, INTERRUPTED = 0, 2, 130
 
 
 def scene_source() -> str:
-    """Return what the library calls the open file: its path, or a name for one that was never saved."""
-    return bpy.data.filepath or "(unsaved scene)"
+    """Return what the library calls the open scene."""
+    return f"{bpy.data.filepath or 'Unsaved'}{MARK}"
+
+
+def file_of(source: str) -> str:
+    """Return the file that a source of the library is, or that a scene was saved in."""
+    return source.removesuffix(MARK)
 
 
 class SceneIndexing:
-    """The worker process describes the objects one by one; stored all at once at the end.
+    """The worker process describes the objects one after the other; they are stored all at once at the end.
 
     It has the methods and attributes of `jobs.BackgroundRun`.
 
@@ -46,93 +56,103 @@ class SceneIndexing:
         self._started = time.monotonic()
         self._library, self._model = library, model
         self._source = scene_source()
-        self._done = 0
-        self._objects = scene.mesh_objects(context.scene.objects)
-        self._names = [item.name for item in self._objects]
-        self._tasks: list[Future[Any]] = []
-
-    def _submit(self) -> None:
-        """Read the objects and hand them to the worker; the library must be there by then."""
-        from shapegoogle_core import Library, MeshError, load_model
-        from shapegoogle_core.library.session import describe
-
-        if not self._library.exists():
-            Library.open(self._library, load_model(self._model)).close()
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        for item in self._objects:
-            try:
-                mesh = scene.evaluated_mesh(item, depsgraph)
-            except MeshError as error:
-                task: Future[Any] = Future()
-                task.set_result(str(error))
-            else:
-                task = jobs.worker().submit(describe, self._library, mesh, UP_AXIS)
-            self._tasks.append(task)
+        # What is not evaluated has neither its modifiers nor, perhaps, its place.
+        shown, _ = scene.split_evaluated(scene.mesh_objects(context.scene.objects), context)
+        # Names, not objects: those may be gone when it is their turn.
+        self._waiting = deque(item.name for item in shown)
+        self._total = len(self._waiting)
+        self._tasks: dict[Future[Any], str] = {}
+        self._described: list[tuple[str, Any]] = []
+        self._failed: list[dict[str, str]] = []
 
     def seconds(self) -> float:
         """Return for how long it has been running."""
         return time.monotonic() - self._started
 
     def join(self) -> None:
-        """Wait until all is described."""
-        if not self._tasks:
-            self._submit()
-        wait_for(self._tasks)
+        """Wait until there is something new to take."""
+        if self.exit_code is None and self._tasks:
+            wait_for(self._tasks, return_when=FIRST_COMPLETED)
 
     def cancel(self) -> None:
         """Describe no more; nothing is stored."""
+        self.exit_code = INTERRUPTED
         for task in self._tasks:
             task.cancel()
+        self._tasks.clear()
 
     def events(self) -> list[dict[str, Any]]:
         """Report what was described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
 
+        if self.exit_code is not None:
+            return []
         try:
-            if not self._tasks and self._names:
-                self._submit()
-            events = self._described()
-            if self._done == len(self._names) and self.exit_code is None:
+            events = self._take_finished()
+            self._submit()
+            if not self._tasks:
                 events.append(self._store())
-                self.exit_code = 0
+                self.exit_code = DONE
         except ShapeGoogleError as error:
+            self.cancel()
             self.lines.append(str(error))
-            self.exit_code = 2
+            self.exit_code = UNUSABLE
             return []
         return events
 
-    def _described(self) -> list[dict[str, Any]]:
-        events = []
-        while self._done < len(self._tasks) and self._tasks[self._done].done():
-            if self._tasks[self._done].cancelled():
-                self._done += 1
+    def _submit(self) -> None:
+        """Read some objects and hand them to the worker."""
+        from shapegoogle_core import Library, MeshError, load_model
+        from shapegoogle_core.library.session import describe
+
+        if not self._library.exists():
+            Library.open(self._library, load_model(self._model)).close()
+        while self._waiting and len(self._tasks) < AHEAD:
+            name = self._waiting.popleft()
+            item = bpy.context.scene.objects.get(name)
+            if item is None:
+                self._total -= 1  # deleted meanwhile
                 continue
-            result = self._tasks[self._done].result()
-            failed = isinstance(result, str)
-            events.append(
-                {
-                    "done": self._done + 1,
-                    "total": len(self._names),
-                    "path": self._names[self._done],
-                    "status": "failed" if failed else "added",
-                    "reason": result if failed else "",
-                }
-            )
-            self._done += 1
+            try:
+                mesh = scene.evaluated_mesh(item)
+            except MeshError as error:
+                self._failed.append({"source": name, "error": str(error)})
+                continue
+            if mesh.is_point_cloud:
+                self._total -= 1  # wires and single points are helpers, as in files
+                continue
+            self._tasks[jobs.worker().submit(describe, self._library, mesh, UP_AXIS)] = name
+
+    def _take_finished(self) -> list[dict[str, Any]]:
+        from shapegoogle_core import ShapeGoogleError
+
+        events = []
+        for task in [task for task in self._tasks if task.done()]:
+            name = self._tasks.pop(task)
+            try:
+                result = task.result()
+            except ShapeGoogleError as error:  # the process died over it: the others go on
+                result = str(error)
+            if isinstance(result, str):
+                self._failed.append({"source": name, "error": result})
+            else:
+                self._described.append((name, result))
+            done = len(self._described) + len(self._failed)
+            status, reason = ("failed", result) if isinstance(result, str) else ("added", "")
+            event = {"done": done, "total": max(self._total, done), "path": name}
+            events.append({**event, "status": status, "reason": reason})
         return events
 
     def _store(self) -> dict[str, Any]:
         from shapegoogle_core import Library
         from shapegoogle_core.library import NewShape
 
-        results = [task.result() for task in self._tasks if not task.cancelled()]
         shapes = [
-            NewShape(result.signature, name, name, result.thumbnail)
-            for name, result in zip(self._names, results, strict=False)
-            if not isinstance(result, str)
+            NewShape(description.signature, name, name, description.thumbnail)
+            for name, description in self._described
         ]
         with Library.open(self._library) as library:
-            # No size or time: the scene is not the file, which is read when its folder is indexed.
+            # No size or time: it is no file, and is read again whenever it is asked for.
             library.replace_source(self._source, size=None, mtime_ns=None, sha256=None, shapes=shapes)
             count = len(library)
-        return {"added": len(shapes), "updated": 0, "unchanged": 0, "failed": [], "shapes": count}
+        return {"scene": len(shapes), "failed": self._failed, "shapes": count}

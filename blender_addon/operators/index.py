@@ -36,6 +36,11 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
     reread: BoolProperty(
         name="Read All Again", description="Also files that have not changed", options={"SKIP_SAVE"}
     )
+    prune: BoolProperty(
+        name="Forget Missing Files",
+        description="Forget the shapes of files that are no longer in the chosen folders",
+        options={"SKIP_SAVE"},
+    )
     retry: BoolProperty(
         name="Retry Failed", description="Also files that failed before", options={"SKIP_SAVE"}
     )
@@ -72,6 +77,9 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         self.report({"WARNING"} if session.errors else {"INFO"}, session.summary)
         return {"FINISHED"}
 
+    def _flags(self) -> list[str]:
+        return [f"--{name}" for name in ("reread", "retry", "prune") if getattr(self, name)]
+
     def _start(self, context: Any) -> bool:
         chosen, session = preferences(context), session_of(context)
         path, sources = chosen.library_path(), chosen.sources()
@@ -84,20 +92,19 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             if sources:
-                _running.append(
-                    BackgroundRun(_arguments(chosen, sources, path, reread=self.reread, retry=self.retry))
-                )
+                _running.append(BackgroundRun([*_arguments(chosen, sources, path), *self._flags()]))
             if chosen.use_scene:
                 _running.append(scene_index.SceneIndexing(context, path, chosen.model_name()))
         except OSError as error:
-            _running.clear()
+            while _running:
+                _running.pop().cancel()
             self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another library")
             return False
         session.indexing = True
         return True
 
 
-def _arguments(chosen: Any, sources: Sequence[Path], path: Path, *, reread: bool, retry: bool) -> list[str]:
+def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
     arguments = ["index", *map(str, sources), "--library", str(path), "--events", "--json"]
     arguments += ["--objects", chosen.objects.lower()]
     arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
@@ -105,7 +112,15 @@ def _arguments(chosen: Any, sources: Sequence[Path], path: Path, *, reread: bool
         arguments += ["--jobs", str(chosen.jobs)]
     if not path.exists():
         arguments += ["--model", chosen.model_name()]
-    return arguments + ["--reread"] * reread + ["--retry"] * retry
+    return arguments
+
+
+def _stop() -> None:
+    while _running:
+        run = _running.pop()
+        run.cancel()
+        run.join()
+        run.events()
 
 
 def _look() -> float | None:
@@ -160,7 +175,12 @@ def _duration(seconds: float) -> str:
 
 
 def _add_summary(session: Any, event: dict[str, Any]) -> None:
-    parts = [f"{event[key]} {key}" for key in ("added", "updated", "unchanged") if event[key]]
+    if "scene" in event:
+        parts = [f"{event['scene']} shape{'' if event['scene'] == 1 else 's'} of this scene"]
+    else:
+        keys = ("added", "updated", "unchanged", "removed")
+        counts = {key: len(event[key]) if key == "removed" else event[key] for key in keys}
+        parts = [f"{count} {key}" for key, count in counts.items() if count]
     if event["failed"]:
         parts.append(f"{len(event['failed'])} failed")
     text = ", ".join(parts) or "nothing found"
@@ -181,11 +201,7 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        while _running:
-            run = _running.pop()
-            run.cancel()
-            run.join()
-            run.events()
+        _stop()
         session = session_of(context)
         session.indexing = False
         session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
@@ -208,6 +224,12 @@ class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
         return {"FINISHED"}
 
 
-register, unregister = bpy.utils.register_classes_factory(
+register, _unregister = bpy.utils.register_classes_factory(
     (SHAPEGOOGLE_OT_index_library, SHAPEGOOGLE_OT_cancel_indexing, SHAPEGOOGLE_OT_copy_errors)
 )
+
+
+def unregister() -> None:
+    """Take them back, and end what runs."""
+    _stop()
+    _unregister()

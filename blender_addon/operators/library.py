@@ -39,6 +39,7 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
             return {"CANCELLED"}
         path = path if path.suffix else path.with_suffix(LIBRARY_SUFFIX)
         preferences(context).library = str(path)
+        context.preferences.is_dirty = True
         session = session_of(context)
         session.summary = ""
         session.shape_count = 0
@@ -79,10 +80,11 @@ class SHAPEGOOGLE_OT_add_folder(bpy.types.Operator):
         if not path.is_dir():
             self.report({"ERROR"}, f"'{path}' is no folder")
             return {"CANCELLED"}
-        if all(Path(bpy.path.abspath(item.path)) != path for item in chosen.folders):
+        if all(Path(item.path) != path for item in chosen.folders):
             item = chosen.folders.add()
             item.name, item.path = path.name, str(path)
             chosen.active_folder = len(chosen.folders) - 1
+            context.preferences.is_dirty = True
         return {"FINISHED"}
 
 
@@ -104,6 +106,7 @@ class SHAPEGOOGLE_OT_remove_folder(bpy.types.Operator):
         chosen = preferences(context)
         chosen.folders.remove(chosen.active_folder)
         chosen.active_folder = max(0, chosen.active_folder - 1)
+        context.preferences.is_dirty = True
         return {"FINISHED"}
 
 

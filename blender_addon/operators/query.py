@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from bpy.props import IntProperty
 from .. import assets, jobs, scene
 from ..preferences import preferences
 from ..properties import session_of
-from ..scene_index import scene_source
+from ..scene_index import file_of, scene_source
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.session import Answer
@@ -113,18 +114,17 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
     session.searching = False
     session.matches.clear()
     assets.forget_pictures()
-    here = scene_source()
     for match in answer.matches:
         line = session.matches.add()
         line.name = match.name
         line.object_name = match.object_name
         line.shape_id = match.shape_id
-        line.source = match.source
+        line.source = file_of(match.source)
         line.similarity, line.distance = match.similarity, match.distance
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count = match.vertex_count
         line.kind = answer.kinds[match.shape_id]
-        line.in_scene = match.source == here and match.object_name in context.scene.objects
+        line.in_scene = _is_here(line.source, line.object_name)
         assets.keep_picture(match.shape_id, answer.thumbnails.get(match.shape_id))
     session.active_match = 0 if answer.matches else -1
     session.page = 0
@@ -209,12 +209,17 @@ class SHAPEGOOGLE_OT_turn_page(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _is_here(source: str, object_name: str) -> bool:
+    """Whether a shape is an object of the open scene, indexed as such or from its saved file."""
+    same_file = bool(bpy.data.filepath) and os.path.normcase(source) == os.path.normcase(bpy.data.filepath)
+    return (same_file or source == file_of(scene_source())) and object_name in bpy.context.scene.objects
+
+
 @bpy.app.handlers.persistent
-def _forget_scene(*_arguments: Any) -> None:
-    """Another file is open: what was in the scene is there no more."""
-    here = scene_source()
+def _look_again(*_arguments: Any) -> None:
+    """Another file is open: other matches are in the scene."""
     for line in session_of(bpy.context).matches:
-        line.in_scene = line.source == here and line.object_name in bpy.context.scene.objects
+        line.in_scene = _is_here(line.source, line.object_name)
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
@@ -230,11 +235,11 @@ _register, _unregister = bpy.utils.register_classes_factory(
 def register() -> None:
     """Make the operators known to Blender."""
     _register()
-    bpy.app.handlers.load_post.append(_forget_scene)
+    bpy.app.handlers.load_post.append(_look_again)
 
 
 def unregister() -> None:
     """Take them back, and forget the pictures."""
-    bpy.app.handlers.load_post.remove(_forget_scene)
+    bpy.app.handlers.load_post.remove(_look_again)
     _unregister()
     assets.forget_pictures()

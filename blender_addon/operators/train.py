@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ from ..properties import add_error, session_of
 __all__ = ["register", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.5
+
+# The run that learns now, so that it can be cancelled.
+_running: list[BackgroundRun] = []
 
 
 class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
@@ -47,39 +51,92 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Train, in the background where there is a window."""
-        chosen, session = preferences(context), session_of(context)
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".npz")
-        path.parent.mkdir(parents=True, exist_ok=True)
+        chosen = preferences(context)
+        path = Path(bpy.path.abspath(self.filepath))
+        path = path if path.suffix == ".npz" else path.with_name(f"{path.name}.npz")
         preset = "paper" if chosen.model == "PAPER" else "default"
         arguments = ["train", *map(str, chosen.sources()), "--output", str(path), "--preset", preset]
         arguments += ["--objects", chosen.objects.lower()]
         if chosen.jobs:
             arguments += ["--jobs", str(chosen.jobs)]
-        run = BackgroundRun(arguments)
-        session.training = "Training …"
-
-        def look() -> float | None:
-            run.events()
-            if run.exit_code is None:
-                session.training = run.lines[-1] if run.lines else "Training …"
-                redraw()
-                return SECONDS_BETWEEN_LOOKS
-            session.training = ""
-            if path.exists() and run.exit_code in (0, 1):
-                chosen.model, chosen.model_file = "FILE", str(path)
-                session.summary = f"Trained {path.name}; it is used for new libraries"
-            else:
-                session.summary = "Training failed; the list of errors says why"
-                add_error(session, str(path), "; ".join(list(run.lines)[-3:]))
-            return None
-
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            run = BackgroundRun(arguments)
+        except OSError as error:
+            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another place")
+            return {"CANCELLED"}
+        _running.append(run)
+        session_of(context).training = "Training …"
         if bpy.app.background:
             run.join()
-            look()
-            self.report({"INFO"}, session.summary)
+            _take(run, path)
+            self.report({"INFO"}, session_of(context).summary)
         else:
+            look = partial(_look, run, path)
             bpy.app.timers.register(look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
         return {"FINISHED"}
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_train_model,))
+def _look(run: BackgroundRun, path: Path) -> float | None:
+    if run not in _running:  # cancelled
+        return None
+    _take(run, path)
+    redraw()
+    return SECONDS_BETWEEN_LOOKS if run in _running else None
+
+
+def _take(run: BackgroundRun, path: Path) -> None:
+    """Show how far training is, and its end."""
+    run.events()
+    session = session_of(bpy.context)
+    if run.exit_code is None:
+        session.training = run.lines[-1] if run.lines else "Training …"
+        return
+    _running.remove(run)
+    session.training = ""
+    if path.exists() and run.exit_code in (0, 1):
+        chosen = preferences()
+        chosen.model, chosen.model_file = "FILE", str(path)
+        session.summary = f"Trained {path.name}; it is used for new libraries"
+    else:
+        session.summary = "Training failed; the list of errors says why"
+        add_error(session, str(path), "; ".join(list(run.lines)[-3:]))
+
+
+class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
+    """Stop training."""
+
+    bl_idname = "shape_google.cancel_training"
+    bl_label = "Cancel Training"
+    bl_description = "Stop; no model is written"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Something is being trained."""
+        return bool(session_of(context).training)
+
+    def execute(self, context: Any) -> set[str]:
+        """Stop it."""
+        _stop()
+        session = session_of(context)
+        session.training, session.summary = "", "Training cancelled"
+        return {"FINISHED"}
+
+
+def _stop() -> None:
+    while _running:
+        run = _running.pop()
+        run.cancel()
+        run.join()
+        run.events()
+
+
+register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_train_model, SHAPEGOOGLE_OT_cancel_training)
+)
+
+
+def unregister() -> None:
+    """Take them back, and end what runs."""
+    _stop()
+    _unregister()

@@ -146,6 +146,7 @@ class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):
         self.layout.operator_context = "INVOKE_DEFAULT"
         self.layout.operator("shape_google.index_library", text="Retry Failed Files").retry = True
         self.layout.operator("shape_google.index_library", text="Read All Files Again").reread = True
+        self.layout.operator("shape_google.index_library", text="Forget Missing Files").prune = True
         self.layout.separator()
         self.layout.operator("shape_google.train_model")
 

@@ -161,7 +161,7 @@ def test_the_scene_itself(preferences, session) -> None:
     lumpy("Second", 1)
     preferences.use_scene = True
     assert bpy.ops.shape_google.index_library() == {"FINISHED"}
-    assert session.summary == "2 added"
+    assert session.summary == "2 shapes of this scene"
     bpy.context.view_layer.objects.active = bpy.data.objects["First"]
     bpy.ops.object.select_all(action="DESELECT")
     bpy.ops.shape_google.find_similar()
@@ -239,6 +239,116 @@ def test_jobs_of_two(addon) -> None:
     assert worker.submit(abs, -4).result() == 4
     with pytest.raises(ShapeGoogleError, match="TypeError"):
         worker.submit(abs, "three").result()
+
+
+def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, session, tmp_path: Path) -> None:
+    lumpy("Query", 1)
+    bpy.ops.shape_google.find_similar()
+    names = [match.name for match in session.matches]
+    session.least_similarity = 0.25
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"), copy=True)
+    for load_ui in (True, False):
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "other.blend"), load_ui=load_ui)
+        kept = bpy.context.window_manager.shape_google
+        assert [match.name for match in kept.matches] == names
+        assert [error.name for error in kept.errors] == ["broken.blend"]
+        assert (kept.active_match, kept.query) == (0, "Query")
+        assert kept.least_similarity == pytest.approx(0.25)
+    # The file of the best match is open now: it can be selected there.
+    bpy.ops.shape_google.open_match()
+    kept = bpy.context.window_manager.shape_google
+    assert [match.name for match in kept.matches if match.in_scene] == ["Pear"]
+    assert bpy.ops.shape_google.select_match() == {"FINISHED"}
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def test_the_scene_and_its_file_are_two_sources(addon, folder: Path, preferences, session) -> None:
+    (folder / "broken.blend").unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "pear.blend"), load_ui=False)
+    lumpy("Unsaved", 5)
+    add_folder(preferences, folder)
+    preferences.use_scene = True
+    bpy.ops.shape_google.index_library()
+    session = bpy.context.window_manager.shape_google
+    assert session.summary == "4 added; 2 shapes of this scene"
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged; 2 shapes of this scene"
+    bpy.ops.shape_google.find_similar()
+    assert session.matches[0].name == "Unsaved"
+    # Pear is in the file and in the scene: what can be selected is shown.
+    shown = importlib.import_module(
+        f"{type(preferences).__module__.rpartition('.')[0]}.properties"
+    ).shown_matches
+    assert [match.in_scene for _, match in shown(session) if match.name == "Pear"] == [True]
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def test_a_cancelled_scene_stores_nothing(addon, preferences, session) -> None:
+    for seed in range(3):
+        lumpy(f"Shape {seed}", seed)
+    module = importlib.import_module(f"{addon.__name__}.scene_index")
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "default")
+    indexing.events()
+    indexing.cancel()
+    indexing.join()
+    assert indexing.events() == []
+    with Library.open(preferences.library) as library:
+        assert len(library) == 0
+    # Objects that are deleted meanwhile are left out; a model that is not there is said.
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "default")
+    bpy.data.objects.remove(bpy.data.objects["Shape 1"])
+    events = []
+    while indexing.exit_code is None:
+        indexing.join()
+        events += indexing.events()
+    assert [event["path"] for event in events[:-1]] == ["Shape 0", "Shape 2"]
+    assert events[-1] == {"scene": 2, "failed": [], "shapes": 2}
+    Path(preferences.library).unlink()
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "/no/model.npz")
+    assert indexing.events() == []
+    assert indexing.exit_code == 2
+    assert "cannot read the model" in indexing.lines[-1]
+
+
+def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences, session) -> None:
+    lumpy("Hidden", 0).hide_viewport = True
+    lumpy("Shown", 1)
+    wire = bpy.data.meshes.new("wire")
+    wire.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Wire", wire))
+    preferences.use_scene = True
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "1 shape of this scene"
+    assert not session.errors
+
+
+def test_forget_missing_files(indexed: Path, preferences, session) -> None:
+    (indexed / "plum.blend").unlink()
+    (indexed / "broken.blend").unlink()
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "3 unchanged"
+    with Library.open(preferences.library) as library:
+        assert len(library) == 4
+    bpy.ops.shape_google.index_library(prune=True)
+    assert session.summary == "3 unchanged, 2 removed"
+    with Library.open(preferences.library) as library:
+        assert len(library) == 3
+
+
+def test_what_is_chosen_is_saved(preferences, tmp_path: Path) -> None:
+    for change in (
+        lambda: bpy.ops.shape_google.choose_library(filepath=str(tmp_path / "new")),
+        lambda: bpy.ops.shape_google.add_folder(directory=str(tmp_path)),
+        lambda: setattr(preferences.folders[0], "use", False),
+        lambda: bpy.ops.shape_google.remove_folder(),
+    ):
+        bpy.context.preferences.is_dirty = False
+        change()
+        assert bpy.context.preferences.is_dirty
+    assert preferences.library == str(tmp_path / "new.sglib")
+    # A path beside the open file would mean another one in the next file.
+    preferences.library = "//lib.sglib"
+    assert Path(preferences.library).is_absolute()
 
 
 @pytest.mark.long
