@@ -26,7 +26,7 @@ from . import assets
 if TYPE_CHECKING:
     from shapegoogle_core.background import Worker
 
-__all__ = ["BackgroundRun", "redraw", "stop_all", "warm_up", "warm_up_soon", "watch", "worker"]
+__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up", "warm_up_soon", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -186,12 +186,23 @@ class BackgroundRun:
 _runs: list[BackgroundRun] = []
 
 
-def stop_all() -> None:
-    """End all background work."""
-    for run in list(_runs):
+def end(runs: list[Any]) -> None:
+    """Cancel runs, wait until they have ended, and take them out of their list.
+
+    Parameters
+    ----------
+    runs : list of BackgroundRun or SceneIndexing
+    """
+    while runs:
+        run = runs.pop()
         run.cancel()
         run.join()
         run.events()
+
+
+def stop_all() -> None:
+    """End all background work."""
+    end(list(_runs))
     while _worker:
         _worker.pop().stop()
     _warming.clear()

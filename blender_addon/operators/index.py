@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty
 
-from .. import scene_index
+from .. import jobs, scene_index
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..properties import add_error, session_of
@@ -115,14 +115,6 @@ def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
     return arguments
 
 
-def _stop() -> None:
-    while _running:
-        run = _running.pop()
-        run.cancel()
-        run.join()
-        run.events()
-
-
 def _look() -> float | None:
     """Take over what the background has done so far."""
     if _running:
@@ -201,7 +193,7 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        _stop()
+        jobs.end(_running)
         session = session_of(context)
         session.indexing = False
         session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
@@ -231,5 +223,5 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 def unregister() -> None:
     """Take them back, and end what runs."""
-    _stop()
+    jobs.end(_running)
     _unregister()

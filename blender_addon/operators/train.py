@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import StringProperty
 
+from .. import jobs
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..properties import add_error, session_of
@@ -117,18 +118,10 @@ class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        _stop()
+        jobs.end(_running)
         session = session_of(context)
         session.training, session.summary = "", "Training cancelled"
         return {"FINISHED"}
-
-
-def _stop() -> None:
-    while _running:
-        run = _running.pop()
-        run.cancel()
-        run.join()
-        run.events()
 
 
 register, _unregister = bpy.utils.register_classes_factory(
@@ -138,5 +131,5 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 def unregister() -> None:
     """Take them back, and end what runs."""
-    _stop()
+    jobs.end(_running)
     _unregister()
