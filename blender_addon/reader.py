@@ -8,9 +8,11 @@ knows neither this add-on nor its wheels. Scripts inside the files never run, an
 
 from __future__ import annotations
 
+import ctypes
 import json
 import math
 import os
+import signal
 import sys
 from array import array
 from collections.abc import Iterator
@@ -27,24 +29,63 @@ ANSWER = "shapegoogle-answer "
 UP_AXIS = 2
 # Two scales closer than this are one: float32 matrices carry about seven digits.
 SAME_SCALE = 1e-5
+# Of these kinds a parent deforms its children, as a modifier would.
+DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
+# Of Linux's prctl: which signal comes when the parent ends.
+PR_SET_PDEATHSIG = 1
 
 
 def main() -> None:
     """Answer one request after the other until the input is closed."""
+    _end_with_parent()
+    _reply({"ready": True})
+    limited = False
     # Read in binary: under Windows or the C locale text would come in an encoding of its own.
     for line in sys.stdin.buffer:
         request = json.loads(line)
+        if not limited and request.get("memory_limit") is not None:
+            _limit_memory(request["memory_limit"])
+            limited = True
         try:
             answer = read(request)
         except (RuntimeError, OSError, ValueError) as error:
             answer = {"error": _reason(request["path"], error)}
-        # Blender prints on the same stream, also from C: begin a line of our own.
-        sys.stdout.flush()
-        text = f"\n{ANSWER}{json.dumps(answer)}\n"
-        os.write(1, text.encode("ascii"))
+        except MemoryError:
+            limit = request["memory_limit"]
+            reason = f"needs more than {limit} MB of memory; simplify it or raise the memory limit"
+            answer = {"error": f"{Path(request['path']).name!r} {reason}"}
+        _reply(answer)
 
 
-def read(request: dict[str, str]) -> dict[str, Any]:
+def _reply(answer: dict[str, Any]) -> None:
+    # Blender prints on the same stream, also from C: begin a line of our own.
+    sys.stdout.flush()
+    os.write(1, f"\n{ANSWER}{json.dumps(answer)}\n".encode("ascii"))
+
+
+def _end_with_parent() -> None:
+    """Have Linux end this process when its parent is gone, killed perhaps, whatever Blender is doing then.
+
+    Elsewhere it ends when it next looks at its input, which is closed: not while Blender hangs over a file,
+    since during a call into Blender no other thread of Python runs.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
+def _limit_memory(megabytes: int) -> None:
+    """Let this process have so much memory on top of what it holds now; on Linux only."""
+    if sys.platform == "linux":
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        limit = pages * resource.getpagesize() + megabytes * 2**20
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        if hard == resource.RLIM_INFINITY or limit < hard:
+            resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+
+
+def read(request: dict[str, Any]) -> dict[str, Any]:
     """Open a file and write its shapes.
 
     Parameters
@@ -179,7 +220,9 @@ def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
 
 def _is_plain(item: Any) -> bool:
     """Whether an object looks as its data says: objects of the same data are then the same shape."""
-    return not item.modifiers and item.data.shape_keys is None
+    # In old files a parent deforms its children without any modifier.
+    deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
+    return not item.modifiers and item.data.shape_keys is None and not deformed
 
 
 def _is_similarity(matrix: Any) -> bool:

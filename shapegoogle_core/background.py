@@ -21,7 +21,7 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.launching import NO_WINDOW, THREAD_VARIABLES
+from shapegoogle_core.launching import NO_WINDOW, THREAD_VARIABLES, divert_output
 
 __all__ = ["Task", "Worker", "serve"]
 
@@ -46,11 +46,7 @@ class Task(Future[T]):
         """Stop the task, also if it runs already; False if it is done."""
         if super().cancel():
             return True
-        if self.done():
-            return False
-        self.abandoned = True
-        self._worker.kill()
-        return True
+        return self._worker.abandon(self)
 
 
 _Entry = tuple[Task[Any], Callable[..., Any], tuple[object, ...]]
@@ -66,6 +62,9 @@ class Worker:
         self._tasks: SimpleQueue[_Entry | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
         self._process: subprocess.Popen[bytes] | None = None
+        # Held while a task begins or ends, so that a late `cancel` does not hit the next one's process.
+        self._lock = threading.Lock()
+        self._current: Task[Any] | None = None
 
     @property
     def started(self) -> bool:
@@ -101,6 +100,15 @@ class Worker:
         if process is not None:
             process.kill()
 
+    def abandon(self, task: Task[Any]) -> bool:
+        """End the process if it is at this task; False if the task is done."""
+        with self._lock:
+            if self._current is not task:
+                return False
+            task.abandoned = True
+            self.kill()
+            return True
+
     def stop(self) -> None:
         """End the process, give up all tasks, and wait until that is done."""
         if self._thread is None:
@@ -121,12 +129,16 @@ class Worker:
     def _work(self) -> None:
         while (entry := self._tasks.get()) is not None:
             task, function, arguments = entry
-            if not task.set_running_or_notify_cancel():
-                continue
+            with self._lock:
+                if not task.set_running_or_notify_cancel():
+                    continue
+                self._current = task
             try:
-                succeeded, result = self._ask(function, arguments)
+                succeeded, result = self._ask(task, function, arguments)
             except Exception as error:  # whatever it was must reach the one who waits
                 succeeded, result = False, error
+            with self._lock:
+                self._current = None
             if task.abandoned:
                 task.set_exception(CancelledError())
             elif succeeded:
@@ -135,9 +147,14 @@ class Worker:
                 task.set_exception(result)
         self._end()
 
-    def _ask(self, function: Callable[..., Any], arguments: tuple[object, ...]) -> tuple[bool, Any]:
+    def _ask(
+        self, task: Task[Any], function: Callable[..., Any], arguments: tuple[object, ...]
+    ) -> tuple[bool, Any]:
         message = pickle.dumps((function, arguments), protocol=pickle.HIGHEST_PROTOCOL)
-        process = self._running()
+        with self._lock:
+            if task.abandoned:
+                raise CancelledError
+            process = self._running()
         assert process.stdin is not None
         assert process.stdout is not None
         try:
@@ -185,9 +202,8 @@ class Worker:
 
 def serve() -> None:
     """Do one task after the other, from standard input to standard output, until the input is closed."""
-    answers = os.fdopen(os.dup(1), "wb")
     # What a library prints must not end up among the answers.
-    os.dup2(2, 1)
+    answers = os.fdopen(divert_output(), "wb")
     while True:
         try:
             function, arguments = pickle.load(sys.stdin.buffer)

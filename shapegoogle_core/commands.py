@@ -10,7 +10,6 @@ from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from shapegoogle_core.errors import MeshError, ModelError
@@ -19,7 +18,6 @@ from shapegoogle_core.indexing import (
     FoundShape,
     IndexReport,
     default_jobs,
-    describe_file,
     end_external_readers,
     find_meshes,
     index_files,
@@ -62,7 +60,7 @@ def index(options: Namespace) -> int:
                     memory_limit=options.memory_limit,
                     retry=options.retry,
                     reread=options.reread,
-                    describe=partial(describe_file, reader=_limited(options)),
+                    reader=_limited(options),
                     progress=progress,
                 )
         except KeyboardInterrupt:
@@ -267,7 +265,9 @@ def train(options: Namespace) -> int:
 def _limited(options: Namespace) -> ExternalReader | None:
     """Return the reader with a part of the time limit, so that it is not the worker who is given up."""
     reader: ExternalReader | None = options.reader
-    return None if reader is None else replace(reader, time_limit=0.8 * options.time_limit)
+    return None if reader is None else replace(
+        reader, time_limit=0.8 * options.time_limit, memory_limit=options.memory_limit
+    )
 
 
 def _find(options: Namespace, failed: Failures) -> list[Path]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["NO_WINDOW", "THREAD_VARIABLES", "single_threaded"]
+__all__ = ["NO_WINDOW", "THREAD_VARIABLES", "divert_output", "single_threaded", "without_memory_limit"]
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Environment variables that the libraries read when they are imported."""
@@ -30,3 +31,41 @@ def single_threaded() -> Iterator[None]:
     finally:
         for name in added:
             os.environ.pop(name, None)
+
+
+def divert_output() -> int:
+    """Have what libraries print, from C too, appear on standard error; nowhere if there is none.
+
+    Returns
+    -------
+    output : int
+        File descriptor of what was standard output.
+    """
+    for standard in (1, 2):
+        try:
+            os.fstat(standard)
+        except OSError:
+            # A program without a console need not have them; the next file opened must not take their place.
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            if nowhere != standard:
+                os.dup2(nowhere, standard)
+                os.close(nowhere)
+    output = os.dup(1)
+    os.dup2(2, 1)
+    return output
+
+
+@contextmanager
+def without_memory_limit() -> Iterator[None]:
+    """Have processes started inside the block not inherit this process's limit of memory (Linux)."""
+    if sys.platform != "linux":
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))

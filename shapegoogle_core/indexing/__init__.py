@@ -8,26 +8,32 @@ from shapegoogle_core.indexing.readers import (
     ExternalReader,
     FileShapes,
     FoundShape,
+    ReaderError,
     ReaderOption,
     end_external_readers,
+    iterate_shapes,
     read_shapes,
     readable_suffixes,
 )
-from shapegoogle_core.indexing.workers import default_jobs, describe_file
+from shapegoogle_core.indexing.work import DescribedShape, describe_shape
+from shapegoogle_core.indexing.workers import default_jobs
 
 __all__ = [
     "ANSWER",
+    "DescribedShape",
     "ExternalReader",
     "FileOutcome",
     "FileShapes",
     "FoundShape",
     "IndexReport",
+    "ReaderError",
     "ReaderOption",
     "default_jobs",
-    "describe_file",
+    "describe_shape",
     "end_external_readers",
     "find_meshes",
     "index_files",
+    "iterate_shapes",
     "read_shapes",
     "readable_suffixes",
 ]

@@ -5,22 +5,25 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
-from shapegoogle_core.indexing.files import ContentKey, FileState, absolute, content_key, examine, stamp
-from shapegoogle_core.indexing.workers import (
-    DescribedFile,
-    DescribedShape,
-    DescribeFunction,
-    Failure,
-    Workers,
-    default_jobs,
-    describe_file,
+from shapegoogle_core.indexing.files import (
+    ContentKey,
+    FileState,
+    absolute,
+    choices_of,
+    content_key,
+    content_of,
+    examine,
+    stamp,
 )
+from shapegoogle_core.indexing.readers import ExternalReader, FoundShape, iterate_shapes
+from shapegoogle_core.indexing.work import DescribedShape, Failure
+from shapegoogle_core.indexing.workers import DescribedFile, Workers, default_jobs
 from shapegoogle_core.launching import single_threaded
 from shapegoogle_core.library import Library, NewShape, SourceRecord
 
@@ -86,13 +89,15 @@ def index_files(
     progress: Callable[[FileOutcome], None] | None = None,
     retry: bool = False,
     reread: bool = False,
-    describe: DescribeFunction = describe_file,
+    reader: ExternalReader | None = None,
+    read: ReadAny = iterate_shapes,
 ) -> IndexReport:
     """Bring a library up to date with mesh files.
 
     A file whose size and time are known is not opened; one whose content is known is not described again,
-    even under another name. The rest is described by worker processes and stored as it comes in, one
-    transaction per file: whatever ends the run, files already stored stay. Call it under
+    even under another name; unless the reader's options are others now. The rest is described by worker
+    processes and stored as it comes in, one transaction per file: whatever ends the run, files already stored
+    stay. What fails though its content gave shapes before keeps these. Call it under
     ``if __name__ == "__main__":``, as everything that starts processes.
 
     Parameters
@@ -104,17 +109,19 @@ def index_files(
     jobs : int, optional
         Worker processes; one for each processor when left out.
     time_limit : float
-        Seconds that one file may take.
+        Seconds that reading one file may take, and describing one shape.
     memory_limit : int
-        Megabytes that one file may need. Enforced on Linux only.
+        Megabytes that reading one file, or describing one shape, may need. Enforced on Linux only.
     progress : callable, optional
         Called with each `FileOutcome`.
     retry : bool
         Try files again that failed before and have not changed since. They are reported as failed otherwise.
     reread : bool
-        Read and describe all files again, changed or not: for other options of `describe`.
-    describe : callable
-        ``describe(path, model)``, what the workers do; a function that can be imported by its name.
+        Read and describe all files again, changed or not.
+    reader : ExternalReader, optional
+        For files that this package does not read.
+    read : callable
+        How the workers read a file; a function that can be imported by its name.
 
     Returns
     -------
@@ -126,13 +133,17 @@ def index_files(
         If the library cannot be written.
     """
     started = time.monotonic()
-    run = _Run(library, progress, retry=retry, reread=reread)
+    run = _Run(library, progress, reader, retry=retry, reread=reread)
     changed = run.pass_over_unchanged(paths)
     jobs = min(jobs or default_jobs(), max(len(changed), 1))
     with (
         single_threaded(),
         Workers(
-            describe, library.model, jobs=jobs, time_limit=time_limit, memory_limit=memory_limit
+            partial(read, reader=reader),
+            library.model,
+            jobs=jobs,
+            time_limit=time_limit,
+            memory_limit=memory_limit,
         ) as workers,
     ):
         for path in changed:
@@ -151,6 +162,13 @@ def index_files(
     )
 
 
+class ReadAny(Protocol):
+    """A function like `iterate_shapes`."""
+
+    def __call__(self, path: Path, reader: ExternalReader | None) -> Iterator[FoundShape | str]:
+        """Yield the shapes of a file, or sentences on what could not be read."""
+
+
 class _Run:
     """One run of `index_files`: what is known, what the workers have, what came out."""
 
@@ -158,6 +176,7 @@ class _Run:
         self,
         library: Library,
         progress: Callable[[FileOutcome], None] | None,
+        reader: ExternalReader | None,
         *,
         retry: bool,
         reread: bool,
@@ -167,6 +186,7 @@ class _Run:
         self.failed: list[tuple[Path, str]] = []
         self._library = library
         self._progress = progress
+        self._reader = reader
         self._retry = retry
         self._reread = reread
         self._known = library.sources()
@@ -188,7 +208,12 @@ class _Run:
 
     def _again(self, source: SourceRecord) -> bool:
         """Whether a file is read again though it has not changed."""
-        return self._reread or (self._retry and source.error is not None)
+        if self._reread or (self._retry and source.error is not None):
+            return True
+        return source.sha256 is not None and choices_of(source.sha256) != self._choices(Path(source.path))
+
+    def _choices(self, path: Path) -> str:
+        return "" if self._reader is None else self._reader.choices_for(path)
 
     def pass_over_unchanged(self, paths: Iterable[str | Path]) -> list[Path]:
         """Deal with the files whose size and time are known; returns the others, which must be opened."""
@@ -209,7 +234,7 @@ class _Run:
     def begin(self, path: Path, workers: Workers) -> None:
         """Store a file whose content is known, or hand it to the workers."""
         try:
-            file = examine(path)
+            file = examine(path, self._choices(path))
         except OSError as error:
             self._fail(path, _unreadable(path, error))
             return
@@ -262,6 +287,9 @@ class _Run:
             NewShape(shape.signature, shape.object_name or file.path.name, shape.object_name, shape.thumbnail)
             for shape in described.shapes
         ]
+        if described.problem and self._shapes_before(file) > len(shapes):
+            self._keep(file, Failure(described.problem))
+            return
         before = self._replace(file, shapes=shapes, error=described.problem or None)
         self.shapes += len(shapes)
         if described.problem:
@@ -272,9 +300,25 @@ class _Run:
         self._note(FileOutcome(file.path, "updated" if known else "added"))
 
     def _store_failure(self, file: FileState, failure: Failure) -> None:
-        # Remembered, so that a file that takes all its time or crashes is not tried in every run.
-        self._replace(file, error=failure.reason)
+        if self._shapes_before(file):
+            self._keep(file, failure)
+            return
+        if failure.lasting:
+            # Remembered, so that a file that takes all its time or crashes is not tried in every run.
+            self._replace(file, error=failure.reason)
         self._fail(file.path, failure)
+
+    def _shapes_before(self, file: FileState) -> int:
+        """How many shapes the library has of the very content that a file has now."""
+        before = self._known.get(str(file.path))
+        if before is None or before.sha256 is None or content_of(before.sha256) != content_of(file.sha256):
+            return 0
+        return before.shape_count
+
+    def _keep(self, file: FileState, failure: Failure) -> None:
+        """Fail a file that gave shapes before, and keep these: its content is still the same."""
+        reason = f"{failure.reason} (its shapes of an earlier run were kept)"
+        self._fail(file.path, replace(failure, reason=reason))
 
     def _replace(
         self, file: FileState, shapes: Sequence[NewShape] = (), error: str | None = None

@@ -16,9 +16,20 @@ from urllib.parse import unquote
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import MESH_SUFFIXES
 
-__all__ = ["ContentKey", "FileState", "absolute", "content_key", "examine", "find_meshes", "stamp"]
+__all__ = [
+    "ContentKey",
+    "FileState",
+    "absolute",
+    "choices_of",
+    "content_key",
+    "content_of",
+    "examine",
+    "find_meshes",
+    "stamp",
+]
 
-# Copies of a file are recognised by content and suffix: the suffix decides how the content is read.
+# Copies of a file are recognised by content and suffix: the suffix decides how the content is read, and so do
+# the reader's options, which are written behind the hash: "9f86…+objects=assets".
 ContentKey = tuple[str, str]
 
 
@@ -113,7 +124,7 @@ class FileState:
     mtime_ns : int
         Time of the last change, in nanoseconds.
     sha256 : str
-        Hash of the content, in hexadecimal digits.
+        Hash of the content, in hexadecimal digits, and the reader's options.
     """
 
     path: Path
@@ -139,6 +150,16 @@ def content_key(path: Path, sha256: str) -> ContentKey:
     return sha256, path.suffix.lower()
 
 
+def content_of(sha256: str) -> str:
+    """Take the hash of the content alone."""
+    return sha256.partition("+")[0]
+
+
+def choices_of(sha256: str) -> str:
+    """Take the reader's options behind a hash, as `ExternalReader.choices_for` writes them."""
+    return sha256[len(content_of(sha256)) :]
+
+
 def stamp(path: Path) -> tuple[int, int]:
     """Size in bytes and time of the last change: while both stay, the content is taken to be the same.
 
@@ -151,8 +172,18 @@ def stamp(path: Path) -> tuple[int, int]:
     return sum(state.st_size for state in states), max(state.st_mtime_ns for state in states)
 
 
-def examine(path: Path) -> FileState:
+def examine(path: Path, choices: str = "") -> FileState:
     """Hash a file.
+
+    Parameters
+    ----------
+    path : Path
+    choices : str, optional
+        Of the reader, as `ExternalReader.choices_for` writes them.
+
+    Returns
+    -------
+    state : FileState
 
     Raises
     ------
@@ -167,7 +198,7 @@ def examine(path: Path) -> FileState:
             digests.append(hashlib.file_digest(file, "sha256"))
     if len(digests) > 1:
         digests = [hashlib.sha256(b"".join(digest.digest() for digest in digests))]
-    return FileState(path, size, mtime_ns, digests[0].hexdigest())
+    return FileState(path, size, mtime_ns, digests[0].hexdigest() + choices)
 
 
 def _parts(path: Path) -> list[Path]:

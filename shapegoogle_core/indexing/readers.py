@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: MIT
 """From a file to its shapes: mesh files are read here, others by another program, such as Blender.
 
-The other program is started once and asked for one file after the other. A request is one line of JSON on
-its standard input::
+The other program is started once, says that it is there, and is asked for one file after the other. A request
+is one line of JSON on its standard input::
 
-    {"path": "…/scene.blend", "output": "…/shapes.bin", …options}
+    {"path": "…/scene.blend", "output": "…/shapes.bin", "memory_limit": 4096 or null, …options}
+
+The limit is in megabytes, on top of what the program holds before its first request.
 
 It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
 triangles (int32), little-endian, and answers with one line on its standard output that begins with
 `ANSWER`; other lines are its own affair. With "joined", all shapes are parts of one::
 
+    shapegoogle-answer {"ready": true}
     shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
     row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
     shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
@@ -22,8 +25,9 @@ import os
 import subprocess
 import tempfile
 import threading
+import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.launching import NO_WINDOW
+from shapegoogle_core.launching import NO_WINDOW, without_memory_limit
 from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
 
 __all__ = [
@@ -40,8 +44,10 @@ __all__ = [
     "ExternalReader",
     "FileShapes",
     "FoundShape",
+    "ReaderError",
     "ReaderOption",
     "end_external_readers",
+    "iterate_shapes",
     "read_shapes",
     "readable_suffixes",
 ]
@@ -51,6 +57,10 @@ ANSWER = "shapegoogle-answer "
 PATIENCE = 5.0
 # So many of the last lines that a program printed are kept, to say why it ended.
 KEPT_LINES = 5
+
+
+class ReaderError(MeshError):
+    """The program that should read a file cannot be started: nothing is known of the file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +137,8 @@ class ExternalReader:
         What was chosen: names and values, sent along with every request.
     time_limit : float
         Seconds that it may take for one file; it is killed then.
+    memory_limit : int or None
+        Megabytes that it may need for one file; it has to see to that itself.
     environment : tuple of (str, str)
         Environment variables for it, on top of this process's own.
     """
@@ -137,7 +149,19 @@ class ExternalReader:
     offers: tuple[ReaderOption, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
     time_limit: float = 300.0
+    memory_limit: int | None = None
     environment: tuple[tuple[str, str], ...] = field(default=(), repr=False)
+
+    def reads(self, path: Path) -> bool:
+        """Whether this program reads such a file."""
+        return path.suffix.lower() in self.suffixes
+
+    def choices_for(self, path: Path) -> str:
+        """Write down the options that decide what a file gives; empty if all are the usual ones."""
+        if not self.reads(path):
+            return ""
+        usual = {offer.name: offer.choices[0] for offer in self.offers}
+        return "".join(f"+{name}={value}" for name, value in self.options if usual.get(name) != value)
 
 
 def read_shapes(path: str | Path, reader: ExternalReader | None = None) -> FileShapes:
@@ -160,12 +184,41 @@ def read_shapes(path: str | Path, reader: ExternalReader | None = None) -> FileS
     MeshError
         If the file cannot be read.
     """
+    shapes: list[FoundShape] = []
+    problems: list[str] = []
+    for found in iterate_shapes(path, reader):
+        if isinstance(found, str):
+            problems.append(found)
+        else:
+            shapes.append(found)
+    return FileShapes(shapes, problems)
+
+
+def iterate_shapes(path: str | Path, reader: ExternalReader | None = None) -> Iterator[FoundShape | str]:
+    """Read the shapes of a file one by one; otherwise as `read_shapes`.
+
+    Parameters
+    ----------
+    path : str or Path
+    reader : ExternalReader, optional
+
+    Yields
+    ------
+    found : FoundShape or str
+        A sentence for a part that could not be read.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read.
+    """
     path = Path(path)
-    if reader is None or path.suffix.lower() not in reader.suffixes:
-        return FileShapes([FoundShape(read_mesh(path))])
+    if reader is None or not reader.reads(path):
+        yield FoundShape(read_mesh(path))
+        return
     if not path.is_file():
         raise MeshError(f"{str(path)!r} is not there, or is no file; check the spelling")
-    return _programs.setdefault(reader, _Process(reader)).read(path)
+    yield from _programs.setdefault(reader, _Process(reader)).read(path)
 
 
 def readable_suffixes(reader: ExternalReader | None) -> frozenset[str]:
@@ -187,18 +240,19 @@ class _Process:
         self._reader = reader
         self._program: subprocess.Popen[str] | None = None
 
-    def read(self, path: Path) -> FileShapes:
-        with tempfile.TemporaryDirectory(prefix="shapegoogle-") as folder:
+    def read(self, path: Path) -> Iterator[FoundShape | str]:
+        with tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True) as folder:
             output = Path(folder, "shapes.bin")
             request = {
                 "path": os.fspath(path.absolute()),
                 "output": str(output),
+                "memory_limit": self._reader.memory_limit,
                 **dict(self._reader.options),
             }
             answer = self._ask(path, json.dumps(request))
             if "error" in answer:
                 raise MeshError(str(answer["error"]))
-            return _shapes(path, answer, output)
+            yield from _shapes(path, answer, output)
 
     def end(self) -> None:
         """Close the program's input, which ends it, or else kill it."""
@@ -217,8 +271,28 @@ class _Process:
         program.stdout.close()
 
     def _ask(self, path: Path, request: str) -> Mapping[str, Any]:
-        program = self._started()
+        deadline = time.monotonic() + self._reader.time_limit
+        program = self._started(deadline)
         assert program.stdin is not None
+        with suppress(BrokenPipeError):  # it died; its last words say how
+            print(request, file=program.stdin, flush=True)
+        answer, ending = self._answer(program, deadline)
+        if answer is not None:
+            return answer
+        if not ending:
+            raise MeshError(
+                f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
+                "given up; simplify it or raise the time limit"
+            )
+        raise MeshError(
+            f"{path.name!r} crashed {self._reader.title}, which read it ({ending}); open and save it again, "
+            "or simplify it"
+        )
+
+    def _answer(
+        self, program: subprocess.Popen[str], deadline: float
+    ) -> tuple[Mapping[str, Any] | None, str]:
+        """Wait for an answer; without one the program has ended, as the text says, or was late: no text."""
         assert program.stdout is not None
         timed_out = threading.Event()
 
@@ -226,52 +300,51 @@ class _Process:
             timed_out.set()
             program.kill()
 
-        timer = threading.Timer(self._reader.time_limit, give_up)
+        timer = threading.Timer(max(deadline - time.monotonic(), 0.0), give_up)
         timer.start()
         last_lines: deque[str] = deque(maxlen=KEPT_LINES)
         try:
-            with suppress(BrokenPipeError):  # it died; its last words say how
-                print(request, file=program.stdin, flush=True)
             for line in program.stdout:
                 if line.startswith(ANSWER):
                     answer: Mapping[str, Any] = json.loads(line[len(ANSWER) :])
-                    return answer
+                    return answer, ""
                 last_lines.append(line.strip())
         finally:
             timer.cancel()
         self.end()
-        if timed_out.is_set():
-            raise MeshError(
-                f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
-                "given up; simplify it or raise the time limit"
-            )
         printed = "; ".join(line for line in last_lines if line)
-        raise MeshError(
-            f"{path.name!r} crashed {self._reader.title}, which read it (exit code {program.returncode}"
-            f"{', last words: ' + printed if printed else ''}); open and save it again, or simplify it"
-        )
+        ending = f"exit code {program.returncode}{', last words: ' + printed if printed else ''}"
+        return None, "" if timed_out.is_set() else ending
 
-    def _started(self) -> subprocess.Popen[str]:
+    def _started(self, deadline: float) -> subprocess.Popen[str]:
         if self._program is not None and self._program.poll() is not None:
             self.end()
         if self._program is None:
             try:
-                self._program = subprocess.Popen(
-                    self._reader.command,
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    # What it prints there must not end up among the lines of this program.
-                    stderr=subprocess.STDOUT,
-                    encoding="utf-8",
-                    errors="replace",
-                    creationflags=NO_WINDOW,
-                    env={**os.environ, **dict(self._reader.environment)},
-                )
+                # Its limit is its own affair: a Blender reserves far more than it uses.
+                with without_memory_limit():
+                    self._program = subprocess.Popen(
+                        self._reader.command,
+                        stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        # What it prints there must not end up among the lines of this program.
+                        stderr=subprocess.STDOUT,
+                        encoding="utf-8",
+                        errors="replace",
+                        creationflags=NO_WINDOW,
+                        env={**os.environ, **dict(self._reader.environment)},
+                    )
             except OSError as error:
-                raise MeshError(
+                raise ReaderError(
                     f"{self._reader.title} cannot be started ({error.strerror or error}: "
                     f"{self._reader.command[0]!r}); install it, or name another one"
                 ) from error
+            answer, ending = self._answer(self._program, deadline)
+            if answer is None:
+                raise ReaderError(
+                    f"{self._reader.title} cannot be started ({ending or 'it says nothing'}: "
+                    f"{self._reader.command[0]!r}); install it again, or name another one"
+                )
         return self._program
 
 
@@ -279,11 +352,11 @@ class _Process:
 _programs: dict[ExternalReader, _Process] = {}
 
 
-def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> FileShapes:
-    """Take the arrays out of the file that the program wrote."""
-    shapes: list[FoundShape] = []
+def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[FoundShape | str]:
+    """Take the arrays out of the file that the program wrote, one shape at a time."""
+    yield from map(str, answer["problems"])
     up_axis = answer["up_axis"]
-    problems = [str(problem) for problem in answer["problems"]]
+    parts: list[Mesh] = []
     places: dict[int, int] = {}  # of the program's shapes among those that are none of the problems
     with output.open("rb") as file:
         for index, record in enumerate(answer["shapes"]):
@@ -296,13 +369,16 @@ def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> FileShapes:
             try:
                 mesh = Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
             except MeshError as error:
-                problems.append(str(error))
+                yield str(error)
                 continue
-            places[index] = len(shapes)
-            shapes.append(FoundShape(mesh, name, places.get(record["twin_of"]), up_axis))
-    if answer["joined"] and shapes:
-        shapes = [FoundShape(_joined([shape.mesh for shape in shapes], path.name), up_axis=up_axis)]
-    return FileShapes(shapes, problems)
+            if answer["joined"]:
+                parts.append(mesh)
+                continue
+            twin_of = places.get(record["twin_of"])
+            places[index] = len(places)
+            yield FoundShape(mesh, name, twin_of, up_axis)
+    if parts:
+        yield FoundShape(_joined(parts, path.name), up_axis=up_axis)
 
 
 def _joined(meshes: Sequence[Mesh], name: str) -> Mesh:

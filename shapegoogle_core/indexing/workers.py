@@ -1,62 +1,60 @@
 # SPDX-License-Identifier: MIT
-"""Worker processes that describe mesh files: one that hangs, crashes or eats the memory costs one file."""
+"""Worker processes: a file or shape that hangs, crashes or eats the memory costs only itself.
+
+A task is to read one file, or to describe one shape of it: many objects in a file take as long as they take,
+all processes share them, and the time limit is for each.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import shutil
 import signal
 import sys
 import tempfile
-import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import count
 from multiprocessing import resource_tracker
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from pebble import ProcessExpired, ProcessPool
-from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.errors import MeshError, ShapeGoogleError
-from shapegoogle_core.indexing.readers import ExternalReader, FoundShape, read_shapes
-from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
-from shapegoogle_core.rendering import thumbnail
+from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.indexing.work import (
+    DescribedShape,
+    Failure,
+    ReadFile,
+    ReadFunction,
+    describe_in_worker,
+    read_in_worker,
+    start_worker,
+)
+from shapegoogle_core.model import ShapeModel
 
-__all__ = ["DescribedFile", "DescribedShape", "Failure", "Workers", "default_jobs", "describe_file"]
+__all__ = ["DescribedFile", "Workers", "default_jobs"]
 
-# A worker starts afresh after so many files, so that what libraries leak does not add up over a long run.
-FILES_PER_WORKER = 500
-# So often in a row all processes may die before any file is done; then something other than a file is wrong.
+# A worker starts afresh after so many tasks, so that what libraries leak does not add up over a long run.
+TASKS_PER_WORKER = 1000
+# Tasks that are handed to the pool, for each process: enough that none waits.
+TASKS_AHEAD = 3
+# So often in a row all processes may die before any task is done; then something other than a file is wrong.
 MAX_RESTARTS = 2
-
-
-@dataclass(frozen=True, eq=False)
-class DescribedShape:
-    """What a worker makes of one shape.
-
-    Attributes
-    ----------
-    object_name : str
-        Of the object inside its file; empty for a file that is one shape.
-    signature : ShapeSignature
-    thumbnail : bytes or None
-        A picture as PNG.
-    """
-
-    object_name: str
-    signature: ShapeSignature
-    thumbnail: bytes | None
+# So many of a file's problems are told.
+TOLD = 20
 
 
 @dataclass(frozen=True, eq=False)
 class DescribedFile:
-    """What a worker makes of one file.
+    """What workers make of one file.
 
     Attributes
     ----------
@@ -70,72 +68,77 @@ class DescribedFile:
     problem: str = ""
 
 
-@dataclass(frozen=True)
-class Failure:
-    """Why a file could not be described.
+@dataclass(eq=False)
+class _File:
+    """A file in work: its folder for what is temporary, and what is known so far."""
 
-    Attributes
-    ----------
-    reason : str
-        One sentence for the user.
-    details : str
-        The traceback of an error nobody foresaw, else empty.
-    """
+    path: Path
+    folder: Path
+    found: ReadFile | None = None
+    described: dict[int, DescribedShape | Failure] = field(default_factory=dict)
 
-    reason: str
-    details: str = ""
+    def originals(self) -> list[int]:
+        """Which of the shapes have to be described; the others are twins of these."""
+        assert self.found is not None
+        return [index for index, shape in enumerate(self.found.shapes) if shape.twin_of is None]
 
+    def name_of(self, index: int) -> str:
+        """Return what errors call a shape."""
+        assert self.found is not None
+        return self.found.shapes[index].object_name or self.path.name
 
-DescribeFunction = Callable[[Path, ShapeModel], DescribedFile]
-
-
-def describe_file(path: Path, model: ShapeModel, reader: ExternalReader | None = None) -> DescribedFile:
-    """Read one file and describe its shapes.
-
-    Parameters
-    ----------
-    path : Path
-    model : ShapeModel
-    reader : ExternalReader, optional
-        For files that this package does not read.
-
-    Returns
-    -------
-    described : DescribedFile
-
-    Raises
-    ------
-    MeshError
-        If the file cannot be read, or none of its shapes can be described.
-    """
-    found = read_shapes(path, reader)
-    described: dict[int, DescribedShape] = {}
-    problems = list(found.problems)
-    for index, shape in enumerate(found.shapes):
-        try:
-            described[index] = _describe_shape(shape, described, model)
-        except MeshError as error:
-            problems.append(str(error))
-    if problems and not described:
-        raise MeshError("; ".join(problems))
-    problem = ""
-    if problems:
-        total = len(found.shapes) + len(found.problems)
-        problem = f"{path.name!r}: {len(problems)} of {total} objects failed: {'; '.join(problems)}"
-    return DescribedFile(tuple(described.values()), problem)
+    def outcome(self) -> DescribedFile | Failure:
+        """Sum up the file when all originals are described."""
+        assert self.found is not None
+        failures = [Failure(problem) for problem in self.found.problems]
+        shapes: dict[int, DescribedShape] = {}
+        for index, shape in enumerate(self.found.shapes):
+            if shape.twin_of is None:
+                described = self.described[index]
+                if isinstance(described, Failure):
+                    failures.append(described)
+                else:
+                    shapes[index] = described
+            elif shape.twin_of in shapes:
+                # Neither the signature nor the picture depends on place and size.
+                twin = shapes[shape.twin_of]
+                signature = replace(twin.signature, area=shape.area)
+                shapes[index] = DescribedShape(shape.object_name, signature, twin.thumbnail)
+            else:
+                name, twin_name = self.name_of(index), self.name_of(shape.twin_of)
+                failures.append(Failure(f"{name!r} has the mesh of {twin_name!r}, which failed"))
+        if not failures:
+            return DescribedFile(tuple(shapes.values()))
+        reasons = _told(failures)
+        if not shapes:
+            details = next((failure.details for failure in failures if failure.details), "")
+            return Failure(reasons, details, lasting=all(failure.lasting for failure in failures))
+        total = len(self.found.shapes) + len(self.found.problems)
+        problem = f"{self.path.name!r}: {len(failures)} of {total} objects failed: {reasons}"
+        return DescribedFile(tuple(shapes.values()), problem)
 
 
-def _describe_shape(
-    shape: FoundShape, described: Mapping[int, DescribedShape], model: ShapeModel
-) -> DescribedShape:
-    twin = None if shape.twin_of is None else described.get(shape.twin_of)
-    if twin is not None:
-        # Neither the signature nor the picture depends on place and size.
-        signature = replace(twin.signature, area=shape.mesh.area)
-        return DescribedShape(shape.object_name, signature, twin.thumbnail)
-    return DescribedShape(
-        shape.object_name, model.describe(shape.mesh), thumbnail(shape.mesh, up_axis=shape.up_axis)
-    )
+def _told(failures: Sequence[Failure]) -> str:
+    reasons = [failure.reason for failure in failures[:TOLD]]
+    if len(failures) > TOLD:
+        reasons.append(f"and {len(failures) - TOLD} more")
+    return "; ".join(reasons)
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """Reading a file, or describing one of its shapes."""
+
+    file: _File
+    shape: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What errors call it."""
+        return self.file.path.name if self.shape is None else self.file.name_of(self.shape)
+
+
+_Result = ReadFile | DescribedShape | Failure
 
 
 def default_jobs() -> int:
@@ -146,42 +149,47 @@ def default_jobs() -> int:
 
 
 class Workers:
-    """A few processes that describe files, each started once and given one file at a time.
+    """A few processes that read and describe files, each started once and given one task at a time.
 
     Use it as a context manager: leaving the block ends the processes, whatever they are doing.
 
     Parameters
     ----------
-    describe : callable
-        ``describe(path, model)``, a function that a new Python process can import by its name.
+    read : callable
+        ``read(path)``, as `iterate_shapes`; a function that a new Python process can import by its name.
     model : ShapeModel
         Sent to each process once, when it starts.
     jobs : int
         How many processes.
     time_limit : float
-        Seconds that one file may take; its process is killed then and replaced.
+        Seconds that reading one file or describing one shape may take; its process is killed then and
+        replaced.
     memory_limit : int
-        Megabytes that one file may need beyond what an idle process holds. Enforced on Linux only: macOS and
+        Megabytes that one task may need beyond what an idle process holds. Enforced on Linux only: macOS and
         Windows have no such limit for a process.
     """
 
     def __init__(
         self,
-        describe: DescribeFunction,
+        read: ReadFunction,
         model: ShapeModel,
         *,
         jobs: int,
         time_limit: float,
         memory_limit: int,
     ) -> None:
+        # A process that is killed may still be writing there when the folder goes away.
+        self._folder = tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True)
         # In a file: a process that dies before it has read all it is sent keeps its starter waiting for ever.
-        self._folder = tempfile.TemporaryDirectory(prefix="shapegoogle-")
         model_file = Path(self._folder.name, "model.npz")
         model_file.write_bytes(model.to_bytes())
-        self._start_values = (describe, model_file, memory_limit)
+        self._start_values = (read, model_file, memory_limit)
         self._jobs = jobs
         self._time_limit = time_limit
-        self._paths: dict[Future[DescribedFile | Failure], Path] = {}
+        self._numbers = count()
+        self._files = 0
+        self._waiting: deque[_Task] = deque()
+        self._running: dict[Future[_Result], _Task] = {}
         self._restarts = 0
         self._pool = self._new_pool()
 
@@ -196,16 +204,13 @@ class Workers:
 
     def __len__(self) -> int:
         """Return the number of files handed in and not yet handed back."""
-        return len(self._paths)
+        return self._files
 
     def submit(self, path: Path) -> None:
         """Hand in a file; the first one starts the processes."""
-        try:
-            future = self._schedule(path)
-        except RuntimeError:  # pebble's word for a pool that broke while nobody waited for it
-            self._restart()
-            future = self._schedule(path)
-        self._paths[future] = path
+        self._files += 1
+        self._waiting.append(_Task(_File(path, Path(self._folder.name, str(next(self._numbers))))))
+        self._hand_out()
 
     def finished(self) -> list[tuple[Path, DescribedFile | Failure]]:
         """Wait until at least one file is done and return those that are.
@@ -213,60 +218,99 @@ class Workers:
         Raises
         ------
         ShapeGoogleError
-            If the processes die again and again before any file is done.
+            If the processes die again and again before any task is done.
         """
         results: list[tuple[Path, DescribedFile | Failure]] = []
-        while self._paths and not results:
-            done, _ = wait(self._paths, return_when=FIRST_COMPLETED)
-            for future in done:
-                error = future.exception()
-                if not isinstance(error, BrokenProcessPool):
-                    path = self._paths.pop(future)
-                    results.append((path, self._outcome(path, future)))
-            if results:
-                self._restarts = 0
-            else:
+        while self._files and not results:
+            self._hand_out()
+            done, _ = wait(self._running, return_when=FIRST_COMPLETED)
+            whole = [future for future in done if not isinstance(future.exception(), BrokenProcessPool)]
+            if not whole:
                 self._restart()
+                continue
+            self._restarts = 0
+            for future in whole:
+                task = self._running.pop(future)
+                outcome = self._take(task, self._outcome(task, future))
+                if outcome is not None:
+                    results.append((task.file.path, outcome))
+                    self._files -= 1
+                    shutil.rmtree(task.file.folder, ignore_errors=True)
         return results
 
-    def _outcome(self, path: Path, future: Future[DescribedFile | Failure]) -> DescribedFile | Failure:
+    def _take(self, task: _Task, result: _Result) -> DescribedFile | Failure | None:
+        """Note what a task gave; returns what became of its file if it was the last one."""
+        file = task.file
+        if task.shape is None:
+            if isinstance(result, Failure):
+                return result
+            assert isinstance(result, ReadFile)
+            file.found = result
+            # Before files that wait to be read, so that not ever more shapes wait on disk.
+            self._waiting.extendleft(_Task(file, index) for index in reversed(file.originals()))
+        else:
+            assert not isinstance(result, ReadFile)
+            file.described[task.shape] = result
+        assert file.found is not None
+        return file.outcome() if len(file.described) == len(file.originals()) else None
+
+    def _outcome(self, task: _Task, future: Future[_Result]) -> _Result:
         error = future.exception()
         if error is None:
             return future.result()
         if isinstance(error, TimeoutError):
             return Failure(
-                f"{path.name!r} was not done after {self._time_limit:g} s and given up; simplify it or raise "
+                f"{task.name!r} was not done after {self._time_limit:g} s and given up; simplify it or raise "
                 "the time limit"
             )
         if isinstance(error, ProcessExpired):
+            did = "read" if task.shape is None else "described"
             return Failure(
-                f"{path.name!r} crashed the process that read it ({_cause_of_death(error.exitcode)}); export "
-                "it again or simplify it"
+                f"{task.name!r} crashed the process that {did} it ({_cause_of_death(error.exitcode)}); "
+                "export it again or simplify it"
             )
         return Failure(
-            f"{path.name!r} ended the process that read it ({type(error).__name__}: {error})",
+            f"{task.name!r} ended the process that worked on it ({type(error).__name__}: {error})",
             "".join(traceback.format_exception(error)),
         )
 
-    def _schedule(self, path: Path) -> Future[DescribedFile | Failure]:
+    def _hand_out(self) -> None:
+        """Give the pool what it can take."""
+        while self._waiting and len(self._running) < TASKS_AHEAD * self._jobs:
+            try:
+                future = self._schedule(self._waiting[0])
+            except RuntimeError:  # pebble's word for a pool that broke while nobody waited for it
+                self._restart()
+                continue
+            self._running[future] = self._waiting.popleft()
+
+    def _schedule(self, task: _Task) -> Future[_Result]:
+        file = task.file
         with _interrupts_blocked():
-            future: Future[DescribedFile | Failure] = self._pool.schedule(
-                _describe_in_worker, args=(path,), timeout=self._time_limit
-            )
+            future: Future[_Result]
+            if task.shape is None:
+                future = self._pool.schedule(
+                    read_in_worker, args=(file.path, file.folder), timeout=self._time_limit
+                )
+            else:
+                assert file.found is not None
+                shape = file.found.shapes[task.shape]
+                arguments = (file.found.arrays, shape, task.name)
+                future = self._pool.schedule(describe_in_worker, args=arguments, timeout=self._time_limit)
         return future
 
     def _new_pool(self) -> ProcessPool:
         return ProcessPool(
             max_workers=self._jobs,
-            max_tasks=FILES_PER_WORKER,
-            initializer=_start_worker,
+            max_tasks=TASKS_PER_WORKER,
+            initializer=start_worker,
             initargs=self._start_values,
             # A forked copy of a process with threads may hang; spawn is also the only way on Windows.
             context=multiprocessing.get_context("spawn"),
         )
 
     def _restart(self) -> None:
-        """Replace a pool whose bookkeeping broke and hand in again what it had not finished."""
+        """Replace a pool whose bookkeeping broke; what it had not finished is handed out again."""
         self._restarts += 1
         if self._restarts > MAX_RESTARTS:
             raise ShapeGoogleError(
@@ -275,9 +319,8 @@ class Workers:
             )
         self._stop()
         self._pool = self._new_pool()
-        unfinished, self._paths = list(self._paths.values()), {}
-        for path in unfinished:
-            self._paths[self._schedule(path)] = path
+        self._waiting.extendleft(reversed(self._running.values()))
+        self._running.clear()
 
     def _stop(self) -> None:
         self._pool.stop()  # type: ignore[no-untyped-call]
@@ -301,61 +344,6 @@ def _interrupts_blocked() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
-
-
-# What a worker process was started with; set once in each by `_start_worker`.
-_worker: tuple[DescribeFunction, ShapeModel, int] | None = None
-
-
-def _start_worker(describe: DescribeFunction, model_file: Path, memory_limit: int) -> None:
-    global _worker
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    threadpool_limits(1)
-    # What a library prints must not end up in the middle of `--json`.
-    os.dup2(sys.__stderr__.fileno() if sys.__stderr__ else os.open(os.devnull, os.O_WRONLY), 1)
-    _worker = describe, load_model(model_file), memory_limit
-    _limit_memory(memory_limit)
-
-
-def _end_with_parent() -> None:
-    """End this process when its parent is gone, killed perhaps: nobody else would stop it if it hangs."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
-def _limit_memory(megabytes: int) -> None:
-    """Let this process have so much memory on top of what it holds now, and leave no core file in a crash."""
-    if sys.platform == "linux":
-        import resource
-
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-        limit = pages * resource.getpagesize() + megabytes * 2**20
-        _, hard = resource.getrlimit(resource.RLIMIT_AS)
-        if hard == resource.RLIM_INFINITY or limit < hard:
-            resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _describe_in_worker(path: Path) -> DescribedFile | Failure:
-    assert _worker is not None
-    describe, model, memory_limit = _worker
-    try:
-        return describe(path, model)
-    except Exception as error:
-        if isinstance(error, MemoryError) or isinstance(error.__cause__, MemoryError):
-            return Failure(
-                f"{path.name!r} needs more than {memory_limit} MB of memory; simplify it or raise the memory "
-                "limit"
-            )
-        if isinstance(error, MeshError):
-            return Failure(str(error))
-        # Turned into text here: an exception of a library may not survive the way to the main process.
-        return Failure(
-            f"{path.name!r} cannot be described (unexpected {type(error).__name__}: {error})",
-            traceback.format_exc(),
-        )
 
 
 def _cause_of_death(exit_code: int) -> str:

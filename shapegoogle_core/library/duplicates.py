@@ -267,7 +267,8 @@ def _copied_files(sources: Sequence[SourceRecord]) -> list[list[SourceRecord]]:
     by_content: defaultdict[str, list[SourceRecord]] = defaultdict(list)
     for source in sources:
         if source.sha256 is not None and source.shape_count:
-            by_content[source.sha256].append(source)
+            # The reader's options behind the hash are no part of the content.
+            by_content[source.sha256.partition("+")[0]].append(source)
     return [copies for copies in by_content.values() if len(copies) > 1]
 
 

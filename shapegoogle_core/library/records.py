@@ -70,7 +70,8 @@ class SourceRecord:
     mtime_ns : int or None
         Time of the last change, in nanoseconds, as `os.stat` gives it.
     sha256 : str or None
-        Hash of the content, in hexadecimal digits.
+        Hash of the content, in hexadecimal digits; behind it, where they are not the usual ones, the options
+        of the program that read it: "+objects=assets".
     error : str or None
         Why the file, or part of it, could not be described. Such a file is worth another try only when it
         changed or the user asks for it.

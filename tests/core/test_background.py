@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -85,3 +87,23 @@ def test_it_does_not_run_the_script_again(tmp_path: Path) -> None:
     )
     run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120, check=True)
     assert run.stdout.split() == ["run", "3"]
+
+
+def test_a_late_cancel_does_not_hit_the_next_task(worker: Worker) -> None:
+    first = worker.submit(abs, -1)
+    first.result()
+    second = worker.submit(time.sleep, 0.5)
+    while not second.running():
+        time.sleep(0.01)
+    # As when the first one finished after `cancel` had asked whether it was done.
+    assert not worker.abandon(first)
+    assert second.result(timeout=60) is None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="closes a file as only Unix can")
+def test_without_standard_error() -> None:
+    message = pickle.dumps((print, ("noise",))) + pickle.dumps((abs, (-3,)))
+    code = "import os; os.close(2); from shapegoogle_core.background import serve; serve()"
+    run = subprocess.run([sys.executable, "-c", code], input=message, stdout=subprocess.PIPE, check=True)
+    answers = io.BytesIO(run.stdout)
+    assert [pickle.load(answers), pickle.load(answers)] == [(True, None), (True, 3)]

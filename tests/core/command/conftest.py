@@ -14,9 +14,8 @@ import pytest
 import trimesh
 
 from shapegoogle_core.describing import ChannelWords
-from shapegoogle_core.indexing import find_meshes
+from shapegoogle_core.indexing import describe_shape, find_meshes, read_shapes
 from shapegoogle_core.indexing.files import examine
-from shapegoogle_core.indexing.workers import describe_file
 from shapegoogle_core.library import Library, NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
@@ -95,7 +94,8 @@ def folder(tmp_path: Path) -> Path:
 def indexed(library: Library, folder: Path) -> Library:
     """A library that knows `folder`, made without the time that worker processes take to start."""
     for path in find_meshes([folder]):
-        state, (described,) = examine(path), describe_file(path, library.model).shapes
+        state, (found,) = examine(path), read_shapes(path).shapes
+        described = describe_shape(found, library.model)
         shape = NewShape(described.signature, path.name, thumbnail=described.thumbnail)
         library.replace_source(
             path, size=state.size, mtime_ns=state.mtime_ns, sha256=state.sha256, shapes=[shape]

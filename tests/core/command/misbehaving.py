@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""Describing functions that hang, crash or eat memory over files of certain names."""
+"""Reading functions that hang, crash or eat memory over files of certain names."""
 
 from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from shapegoogle_core.indexing.workers import DescribedFile, describe_file
-from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.indexing import ExternalReader, FoundShape, iterate_shapes
 
 
-def describe(path: Path, model: ShapeModel) -> DescribedFile:
-    """Do what the file's name says; other files are described as ever."""
+def read(path: Path, reader: ExternalReader | None = None) -> Iterator[FoundShape | str]:
+    """Do what the file's name says; other files are read as ever."""
     match path.stem:
         case "hangs":
             time.sleep(3600)
@@ -35,11 +35,11 @@ def describe(path: Path, model: ShapeModel) -> DescribedFile:
             path.write_text(path.read_text() + "# changed\n")
         case "vanishes":
             path.unlink()
-    return describe_file(path, model)
+    return iterate_shapes(path, reader)
 
 
-def describe_and_log(path: Path, model: ShapeModel) -> DescribedFile:
-    """Note beside the library which files were really described."""
-    with (Path(os.environ["DESCRIBED_LOG"])).open("a") as log:
+def read_and_log(path: Path, reader: ExternalReader | None = None) -> Iterator[FoundShape | str]:
+    """Note beside the library which files were really read."""
+    with (Path(os.environ["READ_LOG"])).open("a") as log:
         log.write(f"{path.name}\n")
-    return describe_file(path, model)
+    return iterate_shapes(path, reader)

@@ -55,7 +55,7 @@ def report(library: Library, folder: Path, outcomes: list[FileOutcome]) -> Index
         time_limit=6,
         memory_limit=1024,
         progress=outcomes.append,
-        describe=misbehaving.describe,
+        read=misbehaving.read,
     )
 
 
@@ -122,7 +122,7 @@ def test_vanishing_while_it_is_read(reasons: dict[str, str], library: Library, f
 @pytest.mark.usefixtures("report")
 def test_failures_are_remembered_until_asked_to_retry(library: Library, folder: Path) -> None:
     again = [folder / "raises.off", folder / "hangs.off"]
-    report = index_files(library, again, jobs=1, describe=misbehaving.describe)
+    report = index_files(library, again, jobs=1, read=misbehaving.read)
     # No process could have told so fast that this one hangs.
     assert report.seconds < 6
     reasons = [reason for _, reason in report.failed]
@@ -179,7 +179,7 @@ def test_processes_that_cannot_start() -> None:
             return b"no model"
 
     workers = Workers(
-        misbehaving.describe,
+        misbehaving.read,
         BrokenModel(),  # type: ignore[arg-type]
         jobs=1,
         time_limit=60,

@@ -18,6 +18,7 @@ import trimesh
 
 from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
 from shapegoogle_core.library import Library
+from shapegoogle_core.mesh import read_mesh
 
 Describe = Callable[[Path], list[str]]
 
@@ -26,7 +27,7 @@ Describe = Callable[[Path], list[str]]
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
     """Names of the files that the workers described since the last call, sorted."""
     file = tmp_path / "described.log"
-    monkeypatch.setenv("DESCRIBED_LOG", str(file))
+    monkeypatch.setenv("READ_LOG", str(file))
 
     def names() -> list[str]:
         lines = file.read_text().split("\n")[:-1] if file.exists() else []
@@ -37,7 +38,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[st
 
 
 def index(library: Library, folder: Path, **options: object) -> IndexReport:
-    options = {"jobs": 1, "describe": misbehaving.describe_and_log} | options
+    options = {"jobs": 1, "read": misbehaving.read_and_log} | options
     return index_files(library, find_meshes([folder]), **options)  # type: ignore[arg-type]
 
 
@@ -62,7 +63,7 @@ def test_a_folder_becomes_a_library(library: Library, folder: Path, model, log) 
         (path.name, str(path)) for path in find_meshes([folder])
     ]
     # What the workers send back is what the model says here.
-    described = misbehaving.describe_file(folder / "apple.off", model).shapes[0].signature
+    described = model.describe(read_mesh(folder / "apple.off"))
     match = library.query_signature(described, top=1)[0]
     assert (match.name, match.distance) == ("apple.off", 0.0)
     stored = library.signature(match.shape_id)
@@ -134,7 +135,7 @@ def test_contents_that_change_places(indexed: Library, folder: Path, make_mesh, 
 
 def test_the_same_bytes_under_another_suffix_are_another_matter(library: Library, folder: Path) -> None:
     shutil.copy(folder / "apple.off", folder / "apple.ply")
-    report = index(library, folder, describe=misbehaving.describe)
+    report = index(library, folder, read=misbehaving.read)
     assert counts(report) == (3, 0, 0, 1)
     assert report.failed[0][0] == folder / "apple.ply"
 
@@ -194,11 +195,11 @@ def test_a_gltf_is_tried_again_when_its_missing_part_arrives(library: Library, t
     folder = tmp_path / "gltf"
     folder.mkdir()
     data = write_gltf(folder / "shape.gltf", "shape.bin", trimesh.creation.icosphere(2))
-    report = index(library, folder, describe=misbehaving.describe)
+    report = index(library, folder, read=misbehaving.read)
     assert counts(report) == (0, 0, 0, 1)
     assert "shape.bin" in report.failed[0][1]
     (folder / "shape.bin").write_bytes(data)
-    assert counts(index(library, folder, describe=misbehaving.describe)) == (1, 0, 0, 0)
+    assert counts(index(library, folder, read=misbehaving.read)) == (1, 0, 0, 0)
 
 
 def test_a_gltf_with_its_coordinates_inside(library: Library, tmp_path: Path) -> None:
@@ -207,20 +208,20 @@ def test_a_gltf_with_its_coordinates_inside(library: Library, tmp_path: Path) ->
     data = write_gltf(folder / "shape.gltf", "URI", trimesh.creation.icosphere(2))
     uri = f"data:application/octet-stream;base64,{base64.b64encode(data).decode()}"
     (folder / "shape.gltf").write_text((folder / "shape.gltf").read_text().replace("URI", uri))
-    assert counts(index(library, folder, describe=misbehaving.describe)) == (1, 0, 0, 0)
+    assert counts(index(library, folder, read=misbehaving.read)) == (1, 0, 0, 0)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such file names")
 def test_a_name_that_is_no_utf8(library: Library, tmp_path: Path, make_mesh) -> None:
     odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/odd/b\xe4r.off"))
     make_mesh(tmp_path / "odd" / "bear.off").rename(odd)
-    assert counts(index(library, odd.parent, describe=misbehaving.describe)) == (1, 0, 0, 0)
-    assert counts(index(library, odd.parent, describe=misbehaving.describe)) == (0, 0, 1, 0)
+    assert counts(index(library, odd.parent, read=misbehaving.read)) == (1, 0, 0, 0)
+    assert counts(index(library, odd.parent, read=misbehaving.read)) == (0, 0, 1, 0)
     assert [shape.source for shape in library.shapes()] == [str(odd)]
 
 
 def test_a_shape_goes_when_its_file_becomes_bad(indexed: Library, folder: Path) -> None:
     (folder / "apple.off").write_text("OFF\n")
-    report = index(indexed, folder, describe=misbehaving.describe)
+    report = index(indexed, folder, read=misbehaving.read)
     assert counts(report) == (0, 0, 2, 1)
     assert names(indexed) == ["pear.obj", "plum.stl"]

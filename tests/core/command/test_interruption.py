@@ -92,7 +92,7 @@ from shapegoogle_core.library import Library
 if __name__ == "__main__":
     with Library.open(sys.argv[2]) as library:
         print("starts", flush=True)
-        index_files(library, sys.argv[3:], jobs=2, time_limit=3600, describe=misbehaving.describe)
+        index_files(library, sys.argv[3:], jobs=2, time_limit=3600, read=misbehaving.read)
 """
 
 

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import json
+import resource
 import sys
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,8 @@ from shapegoogle_core import cli
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import (
     ExternalReader,
+    IndexReport,
     ReaderOption,
-    describe_file,
     end_external_readers,
     find_meshes,
     index_files,
@@ -35,6 +36,7 @@ from array import array
 VERTICES = [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, -1]
 FACES = [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]
 print("a banner")
+print("shapegoogle-answer", json.dumps({"ready": True}), flush=True)
 for line in sys.stdin:
     request = json.loads(line)
     words = open(request["path"]).read().split()
@@ -43,23 +45,31 @@ for line in sys.stdin:
     answer["up_axis"] = 2
     with open(request["output"], "wb") as output:
         for word in words:
-            if word == "crash":
+            if word == "crash" or "FAIL" in os.environ:
                 print("something is wrong", flush=True)
                 os._exit(3)
             elif word == "hang":
                 time.sleep(3600)
+            elif word == "swell":
+                import resource
+                limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+                answer["problems"].append(f"limit {limit} asked {request['memory_limit']}")
             elif word == "error":
                 answer = {"error": "the program does not like it"}
             elif word == "problem":
                 answer["problems"].append("'Part' is no good")
-            elif word != "joined":
-                scale = float(word)
-                array("f", VERTICES).tofile(output)
-                array("i", FACES).tofile(output)
+            elif word not in ("joined", "alone"):
+                huge = word == "huge"  # takes its time to be described
+                scale = 1.0 if huge else float(word)
+                copies = 150_000 if huge else 1
+                array("f", VERTICES * copies).tofile(output)
+                for copy in range(copies):
+                    array("i", [6 * copy + corner for corner in FACES]).tofile(output)
                 s = abs(scale)
                 matrix = [scale, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 5, 0, 0, 0, 1]
-                twin = 0 if answer["shapes"] else None
-                record = {"name": request["prefix"] + word, "vertices": 6, "faces": 8, "matrix": matrix}
+                twin = 0 if answer["shapes"] and "alone" not in words else None
+                record = {"name": request["prefix"] + word, "matrix": matrix}
+                record.update(vertices=6 * copies, faces=8 * copies)
                 answer["shapes"].append({**record, "twin_of": twin})
     print("shapegoogle-answer", json.dumps(answer), flush=True)
 """
@@ -147,11 +157,7 @@ def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None
     write(folder, "empty", "")
     write(folder, "part", "1 problem")
 
-    def index(**options: bool):
-        paths = find_meshes([folder], suffixes=readable_suffixes(reader))
-        return index_files(library, paths, jobs=1, describe=partial(describe_file, reader=reader), **options)
-
-    report = index()
+    report = index(library, folder, reader)
     assert (report.added, report.shapes) == (3, 5)
     reasons = {path.name: reason for path, reason in report.failed}
     assert set(reasons) == {"crash.numbers", "part.numbers"}
@@ -165,9 +171,10 @@ def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None
     first, second = (library.signature(shapes["a", name].shape_id) for name in ("x1", "x2"))
     np.testing.assert_array_equal(first.bags, second.bags)
 
-    report = index()
+    report = index(library, folder, reader)
     assert (report.added, report.unchanged, len(report.failed)) == (0, 3, 2)
-    assert (index(reread=True).updated, index(retry=True).unchanged) == (2, 3)
+    assert index(library, folder, reader, reread=True).updated == 2
+    assert index(library, folder, reader, retry=True).unchanged == 3
 
 
 def test_command(
@@ -202,3 +209,94 @@ def test_command(
     assert second["object"] == "x2"
     assert (third["query"], third["matches"]) == (gone, [])
     assert "is not there" in third["error"]
+
+
+def index(library: Library, folder: Path, reader: ExternalReader, **options: object) -> IndexReport:
+    paths = find_meshes([folder], suffixes=readable_suffixes(reader))
+    return index_files(library, paths, jobs=1, reader=reader, **options)  # type: ignore[arg-type]
+
+
+def names(library: Library) -> list[tuple[str, str]]:
+    return sorted((Path(shape.source).stem, shape.object_name) for shape in library.shapes())
+
+
+def test_a_file_of_many_shapes_may_take_longer_than_one_shape(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    """The limit is for each shape: together they take several times as long."""
+    count = 250
+    text = " ".join(["alone", *map(str, range(1, count + 1))])
+    write(tmp_path / "files", "many", text)
+    report = index(library, tmp_path / "files", reader, time_limit=1.5)
+    assert (report.added, report.shapes, report.failed) == (1, count, [])
+    assert report.seconds > 1.5
+
+
+def test_a_shape_that_takes_too_long_costs_only_itself(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    write(tmp_path / "files", "some", "alone 1 huge 3")
+    report = index(library, tmp_path / "files", reader, time_limit=2)
+    ((path, reason),) = report.failed
+    assert path.name == "some.numbers"
+    assert reason.startswith("'some.numbers': 1 of 3 objects failed: 'xhuge' was not done after 2 s")
+    assert names(library) == [("some", "x1"), ("some", "x3")]
+
+
+def test_other_options_read_again(reader: ExternalReader, library: Library, tmp_path: Path) -> None:
+    folder = tmp_path / "files"
+    write(folder, "a", "1")
+    other = replace(reader, options=(("prefix", "y"),))
+    assert index(library, folder, reader).added == 1
+    assert index(library, folder, other).updated == 1
+    assert names(library) == [("a", "y1")]
+    write(folder, "copy", "1")
+    assert index(library, folder, other).added == 1
+    assert names(library) == [("a", "y1"), ("copy", "y1")]
+    # Only one of them is read again: the copies are still known as such.
+    report = index(library, folder, reader)
+    assert (report.updated, names(library)) == (2, [("a", "x1"), ("copy", "x1")])
+    assert index(library, folder, reader).unchanged == 2
+
+
+def test_a_failure_keeps_the_shapes_of_the_same_content(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    folder = tmp_path / "files"
+    path = write(folder, "a", "1 2")
+    index(library, folder, reader)
+    ((_, reason),) = index(library, folder, replace(reader, command=("gone",)), reread=True).failed
+    assert "the program cannot be started" in reason
+    assert reason.endswith("(its shapes of an earlier run were kept)")
+    ((_, reason),) = index(library, folder, replace(reader, environment=(("FAIL", "1"),)), reread=True).failed
+    assert "crashed" in reason
+    assert names(library) == [("a", "x1"), ("a", "x2")]
+    assert index(library, folder, reader).unchanged == 1
+    # Another content is another matter.
+    write(folder, "a", "crash")
+    assert len(index(library, folder, reader).failed) == 1
+    assert (names(library), library.sources()[str(path)].shape_count) == ([], 0)
+
+
+@pytest.mark.parametrize("broken", ["gone", sys.executable])
+def test_a_program_that_cannot_be_started_is_not_the_files_fault(
+    reader: ExternalReader, library: Library, tmp_path: Path, broken: str
+) -> None:
+    write(tmp_path / "files", "a", "1")
+    command = (broken,) if broken == "gone" else (broken, "-c", "raise SystemExit('a library is missing')")
+    ((_, reason),) = index(library, tmp_path / "files", replace(reader, command=command)).failed
+    assert "the program cannot be started" in reason
+    assert broken == "gone" or "a library is missing" in reason
+    # Without being asked to retry.
+    assert index(library, tmp_path / "files", reader).added == 1
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
+def test_the_program_does_not_inherit_the_limit(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    write(tmp_path / "files", "a", "1 swell")
+    limited = replace(reader, memory_limit=77)
+    ((_, reason),) = index(library, tmp_path / "files", limited, memory_limit=1024).failed
+    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+    assert reason.endswith(f"limit {soft} asked 77")
