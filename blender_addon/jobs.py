@@ -53,7 +53,7 @@ def worker() -> Worker:
 
 def warm_up() -> None:
     """Start the worker process, so that the first answer need not wait for it."""
-    from shapegoogle_core.library.session import warm_up as prepare
+    from shapegoogle_core.library.tasks import warm_up as prepare
 
     if not worker().started:
         worker().submit(prepare)

@@ -11,7 +11,7 @@ from . import preferences
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
 
-__all__ = ["clear", "current_model"]
+__all__ = ["clear", "current_model", "model_source"]
 
 _loaded: dict[tuple[str, float], ShapeModel] = {}
 
@@ -35,12 +35,17 @@ def current_model(context: Any) -> ShapeModel:
     """
     from shapegoogle_core import Library, load_model
 
+    source = model_source(context)
+    if isinstance(source, Path):
+        return _once(str(source), lambda: _model_of(Library, str(source)))
+    return _once(source, lambda: load_model(source))
+
+
+def model_source(context: Any) -> Path | str:
+    """Return where `current_model` comes from: a library, or what `load_model` calls a model."""
     chosen = preferences.preferences(context)
-    library = chosen.library_path()
-    if library.is_file():
-        return _once(str(library), lambda: _model_of(Library, str(library)))
-    name = chosen.model_name()
-    return _once(name, lambda: load_model(name))
+    library: Path = chosen.library_path()
+    return library if library.is_file() else str(chosen.model_name())
 
 
 def clear() -> None:

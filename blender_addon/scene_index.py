@@ -103,7 +103,7 @@ class SceneIndexing:
     def _submit(self) -> None:
         """Read some objects and hand them to the worker."""
         from shapegoogle_core import Library, MeshError, load_model
-        from shapegoogle_core.library.session import describe
+        from shapegoogle_core.library.tasks import describe
 
         if not self._library.exists():
             Library.open(self._library, load_model(self._model)).close()

@@ -59,6 +59,7 @@ class _Similar(_Search):
     def __init__(self, model: ShapeModel, found: duplicates.SceneShapes, least: float) -> None:
         super().__init__()
         self._model, self._least, self._hidden = model, least, len(found.hidden)
+        self._source = models.model_source(bpy.context)
         self._solids, self._meshes = duplicates.solid_shapes(found)
         self._signatures: list[ShapeSignature | str] = []
 
@@ -67,12 +68,12 @@ class _Similar(_Search):
         self.go_on()
 
     def go_on(self) -> None:
-        from shapegoogle_core.library.duplicate_tasks import describe_meshes
+        from shapegoogle_core.library.tasks import describe_meshes
 
         count = len(self._signatures)
         if count < len(self._meshes):
             batch = self._meshes[count : count + MESHES_AT_ONCE]
-            self.submit(self._take, describe_meshes, self._model, batch)
+            self.submit(self._take, describe_meshes, self._source, batch)
             return
         shown = bpy.context.window_manager.shape_google_duplicates
         show_groups(
@@ -111,7 +112,7 @@ def _group(
     signatures: Sequence[ShapeSignature | str],
     least: float,
 ) -> list[duplicates.Group]:
-    from shapegoogle_core.library.duplicate_tasks import group_similar
+    from shapegoogle_core.library.tasks import group_similar
 
     # What cannot be described, such as a plane without area, is like nothing.
     described = [
@@ -135,8 +136,9 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
 
 
-def _library_path(context: Any) -> str:
-    return str(preferences(context).library_path())
+def _library_path(context: Any) -> Path:
+    path: Path = preferences(context).library_path()
+    return path
 
 
 class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
@@ -167,7 +169,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         if shown.scope == "LIBRARY":
-            from shapegoogle_core.library.duplicate_tasks import library_duplicates
+            from shapegoogle_core.library.tasks import library_duplicates
 
             library = _Library()
             _running.append(library)
@@ -188,15 +190,16 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Look for all of it now."""
-        from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.library.duplicate_tasks import describe_meshes, library_duplicates
+        from shapegoogle_core import Library, ShapeGoogleError
+        from shapegoogle_core.library.tasks import describe_meshes
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         hidden = 0
         if shown.scope == "LIBRARY":
             try:
-                groups = library_duplicates(_library_path(context), shown.min_similarity)
+                with Library.open(_library_path(context), read_only=True) as library:
+                    groups = library.duplicates(shown.min_similarity)
             except ShapeGoogleError as error:
                 self.report({"ERROR"}, str(error))
                 return {"CANCELLED"}

@@ -17,7 +17,7 @@ from ..properties import session_of
 from ..scene_index import file_of, scene_source
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library.session import Answer
+    from shapegoogle_core.library.tasks import Answer
 
 __all__ = ["register", "unregister"]
 
@@ -93,7 +93,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
 
     def _ask(self, context: Any) -> Future[Answer] | None:
         from shapegoogle_core import MeshError
-        from shapegoogle_core.library.session import query
+        from shapegoogle_core.library.tasks import query
 
         session = session_of(context)
         try:

@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.library.duplicate_tasks import describe_meshes, group_similar, library_duplicates
+from shapegoogle_core.library import Library, NewShape, tasks
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, distance_at
 from shapegoogle_core.library.stars import Banding, choose_banding, group_stars
+from shapegoogle_core.library.tasks import describe_meshes, group_similar, library_duplicates
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature, row_distances
 
@@ -179,8 +179,23 @@ def test_a_mesh_that_cannot_be_described_costs_only_itself(model, meshes):
     assert "a speck" in bad
 
 
-def test_a_library_by_its_path(path, model, make_signature):
+def test_a_library_by_its_path(path, model, make_signature, monkeypatch):
     with Library.open(path, model) as library:
         for name in "ab":
             library.add_signature(numbered(make_signature(1)), name)
+    opened = []
+    monkeypatch.setattr(
+        tasks.Library, "open", lambda *a, _open=Library.open, **k: opened.append(a) or _open(*a, **k)
+    )
     assert [names(group) for group in library_duplicates(path)] == [["a", "b"]]
+    assert [names(group) for group in library_duplicates(path)] == [["a", "b"]]
+    assert len(opened) == 1
+
+
+def test_the_model_by_its_place(path, model, meshes, tmp_path):
+    Library.open(path, model).close()
+    model.save(tmp_path / "model.npz")
+    (expected,) = describe_meshes(model, meshes[:1])
+    for place in (path, str(tmp_path / "model.npz")):
+        (signature,) = describe_meshes(place, meshes[:1])
+        np.testing.assert_array_equal(signature.bags, expected.bags)

@@ -1,22 +1,44 @@
 # SPDX-License-Identifier: MIT
-"""What a user interface has another process do: functions whose arguments and results can be sent.
+"""What a user interface asks of its worker process: functions whose arguments and results can be sent.
 
-They keep libraries open from one question to the next, each as long as the process lives, so that only the
-first question reads the codes.
+They keep libraries open and models loaded from one question to the next, as long as the process lives, so
+that only the first question reads the codes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.library.duplicates import (
+    MIN_SIMILARITY,
+    DuplicateGroup,
+    differing_bits,
+    distance_at,
+    member_positions,
+    vector_distances,
+)
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.stars import choose_banding, group_stars
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeSignature
+from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 
-__all__ = ["Answer", "Description", "describe", "kind_of_match", "query", "warm_up"]
+__all__ = [
+    "Answer",
+    "Description",
+    "describe",
+    "describe_meshes",
+    "group_similar",
+    "kind_of_match",
+    "library_duplicates",
+    "query",
+    "warm_up",
+]
 
 # Distance of bags that are the same but for the half floats of the library and other rounding.
 SAME_BAG = 1e-4
@@ -27,6 +49,8 @@ LIKELY = 0.5
 
 # Open libraries by path, each with what tells its file from another one put in its place.
 _open: dict[Path, tuple[tuple[int, int], Library]] = {}
+# Models that are in no library, by the name or path that `load_model` takes, with the time of their file.
+_loaded: dict[str, tuple[float, ShapeModel]] = {}
 
 
 @dataclass(frozen=True)
@@ -151,10 +175,105 @@ def describe(path: Path, mesh: Mesh, up_axis: int | None = None) -> Description 
     """
     from shapegoogle_core.rendering import thumbnail
 
-    try:
-        return Description(_library(path).model.describe(mesh), thumbnail(mesh, up_axis=up_axis))
-    except MeshError as error:
-        return str(error)
+    (described,) = describe_meshes(path, [mesh])
+    if isinstance(described, str):
+        return described
+    return Description(described, thumbnail(mesh, up_axis=up_axis))
+
+
+def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> list[ShapeSignature | str]:
+    """Describe several meshes; one that cannot be described costs only itself.
+
+    Parameters
+    ----------
+    model : ShapeModel, Path or str
+        A path: that of a library, with the model in it. A text: what `load_model` calls a model.
+    meshes : sequence of Mesh
+
+    Returns
+    -------
+    signatures : list of ShapeSignature or str
+        In the order of the meshes; a sentence in place of a signature says why there is none.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened.
+    ModelError
+        If the model cannot be loaded.
+    """
+    if isinstance(model, Path):
+        model = _library(model).model
+    elif isinstance(model, str):
+        model = _model(model)
+    described: list[ShapeSignature | str] = []
+    for mesh in meshes:
+        try:
+            described.append(model.describe(mesh))
+        except MeshError as error:
+            described.append(str(error))
+    return described
+
+
+def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> list[DuplicateGroup]:
+    """Find the duplicates in a library; see `Library.duplicates`.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+    min_similarity : float, optional
+
+    Returns
+    -------
+    groups : list of DuplicateGroup
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened or read.
+    """
+    return _library(path).duplicates(min_similarity)
+
+
+def group_similar(
+    model: ShapeModel, signatures: Sequence[ShapeSignature], min_similarity: float = MIN_SIMILARITY
+) -> list[list[tuple[int, float]]]:
+    """Group signatures around the first of each group, as `Library.duplicates` groups similar shapes.
+
+    Parameters
+    ----------
+    model : ShapeModel
+        The one that made the signatures.
+    signatures : sequence of ShapeSignature
+    min_similarity : float, optional
+        Above 0, at most 1.
+
+    Returns
+    -------
+    groups : list of list of (int, float)
+        Position of each member and its similarity to the first one, by falling similarity.
+
+    Raises
+    ------
+    ValueError
+        If `min_similarity` is out of range.
+    """
+    limit = distance_at(model, min_similarity)
+    if not signatures:
+        return []
+    vectors = model.comparable(np.stack([signature.bags for signature in signatures]))
+    stars = group_stars(
+        np.stack([signature.code for signature in signatures]),
+        vector_distances(vectors, np.arange(len(vectors)), model.settings.metric),
+        limit,
+        choose_banding(len(vectors), differing_bits(model, limit), model.code_bits),
+    )
+    similarities = model.similarity(stars.distance)
+    return [
+        [(int(position), float(similarities[position])) for position in group]
+        for group in member_positions(stars)
+    ]
 
 
 def warm_up() -> None:
@@ -176,3 +295,11 @@ def _library(path: Path) -> Library:
     library = Library.open(path, read_only=True)
     _open[path] = identity, library
     return library
+
+
+def _model(name: str) -> ShapeModel:
+    changed = Path(name).stat().st_mtime if Path(name).is_file() else 0.0
+    if name not in _loaded or _loaded[name][0] != changed:
+        _loaded.clear()
+        _loaded[name] = changed, load_model(name)
+    return _loaded[name][1]
