@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from mathutils import Matrix, Vector
 
 from . import scene
 
-__all__ = ["PlacingError", "bring_in", "move_to"]
+__all__ = ["PlacingError", "bounds", "bring_in", "find_linked", "move_to", "select_only", "to_object_mode"]
 
 # Importers of Blender by suffix, each with its operator and, where it needs one, what else to ask of it.
 _IMPORTERS = {
@@ -53,10 +54,8 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
     path = Path(source)
     if not path.is_file():
         raise PlacingError(f"'{source}' is no longer there; index the library again")
-    if context.mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    before = set(bpy.data.objects)
-    bpy.ops.object.select_all(action="DESELECT")
+    to_object_mode(context)
+    before = set(context.view_layer.objects)
     try:
         if path.suffix.lower() == ".blend":
             _from_blend(path, object_name, link)
@@ -64,16 +63,80 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
             _import(context, path)
     except RuntimeError as error:
         raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
-    new = [
-        item for item in bpy.data.objects if item not in before and item.name in context.view_layer.objects
-    ]
+    # By identity: one that is only referred to may have the name of one of the user's.
+    new = [item for item in context.view_layer.objects if item not in before]
     if not new:
-        raise PlacingError(f"{path.name!r} holds no object {object_name!r} any more; index the library again")
+        new = [_instance(context, path, object_name)]
     new.sort(key=lambda item: (item.type != "MESH", item.name != object_name, item.name))
-    for item in new:
-        item.select_set(True)
-    context.view_layer.objects.active = new[0]
+    select_only(context, new)
     return new
+
+
+def find_linked(source: str, object_name: str) -> Any | None:
+    """Find an object that was linked from a file before, in whatever scene.
+
+    Parameters
+    ----------
+    source : str
+        Path of the .blend file.
+    object_name : str
+
+    Returns
+    -------
+    item : bpy.types.Object or None
+    """
+    path = Path(source).resolve()
+    for item in bpy.data.objects:
+        if item.library is not None and item.name == object_name:
+            linked_from = bpy.path.abspath(item.library.filepath, library=item.library.library)
+            if Path(linked_from).resolve() == path:
+                return item
+    return None
+
+
+def to_object_mode(context: Any) -> None:
+    """Leave edit mode and the like, where no other object can be selected.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def select_only(context: Any, items: Sequence[Any]) -> None:
+    """Select some objects and nothing else, of whatever type, and make the first one active.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        In object mode.
+    items : sequence of bpy.types.Object
+        At least one; all in its view layer.
+    """
+    objects = context.view_layer.objects
+    for item in list(objects.selected):
+        item.select_set(False)
+    for item in items:
+        item.select_set(True)
+    objects.active = items[0]
+
+
+def _instance(context: Any, path: Path, object_name: str) -> Any:
+    """Put an object that was linked before, and that Blender therefore did not link again, into the scene."""
+    item = find_linked(str(path), object_name)
+    if item is None:
+        raise PlacingError(f"{path.name!r} holds nothing that can be shown in this scene")
+    if item in set(context.view_layer.objects):
+        return item
+    if item in set(context.scene.objects):
+        raise PlacingError(
+            f"{object_name!r} is linked already, in a collection that this view layer excludes: "
+            f"{', '.join(repr(collection.name) for collection in item.users_collection)}; include it"
+        )
+    context.collection.objects.link(item)
+    return item
 
 
 def _from_blend(path: Path, object_name: str, link: bool) -> None:

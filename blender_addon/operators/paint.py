@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Any, ClassVar
 
@@ -12,7 +13,7 @@ from .. import attributes, bag_chart, jobs, models, painted, painting_settings, 
 from ..painting import Painting
 from ..spectra import Known, Task
 
-__all__ = ["register", "unregister"]
+__all__ = ["Painter", "register", "unregister"]
 
 # What takes longer goes to a worker process, so that the window stays usable.
 MOST_SECONDS = 0.7
@@ -30,33 +31,18 @@ def _poll(operator: Any, context: Any) -> bool:
     return True
 
 
-class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
-    """Paint what the panel Signature is set to."""
+class Painter:
+    """What operators that paint have in common; what takes long they leave to a worker process."""
 
-    bl_idname = "shape_google.paint"
-    bl_label = "Paint Signature"
-    bl_description = (
-        "Write the chosen signature onto the vertices of the selected objects, as attributes whose names "
-        "begin with sg_. This 3D view is set to solid shading with attribute colors, which undo leaves so. "
-        "Objects are computed as they are before modifiers, in world scale, and those with very many "
-        "vertices on a simplified copy: 100,000 vertices take a few seconds"
-    )
-    bl_options: ClassVar = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        """There is a mesh to paint."""
-        return _poll(cls, context)
-
-    def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Compute what takes long in a worker process, then paint."""
+    def paint_in_background(self, context: Any, objects: Sequence[Any]) -> set[str]:
+        """Paint objects, at once if it is quick; else the window stays usable meanwhile."""
         self._failed: list[str] = []
-        tasks = self._tasks(context)
+        tasks = self._tasks(context, objects)
         if tasks is None:
-            return {"CANCELLED"}
+            return self._give_up(context)
         if sum(task.seconds for task in tasks) < MOST_SECONDS:
-            return self.execute(context)
-        self._names = [item.name for item in context.selected_objects]
+            return self._paint_now(context, objects, tasks)
+        self._names = [item.name for item in objects]
         self._waiting: list[tuple[Task, Future[Any]]] = [
             (task, jobs.worker().submit(task.function, *task.arguments)) for task in tasks
         ]
@@ -66,12 +52,25 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
         context.workspace.status_text_set(f"Computing {tasks[0].name} … (Esc: cancel)")
         return {"RUNNING_MODAL"}
 
+    def paint_at_once(self, context: Any, objects: Sequence[Any]) -> set[str]:
+        """Paint objects before returning."""
+        self._failed = []
+        tasks = self._tasks(context, objects)
+        return self._give_up(context) if tasks is None else self._paint_now(context, objects, tasks)
+
+    def lacking(self, items: Sequence[Any]) -> str:  # noqa: ARG002
+        """Return why it is not enough to paint these objects, all that can be painted; empty if it is."""
+        return ""
+
+    def take_back(self, context: Any) -> None:
+        """Undo what was done in preparation of a painting that comes to nothing."""
+
     def modal(self, context: Any, event: Any) -> set[str]:
         """Wait for the worker; the window stays usable."""
         if event.type == "ESC" and event.value == "PRESS":
             self.cancel(context)
-            self.report({"INFO"}, "Painting cancelled")
-            return {"CANCELLED"}
+            self.report({"INFO"}, "Painting cancelled")  # type: ignore[attr-defined]
+            return self._give_up(context)
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         while self._waiting and self._waiting[0][1].done():
@@ -92,15 +91,16 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
 
-    def execute(self, context: Any) -> set[str]:
-        """Compute and paint at once."""
-        self._failed = []
-        tasks = self._tasks(context)
-        if tasks is None:
-            return {"CANCELLED"}
+    def _paint_now(self, context: Any, objects: Sequence[Any], tasks: Sequence[Task]) -> set[str]:
         for task in tasks:
             self._finish(task, lambda task=task: task.function(*task.arguments))
-        return self._paint(context, context.selected_objects)
+        return self._paint(context, objects)
+
+    def _give_up(self, context: Any, reason: str = "") -> set[str]:
+        self.take_back(context)
+        if reason:
+            self.report({"ERROR"}, reason)  # type: ignore[attr-defined]
+        return {"CANCELLED"}
 
     def _finish(self, task: Task, result: Any) -> None:
         from shapegoogle_core import MeshError
@@ -112,7 +112,7 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
         except Exception as error:  # such as a worker process that ran out of memory and was killed
             self._failed.append(f"{task.name!r} could not be computed: {error!r}")
 
-    def _tasks(self, context: Any) -> list[Task] | None:
+    def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
         """Find out what has to be computed; None, and a report, if nothing can be."""
         from shapegoogle_core import MeshError, ShapeGoogleError
 
@@ -120,10 +120,10 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
         try:
             model = models.current_model(context) if chosen.kind == "WORDS" else None
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
             return None
         tasks = []
-        for item in painted.targets(context.selected_objects)[0]:
+        for item in painted.targets(objects)[0]:
             key = spectra.key_of(item, chosen, model)
             if spectra.known(key) is None:
                 try:
@@ -140,10 +140,12 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
         model = models.current_model(context) if chosen.kind == "WORDS" else None
         items, refused = painted.targets(objects)
         self._failed += refused
+        known = [(item, spectra.known(spectra.key_of(item, chosen, model))) for item in items]
+        # One without an entry has failed before, or was changed since.
+        lacking = self.lacking([item for item, entry in known if entry is not None])
         done = []
-        for item in items:
-            entry = spectra.known(spectra.key_of(item, chosen, model))
-            if entry is None:  # it has failed before, or was changed since
+        for item, entry in known:
+            if entry is None or lacking:
                 continue
             try:
                 painted.apply(item, chosen, entry, color=color)
@@ -151,17 +153,43 @@ class SHAPEGOOGLE_OT_paint(bpy.types.Operator):
                 self._failed.append(str(error))
             else:
                 done.append((item, entry))
-        for reason in self._failed if done else self._failed[:-1]:
-            self.report({"WARNING"}, reason)
+        for reason in self._failed if done or lacking else self._failed[:-1]:
+            self.report({"WARNING"}, reason)  # type: ignore[attr-defined]
         if not done:
-            self.report(
-                {"ERROR"}, self._failed[-1] if self._failed else "The objects were changed; paint again"
-            )
-            return {"CANCELLED"}
+            failed = self._failed[-1] if self._failed else "The objects were changed; paint again"
+            return self._give_up(context, lacking or failed)
         if color:
             _show_colors(context)
-        self.report({"INFO"}, _summary(chosen, done, context.scene.unit_settings))
+        summary = _summary(chosen, done, context.scene.unit_settings)
+        self.report({"INFO"}, summary)  # type: ignore[attr-defined]
         return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
+    """Paint what the panel Signature is set to."""
+
+    bl_idname = "shape_google.paint"
+    bl_label = "Paint Signature"
+    bl_description = (
+        "Write the chosen signature onto the vertices of the selected objects, as attributes whose names "
+        "begin with sg_. This 3D view is set to solid shading with attribute colors, which undo leaves so. "
+        "Objects are computed as they are before modifiers, in world scale, and those with very many "
+        "vertices on a simplified copy: 100,000 vertices take a few seconds"
+    )
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a mesh to paint."""
+        return _poll(cls, context)
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Compute what takes long in a worker process, then paint."""
+        return self.paint_in_background(context, context.selected_objects)
+
+    def execute(self, context: Any) -> set[str]:
+        """Compute and paint at once."""
+        return self.paint_at_once(context, context.selected_objects)
 
 
 class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):

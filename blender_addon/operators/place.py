@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import bpy
@@ -11,6 +12,7 @@ from mathutils import Vector
 from .. import placing, scene
 from ..placing import PlacingError
 from ..properties import session_of
+from .paint import Painter
 
 __all__ = ["register", "unregister"]
 
@@ -80,6 +82,12 @@ class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Link it."""
         match = _active_match(context)
+        linked = placing.find_linked(match.source, match.object_name)
+        if linked is not None and linked in set(context.view_layer.objects):
+            placing.to_object_mode(context)
+            placing.select_only(context, [linked])
+            self.report({"INFO"}, f"{linked.name} is linked here already; it is selected now")
+            return {"FINISHED"}
         try:
             objects = placing.bring_in(context, match.source, match.object_name, link=True)
         except PlacingError as error:
@@ -148,7 +156,8 @@ class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
         if item is None:
             self.report({"ERROR"}, f"{name!r} is not in this view layer any more; index the scene again")
             return {"CANCELLED"}
-        _select_only(context, [item])
+        placing.to_object_mode(context)
+        placing.select_only(context, [item])
         if context.region is not None and context.area is not None and context.area.type == "VIEW_3D":
             for region in context.area.regions:
                 if region.type == "WINDOW":
@@ -157,7 +166,7 @@ class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SHAPEGOOGLE_OT_mark_match(_OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_mark_match(_OnMatch, Painter, bpy.types.Operator):
     """Mark query and match in the same words."""
 
     bl_idname = "shape_google.mark_match"
@@ -179,29 +188,74 @@ class SHAPEGOOGLE_OT_mark_match(_OnMatch, bpy.types.Operator):
             return False
         return True
 
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Bring the match beside the object, and paint both without stopping the window."""
+        objects = self._prepare(context)
+        return {"CANCELLED"} if objects is None else self.paint_in_background(context, objects)
+
     def execute(self, context: Any) -> set[str]:
         """Bring the match beside the object and paint both."""
+        objects = self._prepare(context)
+        return {"CANCELLED"} if objects is None else self.paint_at_once(context, objects)
+
+    def lacking(self, items: Sequence[Any]) -> str:
+        """Words on one of the two compare nothing."""
+        meshes = {item.data.session_uid for item in items}
+        for name, uids in self._sides:
+            if not meshes & uids:
+                return f"{name!r} cannot be painted, so that there is nothing to compare"
+        return ""
+
+    def take_back(self, context: Any) -> None:
+        """Remove what was appended; select and show what was."""
+        # What Blender undid meanwhile is gone; what it made anew has kept its number.
+        bpy.data.batch_remove([block for block in bpy.data.user_map() if block.session_uid in self._appended])
+        objects = context.view_layer.objects
+        for item in objects:
+            item.select_set(item.session_uid in self._selected)
+            if item.session_uid == self._query:
+                objects.active = item
+        settings = context.scene.shape_google_painting
+        settings.kind, settings.color = self._shown
+
+    def _prepare(self, context: Any) -> list[Any] | None:
+        """Select the object and the match, which is brought in if need be; None after a report."""
         match = _active_match(context)
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
+        placing.to_object_mode(context)
         query = context.active_object
-        other = context.view_layer.objects.get(match.object_name) if match.in_scene else None
-        if other is None:
+        # By number: references do not outlast an undo while a worker computes.
+        self._query = query.session_uid
+        self._selected = {item.session_uid for item in context.view_layer.objects.selected}
+        self._appended: set[int] = set()
+        settings = context.scene.shape_google_painting
+        self._shown = settings.kind, settings.color
+        here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
+        others: list[Any] = [here]
+        if here is None:
+            before = set(bpy.data.user_map())
+            reason = ""
             try:
                 objects = placing.bring_in(context, match.source, match.object_name)
+                # A file for exchange is one shape, however many objects it is imported as.
+                is_blend = match.source.lower().endswith(".blend")
+                others = objects[:1] if is_blend else scene.mesh_objects(objects)
+                if not others:
+                    reason = f"{match.name!r} holds no mesh any more; index the library again"
             except PlacingError as error:
-                self.report({"ERROR"}, str(error))
-                return {"CANCELLED"}
-            other = objects[0]
+                reason = str(error)
+            self._appended = {block.session_uid for block in bpy.data.user_map() if block not in before}
+            if reason:
+                self._give_up(context, reason)
+                return None
             _put_beside(query, objects)
-        _select_only(context, [query, other] if other is not query else [query])
-        context.view_layer.objects.active = query
-        context.scene.shape_google_painting.kind = "WORDS"
-        context.scene.shape_google_painting.color = True
-        if bpy.ops.shape_google.paint() != {"FINISHED"}:
-            self.report({"ERROR"}, f"{query.name!r} and {other.name!r} cannot be painted")
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        objects = list(dict.fromkeys([query, *others]))
+        placing.select_only(context, objects)
+        self._sides = [
+            (query.name, {query.data.session_uid}),
+            (match.name, {item.data.session_uid for item in others}),
+        ]
+        settings.kind, settings.color = "WORDS", True
+        return objects
 
 
 def _put_beside(query: Any, objects: list[Any]) -> None:
@@ -210,12 +264,6 @@ def _put_beside(query: Any, objects: list[Any]) -> None:
     widths = high.x - low.x, other_high.x - other_low.x
     x = high.x + GAP * sum(widths) / 2 + widths[1] / 2
     placing.move_to(objects, Vector((x, (low.y + high.y) / 2, low.z)))
-
-
-def _select_only(context: Any, items: list[Any]) -> None:
-    for item in scene.mesh_objects(context.view_layer.objects):
-        item.select_set(item in items)
-    context.view_layer.objects.active = items[0]
 
 
 register, unregister = bpy.utils.register_classes_factory(
