@@ -124,34 +124,38 @@ def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
     return _core_mesh(item.name, [_evaluated_arrays(item, depsgraph)])
 
 
-def selected_part(item: Any) -> Mesh:
-    """Return the part of an object that is selected in edit mode: its selected faces, at world scale.
+def selected_part(items: Sequence[Any]) -> Mesh:
+    """Return what is selected in edit mode: the selected faces of all objects, joined, at world scale.
 
     Parameters
     ----------
-    item : bpy.types.Object
-        A mesh object in edit mode.
+    items : sequence of bpy.types.Object
+        At least one mesh object in edit mode; named after the first one with selected faces.
 
     Returns
     -------
     mesh : Mesh
         Before modifiers. Without faces if none are selected.
     """
-    item.update_from_editmode()
-    data = item.data
-    vertices, faces = _arrays(data)
-    chosen = np.zeros(len(data.polygons), bool)
-    data.polygons.foreach_get("select", chosen)
-    polygon = np.empty(len(faces), np.int32)
-    data.loop_triangles.foreach_get("polygon_index", polygon)
-    faces = faces[chosen[polygon]]
-    used, corners = np.unique(faces, return_inverse=True)
-    part = vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)
-    return _core_mesh(f"{item.name}, selected part", [part])
+    parts, names = [], []
+    for item in items:
+        item.update_from_editmode()
+        data = item.data
+        vertices, faces = _arrays(data)
+        chosen = np.zeros(len(data.polygons), bool)
+        data.polygons.foreach_get("select", chosen)
+        polygon = np.empty(len(faces), np.int32)
+        data.loop_triangles.foreach_get("polygon_index", polygon)
+        faces = faces[chosen[polygon]]
+        if len(faces):
+            used, corners = np.unique(faces, return_inverse=True)
+            parts.append((vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)))
+            names.append(item.name)
+    return _core_mesh(f"{_joined_name(names or [items[0].name])}, selected part", parts)
 
 
 def query_mesh(context: Any) -> Mesh:
-    """Return the shape that the user means: the selected part in edit mode, else the selection, joined.
+    """Return the shape that the user means: what is selected in edit mode, else the selected objects, joined.
 
     Parameters
     ----------
@@ -171,9 +175,13 @@ def query_mesh(context: Any) -> Mesh:
 
     active = context.active_object
     if active is not None and active.type == "MESH" and active.mode == "EDIT":
-        part = selected_part(active)
-        if part.is_point_cloud:
-            raise MeshError(f"{active.name!r} has no selected faces; select the faces to look for")
+        # Objects that share a mesh are edited as one; the active one stands for them.
+        edited = {item.data: item for item in (*mesh_objects(context.objects_in_mode), active)}
+        part = selected_part(sorted(edited.values(), key=lambda item: (item != active, item.name)))
+        if not len(part.faces):
+            names = " and ".join(repr(item.name) for item in edited.values())
+            verb = "has" if len(edited) == 1 else "have"
+            raise MeshError(f"{names} {verb} no selected faces; select the faces to look for")
         return part
     chosen = mesh_objects(context.selected_objects)
     if not chosen and active is not None and active.type == "MESH":
@@ -181,8 +189,9 @@ def query_mesh(context: Any) -> Mesh:
     if not chosen:
         raise MeshError("no mesh object is selected; select the shape to look for")
     depsgraph = context.evaluated_depsgraph_get()
-    name = chosen[0].name if len(chosen) == 1 else f"{chosen[0].name} and {len(chosen) - 1} more"
-    return _core_mesh(name, [_evaluated_arrays(item, depsgraph) for item in chosen])
+    return _core_mesh(
+        _joined_name([item.name for item in chosen]), [_evaluated_arrays(item, depsgraph) for item in chosen]
+    )
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:
@@ -203,6 +212,10 @@ def new_object(context: Any, mesh: Mesh, name: str) -> Any:
     item = bpy.data.objects.new(name, data)
     context.collection.objects.link(item)
     return item
+
+
+def _joined_name(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
 def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:

@@ -6,9 +6,12 @@ from __future__ import annotations
 import importlib
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
+
+from shapegoogle_core import MeshError
 
 
 @pytest.fixture
@@ -72,3 +75,35 @@ def test_what_the_view_layer_does_not_evaluate(scene, tmp_path: Path) -> None:
     # Nothing of the user's was changed to find out.
     assert bpy.data.objects["disabled"].hide_viewport
     assert bpy.context.view_layer.layer_collection.children["Excluded"].exclude
+
+
+def test_the_selected_faces_of_all_objects_in_edit_mode(scene) -> None:
+    items = [add("First"), add("Second", scale=2), add("Third")]
+    twin = bpy.data.objects.new("Twin", items[0].data)
+    bpy.context.collection.objects.link(twin)
+    for item in (*items, twin):
+        item.select_set(True)
+    items[1].location.x = 10
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.objects.active = items[0]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    with pytest.raises(MeshError, match=r"'First'.* have no selected faces"):
+        scene.query_mesh(bpy.context)
+    select_faces(items[1], 2)
+    part = scene.query_mesh(bpy.context)
+    assert (part.name, len(part.faces)) == ("Second, selected part", 4)
+    assert part.vertices[:, 0].min() >= 8
+    select_faces(items[0], 1)
+    part = scene.query_mesh(bpy.context)
+    # The twin is not counted once more: it is the same mesh, edited once.
+    assert (part.name, len(part.faces)) == ("First and 1 more, selected part", 6)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def select_faces(item, count: int) -> None:
+    edited = bmesh.from_edit_mesh(item.data)
+    edited.faces.ensure_lookup_table()
+    for face in edited.faces[:count]:
+        face.select_set(True)
+    bmesh.update_edit_mesh(item.data)
