@@ -98,6 +98,33 @@ def test_linked_data_is_described_once(read, tmp_path: Path) -> None:
     assert twins == {"A": None, "B": 0, "C": None, "D": 0}
 
 
+def test_objects_that_their_parents_deform_are_no_twins(read, tmp_path: Path) -> None:
+    """As Blender before 2.5 made them: no modifier says that they are deformed."""
+    first = add("A")
+    for name, parented in (("B", True), ("C", True), ("D", False)):
+        copy = first.copy()
+        copy.name = name
+        bpy.context.collection.objects.link(copy)
+        if parented:
+            lattice = bpy.data.objects.new(f"Lattice of {name}", bpy.data.lattices.new("Lattice"))
+            lattice.scale = 4, 4, 4
+            bpy.context.collection.objects.link(lattice)
+            if name == "C":
+                for point in list(lattice.data.points)[:4]:
+                    point.co_deform.x += 3
+            copy.parent, copy.parent_type = lattice, "LATTICE"
+    bpy.context.view_layer.update()
+    shapes = {shape.object_name: shape for shape in read(save(tmp_path / "scene.blend")).shapes}
+    assert {name: shape.twin_of for name, shape in shapes.items()} == {
+        "A": None,
+        "B": None,
+        "C": None,
+        "D": 0,
+    }
+    extents = [np.ptp(shapes[name].mesh.vertices[:, 0]) for name in "BC"]
+    assert not math.isclose(*extents, rel_tol=0.05)
+
+
 def test_assets_first(read, tmp_path: Path) -> None:
     add("Plain")
     add("Asset").asset_mark()
