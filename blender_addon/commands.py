@@ -34,11 +34,14 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
         As of the command.
     """
     from shapegoogle_core import cli
+    from shapegoogle_core.launching import orderly_end
 
-    # Blender leaves Ctrl-C to itself; here it must end the run in an orderly way.
+    # Blender leaves Ctrl-C to itself; here it must end the run in an orderly way. So must SIGTERM, with which
+    # the window ends a run in the background.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if arguments[:1] == ["paint"]:
-        return paint_command.main(arguments[1:])
+        with orderly_end():
+            return paint_command.main(arguments[1:])
     return cli.main(arguments, reader=assets.blend_reader(), program=program)
 
 

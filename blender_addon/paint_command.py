@@ -44,9 +44,8 @@ exit codes:
   0    all objects painted
   1    some objects failed (each is named on stderr); the others are painted and saved
   2    nothing can be done: wrong usage, or a file that cannot be opened or written
-  130  interrupted; nothing was saved
+  130  interrupted, by Ctrl-C or SIGTERM; nothing was saved
 """
-DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -68,6 +67,7 @@ def main(arguments: Sequence[str]) -> int:
         With code 2 after wrong usage, 0 after `--help`.
     """
     from shapegoogle_core import ShapeGoogleError
+    from shapegoogle_core.arguments import INTERRUPTED, UNUSABLE
 
     options = _parser().parse_args(arguments)
     try:
@@ -84,6 +84,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core import MeshError
+    from shapegoogle_core.arguments import DONE, SOME_FAILED, UNUSABLE
 
     source, output = Path(options.input), Path(options.output)
     reason = _refusal(source, output)
@@ -230,6 +231,8 @@ def _painting(options: argparse.Namespace, kind: str) -> Painting:
 
 
 def _parser() -> argparse.ArgumentParser:
+    from shapegoogle_core.arguments import number_from, positive_number, share
+
     parser = argparse.ArgumentParser(
         prog="paint_signatures",
         description="Write heat kernel signatures and geometric words onto the meshes of a .blend file, "
@@ -250,30 +253,51 @@ def _parser() -> argparse.ArgumentParser:
     times = parser.add_mutually_exclusive_group()
     times.add_argument(
         "--scale",
-        type=_share,
+        type=share,
         default=0.5,
         metavar="S",
         help="place of the time between the shortest, 0, and the longest meaningful one, 1 (%(default)s)",
     )
-    times.add_argument("--time", type=_positive, metavar="T", help="the time itself, in squared world units")
-    add("--times", type=_count, default=6, metavar="N", help="how many times for hks-times (%(default)s)")
-    add("--frequencies", type=_count, default=6, metavar="N", help="how many for si-hks (%(default)s)")
-    add("--vertex", type=_index, metavar="I", help="where heat spreads from (default: the selected vertex)")
+    times.add_argument(
+        "--time", type=positive_number, metavar="T", help="the time itself, in squared world units"
+    )
+    add(
+        "--times",
+        type=number_from(1),
+        default=6,
+        metavar="N",
+        help="how many times for hks-times (%(default)s)",
+    )
+    add(
+        "--frequencies", type=number_from(1), default=6, metavar="N", help="how many for si-hks (%(default)s)"
+    )
+    add(
+        "--vertex",
+        type=number_from(0),
+        metavar="I",
+        help="where heat spreads from (default: the selected vertex)",
+    )
     add(
         "--words",
         choices=[channel for channel, _, _ in CHANNELS],
         default="hks",
         help="of which descriptor (%(default)s)",
     )
-    add("--weights", type=_index, default=4, metavar="N", help="how many soft weights (%(default)s)")
+    add("--weights", type=number_from(0), default=4, metavar="N", help="how many soft weights (%(default)s)")
     models = parser.add_mutually_exclusive_group()
     models.add_argument("--library", metavar="FILE", help="take the words from the model of this library")
     models.add_argument("--model", metavar="FILE", help="or from this model: a file, 'default' or 'paper'")
-    add("--eigenpairs", type=_count, default=100, metavar="N", help="size of the spectrum (%(default)s)")
+    add(
+        "--eigenpairs",
+        type=number_from(1),
+        default=100,
+        metavar="N",
+        help="size of the spectrum (%(default)s)",
+    )
     add("--laplacian", choices=[name for name, _, _ in LAPLACIANS], default="robust", help="(%(default)s)")
     add(
         "--simplify-above",
-        type=_index,
+        type=number_from(0),
         default=20_000,
         metavar="N",
         help="compute meshes of more vertices on a copy simplified to this many; 0: never (%(default)s)",
@@ -281,37 +305,6 @@ def _parser() -> argparse.ArgumentParser:
     add("--no-color", action="store_true", help="write no sg_color")
     add("-v", "--verbose", action="store_true", help="show where in the program an error arose")
     return parser
-
-
-def _index(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"must be a whole number from 0, not {text!r}")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
-    return int(text)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return -1.0
-
-
-def _positive(text: str) -> float:
-    if not 0 < _number(text) < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a number above 0, not {text!r}")
-    return _number(text)
-
-
-def _share(text: str) -> float:
-    if not 0 <= _number(text) <= 1:
-        raise argparse.ArgumentTypeError(f"must be a number from 0 to 1, not {text!r}")
-    return _number(text)
 
 
 def _say(text: str) -> None:

@@ -12,9 +12,11 @@ from dataclasses import replace
 from importlib import metadata
 
 from shapegoogle_core import commands, duplicates_command
-from shapegoogle_core.commands import INTERRUPTED, UNUSABLE, say
+from shapegoogle_core.arguments import INTERRUPTED, UNUSABLE, number_from, positive_number
+from shapegoogle_core.commands import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing import ExternalReader
+from shapegoogle_core.launching import orderly_end
 
 __all__ = ["main"]
 
@@ -27,7 +29,7 @@ exit codes:
   1    some inputs failed (a mesh that cannot be read, a folder that is missing or holds no meshes);
        each is named on stderr, and the others are done
   2    nothing can be done: wrong usage, or the library or model cannot be opened or written
-  130  interrupted; what was stored stays
+  130  interrupted, by Ctrl-C or SIGTERM; what was stored stays
 """
 
 
@@ -64,7 +66,8 @@ def main(
         options.reader = replace(reader, options=tuple(chosen))
     run: Callable[[argparse.Namespace], int] = options.run
     try:
-        exit_code = run(options)
+        with orderly_end():
+            exit_code = run(options)
         sys.stdout.flush()
     except ShapeGoogleError as error:
         if options.verbose:
@@ -118,17 +121,18 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     index.add_argument(
         "--time-limit",
-        type=_positive_float,
+        type=positive_number,
         default=300.0,
         metavar="S",
-        help="seconds for one file (%(default)g)",
+        help="seconds to read one file, and to describe one shape (%(default)g)",
     )
     index.add_argument(
         "--memory-limit",
-        type=_positive_int,
+        type=number_from(1),
         default=4096,
         metavar="MB",
-        help="megabytes for one file (%(default)s); not enforced on macOS and Windows",
+        help="megabytes to read one file, and to describe one shape (%(default)s); not enforced on macOS and "
+        "Windows",
     )
     index.add_argument("--retry", action="store_true", help="try files again that failed before")
     index.add_argument("--reread", action="store_true", help="read all files again, changed or not")
@@ -154,7 +158,7 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     query.add_argument("meshes", nargs="+", metavar="MESH", help="mesh file")
     _library_option(query)
     query.add_argument(
-        "--top", type=_positive_int, default=10, metavar="N", help="how many matches (%(default)s)"
+        "--top", type=number_from(1), default=10, metavar="N", help="how many matches (%(default)s)"
     )
     query.add_argument(
         "--exact",
@@ -197,7 +201,7 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     train.add_argument(
         "--versions",
-        type=_positive_int,
+        type=number_from(1),
         default=10,
         metavar="N",
         help="transformed versions to learn from, for each shape (%(default)s)",
@@ -244,21 +248,5 @@ def _library_option(parser: argparse.ArgumentParser, summary: str = "library fil
 
 def _jobs_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--jobs", type=_positive_int, metavar="N", help="worker processes (default: one for each processor)"
+        "--jobs", type=number_from(1), metavar="N", help="worker processes (default: one for each processor)"
     )
-
-
-def _positive_int(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
-    return int(text)
-
-
-def _positive_float(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a number above 0, not {text!r}")
-    return number

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from shapegoogle_core.arguments import DONE, INTERRUPTED, SOME_FAILED
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.indexing import (
     ExternalReader,
@@ -29,10 +30,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
 
-__all__ = ["DONE", "INTERRUPTED", "SOME_FAILED", "UNUSABLE", "index", "info", "query", "say", "train"]
-
-# Exit codes; the command's help says what they mean.
-DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+__all__ = ["index", "info", "query", "say", "train"]
 
 Failures = list[tuple[Path, str]]
 
@@ -41,12 +39,17 @@ def index(options: Namespace) -> int:
     """Bring a library up to date with folders."""
     failed: Failures = []
     paths = _find(options, failed)
-    if not paths and not options.prune:
+    known = Path(options.library).exists()
+    if not paths and not (options.prune and known):
+        # A misspelt folder makes no library.
+        if options.json:
+            shapes = _shape_count(options.library) if known else 0
+            print(json.dumps(_index_record(IndexReport(0, 0, 0, 0, [], 0.0), failed, [], shapes)))
         _list_failures(failed)
         return SOME_FAILED
     model = None if options.model is None else load_model(options.model)
     with Library.open(options.library, model) as library:
-        folders = [entry for entry in options.inputs if Path(entry).is_dir()]
+        folders = [entry for entry in options.inputs if _holds_something(Path(entry))]
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
         progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
@@ -79,6 +82,19 @@ def index(options: Namespace) -> int:
         say(f"{_count(len(gone), 'indexed file')} no longer there; forget with --prune")
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
+
+
+def _shape_count(library: str) -> int:
+    with Library.open(library, read_only=True) as opened:
+        return len(opened)
+
+
+def _holds_something(folder: Path) -> bool:
+    """Whether files may be said to be gone from a folder: an empty one may be where a drive belongs."""
+    try:
+        return any(folder.iterdir())
+    except OSError:  # no folder, not there, or not to be read: `_find` has told
+        return False
 
 
 def _index_record(
@@ -265,8 +281,10 @@ def train(options: Namespace) -> int:
 def _limited(options: Namespace) -> ExternalReader | None:
     """Return the reader with a part of the time limit, so that it is not the worker who is given up."""
     reader: ExternalReader | None = options.reader
-    return None if reader is None else replace(
-        reader, time_limit=0.8 * options.time_limit, memory_limit=options.memory_limit
+    return (
+        None
+        if reader is None
+        else replace(reader, time_limit=0.8 * options.time_limit, memory_limit=options.memory_limit)
     )
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from shapegoogle_core.commands import DONE
+from shapegoogle_core.arguments import DONE
 from shapegoogle_core.library import DuplicateGroup, Library
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY
 from shapegoogle_core.progress import progress_bar

@@ -4,12 +4,22 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
 
-__all__ = ["NO_WINDOW", "THREAD_VARIABLES", "divert_output", "single_threaded", "without_memory_limit"]
+__all__ = [
+    "NO_WINDOW",
+    "THREAD_VARIABLES",
+    "divert_output",
+    "orderly_end",
+    "single_threaded",
+    "without_memory_limit",
+]
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Environment variables that the libraries read when they are imported."""
@@ -69,3 +79,26 @@ def without_memory_limit() -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+@contextmanager
+def orderly_end() -> Iterator[None]:
+    """Have SIGTERM, with which a program ends another, act as Ctrl-C does: what is temporary is removed.
+
+    Windows has no such signal: a process that is ended there removes nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        # Only the main thread gets signals and may say what they do.
+        yield
+        return
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        # Asked once more, it is still tidying up.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if previous is None else previous)

@@ -248,3 +248,28 @@ def test_a_reader_that_stops_reading(
     process.stdout.close()
     assert process.stderr.read() == ""
     assert process.wait() == 141
+
+
+def test_pruning_keeps_what_may_be_on_a_drive(
+    run, indexed: Library, library_file: Path, folder: Path, tmp_path: Path
+) -> None:
+    """A folder that is not there, and one that is empty, as a drive that is not plugged in leaves them."""
+    (folder / "apple.off").unlink()
+    (folder / "more").rename(tmp_path / "elsewhere")
+    arguments = ("--library", library_file, "--prune", "--json")
+    code, stdout, stderr = run("index", folder / "more", folder / "pear.obj", *arguments)
+    assert (code, json.loads(stdout)["removed"]) == (1, [])
+    assert "'more' does not exist" in stderr
+    (folder / "more").mkdir()
+    code, stdout, stderr = run("index", folder / "more", *arguments)
+    assert (code, json.loads(stdout)["removed"]) == (1, [])
+    assert "'more' has no mesh files" in stderr
+    assert len(indexed) == 3
+
+
+def test_json_without_any_file(run, tmp_path: Path) -> None:
+    library = tmp_path / "none.sglib"
+    code, stdout, _ = run("index", tmp_path / "gone", "--library", library, "--json")
+    record = json.loads(stdout)
+    assert (code, record["added"], record["shapes"], len(record["failed"])) == (1, 0, 0, 1)
+    assert not library.exists()

@@ -139,3 +139,21 @@ def test_control_c_while_the_workers_start(library: Library, hanging_run, delay:
     # The script does not catch it, so the main process prints its own.
     assert "KeyboardInterrupt" in stderr
     assert "spawn_main" not in stderr
+
+
+def test_sigterm_leaves_nothing_behind(
+    library: Library, many: Path, library_file: Path, tmp_path: Path, start_shapegoogle, monkeypatch
+) -> None:
+    """As the window ends a run in the background: to the command alone."""
+    place = tmp_path / "temporary"
+    place.mkdir()
+    monkeypatch.setenv("TMPDIR", str(place))
+    process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
+    wait_for_sources(library, 3, process)
+    assert list(place.iterdir())
+    process.terminate()
+    stdout, stderr = process.communicate()
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.startswith("shapegoogle: interrupted after ")
+    wait_until_gone(process.pid)
+    assert list(place.iterdir()) == []
