@@ -368,7 +368,7 @@ def test_what_blender_does_not_evaluate_is_left_out(addon, shown, tmp_path, how)
         bpy.context.scene.collection.children.link(collection)
         bpy.context.scene.collection.objects.unlink(hidden)
         collection.objects.link(hidden)
-        bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+        bpy.context.view_layer.layer_collection.children[collection.name].exclude = True
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     shown = bpy.context.window_manager.shape_google_duplicates
