@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import hashlib
 import math
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +17,8 @@ import pytest
 
 from shapegoogle_core import MeshError
 from shapegoogle_core.indexing import end_external_readers, read_shapes
+
+linux_only = pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits and ends processes so")
 
 
 def digest(path: Path) -> str:
@@ -199,3 +204,61 @@ def test_an_fbx_is_one_shape(read, tmp_path: Path) -> None:
     assert shape.object_name == ""
     assert len(shape.mesh.faces) == 2 * 968
     assert math.isclose(np.ptp(shape.mesh.vertices[:, 0]), 6.7, rel_tol=0.05)
+
+
+def heavy(path: Path) -> Path:
+    """Write a small file that Blender makes two million faces of."""
+    item = add("Heavy")
+    item.modifiers.new("Subdivision", "SUBSURF").levels = 6
+    return save(path)
+
+
+@linux_only
+def test_memory(read, addon, tmp_path: Path) -> None:
+    import importlib
+
+    reader = importlib.import_module(f"{addon.__name__}.assets").blend_reader()
+    path = heavy(tmp_path / "heavy.blend")
+    with pytest.raises(MeshError, match=r"'heavy\.blend'"):
+        read_shapes(path, replace(reader, memory_limit=300))
+    end_external_readers()
+    bpy.context.object.modifiers.clear()
+    light = save(tmp_path / "light.blend")
+    assert len(read_shapes(light, replace(reader, memory_limit=300)).shapes) == 1
+
+
+PROGRAM = """
+import sys
+from shapegoogle_core.indexing import ExternalReader, read_shapes
+
+print("reads", flush=True)
+read_shapes(sys.argv[1], ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:]), "Blender"))
+"""
+
+
+@linux_only
+def test_a_reading_blender_does_not_outlive_a_killed_worker(addon, tmp_path: Path) -> None:
+    import importlib
+
+    path = heavy(tmp_path / "heavy.blend")
+    command = importlib.import_module(f"{addon.__name__}.assets").blend_reader().command
+    worker = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(path), *command], stdout=subprocess.PIPE, start_new_session=True
+    )
+    assert worker.stdout.readline() == b"reads\n"
+    readers: list[int] = []
+    while not readers:
+        assert worker.poll() is None
+        time.sleep(0.05)
+        readers = children(worker.pid)
+    time.sleep(4)  # time to start and to be at work
+    worker.kill()
+    worker.communicate()
+    deadline = time.monotonic() + 2
+    while Path(f"/proc/{readers[0]}").exists():
+        assert time.monotonic() < deadline, "the reading Blender goes on"
+        time.sleep(0.05)
+
+
+def children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
