@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,7 +27,7 @@ from . import assets
 if TYPE_CHECKING:
     from shapegoogle_core.background import Worker
 
-__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up", "warm_up_soon", "watch", "worker"]
+__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up_soon", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -38,8 +39,8 @@ KEPT_LINES = 100
 
 
 _worker: list[Worker] = []
-# Whether the worker is about to be started by `warm_up_soon`.
-_warming: list[bool] = []
+# Libraries that the worker has opened, or is about to.
+_warm: set[Path] = set()
 
 
 def worker() -> Worker:
@@ -51,19 +52,27 @@ def worker() -> Worker:
     return _worker[0]
 
 
-def warm_up() -> None:
-    """Start the worker process, so that the first answer need not wait for it."""
-    from shapegoogle_core.library.tasks import warm_up as prepare
+def warm_up_soon(library: Path, counted: Callable[[int], None]) -> None:
+    """Have the worker process open a library in a moment, once for each: cheap enough for a panel's draw.
 
-    if not worker().started:
-        worker().submit(prepare)
+    Parameters
+    ----------
+    library : Path
+        There or not.
+    counted : callable
+        Called with the number of its shapes, if it can be opened.
+    """
+    if library in _warm or bpy.app.background:
+        return
+    _warm.add(library)
 
+    def start() -> None:
+        from shapegoogle_core.library.tasks import warm_up
 
-def warm_up_soon() -> None:
-    """Start the worker process in a moment, once in a session: cheap enough for a panel that is drawn."""
-    if not _warming and not bpy.app.background:
-        _warming.append(True)
-        bpy.app.timers.register(warm_up, first_interval=INTERVAL)
+        # What is wrong with a library is said to whoever asks it something.
+        watch(worker().submit(warm_up, library), counted, lambda _error: None)
+
+    bpy.app.timers.register(start, first_interval=INTERVAL)
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
@@ -205,4 +214,4 @@ def stop_all() -> None:
     end(list(_runs))
     while _worker:
         _worker.pop().stop()
-    _warming.clear()
+    _warm.clear()

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
-from . import assets, jobs
+from . import assets
 
 __all__ = ["preferences", "register", "unregister"]
 
@@ -44,13 +44,6 @@ def _absolute(name: str) -> Callable[[Any, Any], None]:
     return update
 
 
-def _library_chosen(group: Any, context: Any) -> None:
-    _absolute("library")(group, context)
-    # Whoever chooses a library is about to ask it something.
-    if not bpy.app.background:
-        jobs.warm_up()
-
-
 def _changed(_group: Any, context: Any) -> None:
     # Blender does not notice by itself that something inside a list was changed.
     context.preferences.is_dirty = True
@@ -81,7 +74,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         description="File that holds what is known of all shapes; made when you first index into it",
         subtype="FILE_PATH",
         maxlen=1024,
-        update=_library_chosen,
+        update=_absolute("library"),
     )
     folder: StringProperty(
         name="Libraries Folder",

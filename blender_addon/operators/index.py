@@ -135,7 +135,7 @@ def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
             _add_summary(session, event)
             # Files that were there but could not be read have their line already; folders have none.
             for failure in event["failed"]:
-                add_error(session, failure["source"], failure["error"])
+                add_error(session, failure["source"], _worded(failure["error"]))
     if run.exit_code is None or run not in _running:
         return
     _running.remove(run)
@@ -154,7 +154,12 @@ def _show_file(session: Any, run: BackgroundRun | scene_index.SceneIndexing, eve
     seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
     session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
     if event["status"] == "failed":
-        add_error(session, event["path"], event["reason"])
+        add_error(session, event["path"], _worded(event["reason"]))
+
+
+def _worded(reason: str) -> str:
+    """Name what is an option of the command as the menu does."""
+    return reason.replace("--retry tries", "Retry Failed Files tries")
 
 
 def _duration(seconds: float) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from .. import assets, jobs
+from ..preferences import preferences
 from ..properties import session_of, shown_matches
 from .text import wrapped
 
@@ -34,7 +35,8 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         """Lay the panel out."""
         layout = self.layout
         session = session_of(context)
-        jobs.warm_up_soon()
+        # Whoever looks at this panel is about to ask the library something.
+        jobs.warm_up_soon(preferences(context).library_path(), _show_count)
         row = layout.row(align=True)
         row.scale_y = 1.3
         if session.searching:
@@ -54,6 +56,10 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         hidden = len(session.matches) - len(shown)
         if hidden:
             layout.label(text=f"{hidden} hidden by the filters", icon="FILTER")
+
+
+def _show_count(shapes: int) -> None:
+    session_of(bpy.context).shape_count = shapes
 
 
 def _draw_filters(layout: Any, session: Any) -> None:

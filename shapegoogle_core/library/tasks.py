@@ -276,11 +276,29 @@ def group_similar(
     ]
 
 
-def warm_up() -> None:
-    """Do nothing; what importing this module and the first eigenproblem load is loaded then."""
+def warm_up(path: Path) -> int:
+    """Load what the first question would have to wait for: the library, and what solves eigenproblems.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+
+    Returns
+    -------
+    shapes : int
+        How many there are; 0 if there is no library yet.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened.
+    """
     import scipy.sparse.linalg  # noqa: F401
 
     import shapegoogle_core.rendering  # noqa: F401
+
+    return len(_library(path)) if path.exists() else 0
 
 
 def _library(path: Path) -> Library:

@@ -95,6 +95,8 @@ def test_index_a_folder(folder: Path, preferences, session) -> None:
     # A second time there is nothing to do; a changed file is read again.
     bpy.ops.shape_google.index_library()
     assert session.summary == "4 unchanged, 1 failed"
+    (error,) = session.errors
+    assert error.reason.endswith("Retry Failed Files tries it again)")
     status = (folder / "pear.blend").stat()
     os.utime(folder / "pear.blend", ns=(status.st_atime_ns, status.st_mtime_ns + 10**9))
     (folder / "broken.blend").unlink()
