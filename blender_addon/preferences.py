@@ -105,14 +105,14 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     )
     time_limit: IntProperty(
         name="Time Limit",
-        description="Seconds for one file; one that takes longer is skipped and listed",
+        description="Seconds to read one file, and to describe one shape; what takes longer is skipped and listed",
         default=300,
         min=1,
         max=86_400,
     )
     memory_limit: IntProperty(
         name="Memory Limit",
-        description="Megabytes for one file; enforced on Linux only",
+        description="Megabytes to read one file, and to describe one shape; enforced on Linux only",
         default=4096,
         min=256,
         max=1_048_576,
@@ -140,7 +140,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column.prop(self, "folder", placeholder="Blender's own folder for extensions")
         column = layout.column(heading="Indexing")
         column.prop(self, "jobs", text="Workers (0: All Processors)")
-        column.prop(self, "time_limit", text="Time Limit per File (s)")
+        column.prop(self, "time_limit", text="Time Limit (s)")
         column.prop(self, "memory_limit", text="Memory Limit (MB)")
         column = layout.column(heading="Model")
         column.prop(self, "model")

@@ -22,7 +22,6 @@ UP_AXIS = 2
 AHEAD = 3
 # The scene and its file are two sources: each has its own objects, and may change without the other.
 MARK = " (open scene)"
-DONE, UNUSABLE, INTERRUPTED = 0, 2, 130
 
 
 def scene_source() -> str:
@@ -76,6 +75,8 @@ class SceneIndexing:
 
     def cancel(self) -> None:
         """Describe no more; nothing is stored."""
+        from shapegoogle_core.arguments import INTERRUPTED
+
         self.exit_code = INTERRUPTED
         for task in self._tasks:
             task.cancel()
@@ -84,6 +85,7 @@ class SceneIndexing:
     def events(self) -> list[dict[str, Any]]:
         """Report what was described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core.arguments import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []
