@@ -105,7 +105,9 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     )
     time_limit: IntProperty(
         name="Time Limit",
-        description="Seconds to read one file, and to describe one shape; what takes longer is skipped and listed",
+        description=(
+            "Seconds to read one file, and to describe one shape; what takes longer is skipped and listed"
+        ),
         default=300,
         min=1,
         max=86_400,
