@@ -253,7 +253,7 @@ class Plan:
         if not addon and not extension and not window:
             return
         variables: dict[str, str] = {}
-        package = self._build()
+        package = self.build()
         try:
             real = blenders.find_real_blender()
             modules = blenders.prepare_modules(real)
@@ -264,7 +264,7 @@ class Plan:
         else:
             variables |= {"BLENDER": real.command, "SHAPEGOOGLE_BLENDER_MODULES": str(modules)}
         if package:
-            self._add_extension(extension, window, {**variables, "SHAPEGOOGLE_EXTENSION": str(package)})
+            self.add_extension(extension, window, {**variables, "SHAPEGOOGLE_EXTENSION": str(package)})
 
     def _add_addon_inside(
         self, real: blenders.RealBlender, modules: Path, package: Path, user_folder: Path, paths: list[str]
@@ -283,7 +283,7 @@ class Plan:
         command += ["--python", "tests/run_in_blender.py", "--"]
         self.addon.append(Run(f"add-on in Blender {real.version}", command, paths, resources))
 
-    def _build(self) -> Path | None:
+    def build(self) -> Path | None:
         """Build the extension; None if it cannot be built here."""
         try:
             build_extension.extension_tool()
@@ -297,7 +297,7 @@ class Plan:
             self.broken.append("building the extension")
             return None
 
-    def _add_extension(self, extension: list[str], window: list[str], variables: dict[str, str]) -> None:
+    def add_extension(self, extension: list[str], window: list[str], variables: dict[str, str]) -> None:
         """Add the tests of the built zip, without and with a window."""
         pytest = [sys.executable, "-m", "pytest"]
         if extension:

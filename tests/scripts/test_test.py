@@ -99,8 +99,8 @@ def test_what_cannot_run_here_is_left_out_with_a_reason(test, environment, monke
     assert plan.left_out == [
         "the add-on's tests on bpy 4.5: no Python",
         "the add-on's tests on bpy 4.2: no Python",
-        "all tests in a real Blender: no Blender",
         "the tests of the built extension: no tool",
+        "all tests in a real Blender: no Blender",
     ]
     assert [run.name for run in plan.core] == ["core"]
     assert plan.addon == plan.window == []
@@ -108,8 +108,6 @@ def test_what_cannot_run_here_is_left_out_with_a_reason(test, environment, monke
 
 @pytest.mark.parametrize("has_xvfb", [True, False])
 def test_the_window_is_tested_in_a_real_blender_where_there_is_a_display_to_make(test, monkeypatch, has_xvfb):
-    monkeypatch.setattr(test.build_extension, "extension_tool", lambda: ["tool"])
-    monkeypatch.setattr(test.build_extension, "build", lambda platform: Path("dist") / "built.zip")
     monkeypatch.setattr(test.shutil, "which", lambda name: "Xvfb" if has_xvfb else None)
     plan = test.Plan([])
     plan.add_extension([], ["tests/gui"], {})
@@ -117,10 +115,7 @@ def test_the_window_is_tested_in_a_real_blender_where_there_is_a_display_to_make
     plan.add_extension([], ["tests/gui"], {"BLENDER": "blender"})
     if has_xvfb:
         (run,) = plan.window
-        assert run.variables == {
-            "BLENDER": "blender",
-            "SHAPEGOOGLE_EXTENSION": str(Path("dist") / "built.zip"),
-        }
+        assert run.variables == {"BLENDER": "blender"}
     else:
         assert plan.window == []
         assert "need Xvfb" in plan.left_out[0]
@@ -133,7 +128,7 @@ def test_an_extension_that_does_not_build_is_a_failure(test, environment, monkey
     monkeypatch.setattr(test.build_extension, "extension_tool", lambda: ["tool"])
     monkeypatch.setattr(test.build_extension, "build", fail)
     plan = test.Plan([])
-    plan.add_extension(["tests/extension"], [], {})
+    assert plan.build() is None
     assert plan.broken == ["building the extension"]
     assert plan.addon == plan.left_out == []
 
