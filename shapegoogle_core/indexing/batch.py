@@ -135,7 +135,10 @@ def index_files(
     started = time.monotonic()
     run = _Run(library, progress, reader, retry=retry, reread=reread)
     changed = run.pass_over_unchanged(paths)
-    jobs = min(jobs or default_jobs(), max(len(changed), 1))
+    jobs = jobs or default_jobs()
+    # One of our own files is one shape; what another program reads may hold thousands.
+    if reader is None or not any(path.suffix.lower() in reader.suffixes for path in changed):
+        jobs = min(jobs, max(len(changed), 1))
     with (
         single_threaded(),
         Workers(
