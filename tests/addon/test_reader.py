@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import os
 import subprocess
 import sys
 import time
@@ -243,12 +242,10 @@ def test_a_reading_blender_does_not_outlive_a_killed_worker(addon, tmp_path: Pat
 
     path = heavy(tmp_path / "heavy.blend")
     command = importlib.import_module(f"{addon.__name__}.assets").blend_reader().command
+    # Inside a real Blender the core lies among the extension's own packages.
+    program = f"import sys; sys.path[:] = {sys.path!r}\n{PROGRAM}"
     worker = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(path), *command],
-        stdout=subprocess.PIPE,
-        start_new_session=True,
-        # Inside a real Blender the core lies among the extension's own packages.
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        [sys.executable, "-c", program, str(path), *command], stdout=subprocess.PIPE, start_new_session=True
     )
     assert worker.stdout.readline() == b"reads\n"
     readers: list[int] = []
