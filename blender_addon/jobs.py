@@ -36,6 +36,8 @@ INTERVAL = 0.1
 # How long a background Blender may take to end by itself after it was asked to.
 PATIENCE = 5.0
 KEPT_LINES = 100
+# How the command's own errors begin.
+SAID = "shapegoogle: "
 
 
 _worker: list[Worker] = []
@@ -177,6 +179,13 @@ class BackgroundRun:
     def seconds(self) -> float:
         """Return for how long it has been running."""
         return time.monotonic() - self._started
+
+    def last_words(self) -> str:
+        """Return why it ended: what the command said, or else the last that was printed."""
+        said = [line for line in self.lines if line.startswith(SAID)]
+        if said:
+            return said[-1].removeprefix(SAID)
+        return "; ".join(line for line in list(self.lines)[-3:] if line) or f"exit code {self.exit_code}"
 
     def join(self) -> None:
         """Wait until it has ended; take its `events` then."""

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import attributes
+
 if TYPE_CHECKING:
     from shapegoogle_core.mesh.congruence import Congruence, PolygonMesh
 
@@ -173,7 +175,8 @@ def _same_normals(first: WorldMesh, second: WorldMesh, congruence: Congruence, c
 
 
 def _properties(data: Any) -> dict[str, Any]:
-    values = {key: data[key] for key in data.keys()}  # noqa: SIM118 (a mesh itself is not iterable)
+    own = attributes.OWN_COLORS
+    values = {key: data[key] for key in data.keys() if key != own}  # noqa: SIM118 (a mesh is not iterable)
     return {
         key: next((getattr(value, how)() for how in ("to_dict", "to_list") if hasattr(value, how)), value)
         for key, value in values.items()
@@ -183,7 +186,12 @@ def _properties(data: Any) -> dict[str, Any]:
 def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> list[str]:
     uv_maps = {layer.name for data in (one, two) for layer in data.uv_layers}
     kept = [
-        {entry.name: entry for entry in data.attributes if entry.name not in SKIPPED and entry.name[0] != "."}
+        {
+            entry.name: entry
+            for entry in data.attributes
+            # What the panel Signature painted can be painted again.
+            if entry.name not in SKIPPED and not entry.name.startswith((".", attributes.PREFIX))
+        }
         for data in (one, two)
     ]
     names = []

@@ -137,6 +137,9 @@ def _refusal(source: Path, output: Path) -> str:
     """Why these files cannot be used; empty if they can."""
     if not source.is_file():
         return f"there is no file '{source}'"
+    for path in (source, output):
+        if path.suffix.lower() != ".blend":
+            return f"'{path}' is no .blend file; only those hold attributes"
     if output.resolve() == source.resolve() or (output.exists() and output.samefile(source)):
         return f"'{output}' is the file that is read; name another one for --output"
     if output.is_dir() or not output.resolve().parent.is_dir():

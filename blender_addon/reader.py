@@ -120,10 +120,16 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
 
 def _reason(path: str, error: Exception) -> str:
     """Blender's many-line report as one sentence."""
+    name = Path(path).name
+    if Path(path).stat().st_size == 0:
+        return f"{name!r} cannot be opened by Blender: it is empty (0 bytes); copy or save it again"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     text = "; ".join(line.removeprefix("Error: ") for line in lines) or type(error).__name__
     # Blender repeats the whole path, which the user sees anyway.
-    return f"{Path(path).name!r} cannot be opened by Blender: {text.replace(path, Path(path).name)}"
+    text = text.replace(path, name).rstrip(".")
+    return (
+        f"{name!r} cannot be opened by Blender: {text}; it is damaged or another kind of file: save it again"
+    )
 
 
 def _import_fbx(path: Path) -> None:

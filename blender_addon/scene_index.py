@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from concurrent.futures import FIRST_COMPLETED, Future
@@ -14,7 +15,7 @@ import bpy
 
 from . import jobs, scene
 
-__all__ = ["SceneIndexing", "file_of", "scene_source"]
+__all__ = ["SceneIndexing", "file_of", "is_here", "scene_source"]
 
 # Blender's z.
 UP_AXIS = 2
@@ -32,6 +33,23 @@ def scene_source() -> str:
 def file_of(source: str) -> str:
     """Return the file that a source of the library is, or that a scene was saved in."""
     return source.removesuffix(MARK)
+
+
+def is_here(source: str, object_name: str) -> bool:
+    """Whether a shape of the library is an object of the open scene.
+
+    Parameters
+    ----------
+    source : str
+        The open scene, or the file that it was saved in.
+    object_name : str
+
+    Returns
+    -------
+    here : bool
+    """
+    file = os.path.normcase(file_of(source))
+    return file == os.path.normcase(file_of(scene_source())) and object_name in bpy.context.scene.objects
 
 
 class SceneIndexing:
@@ -67,6 +85,10 @@ class SceneIndexing:
     def seconds(self) -> float:
         """Return for how long it has been running."""
         return time.monotonic() - self._started
+
+    def last_words(self) -> str:
+        """Return why it ended."""
+        return self.lines[-1] if self.lines else f"exit code {self.exit_code}"
 
     def join(self) -> None:
         """Wait until there is something new to take."""

@@ -72,6 +72,7 @@ def run(module: str, *first: str, **options: str) -> NoReturn:
     **options : str
         What else `main` takes.
     """
+    _keep_output_clean()
     addon = load_addon()
     try:
         code = importlib.import_module(f"{addon.__name__}.{module}").main([*first, *_arguments()], **options)
@@ -85,6 +86,17 @@ def run(module: str, *first: str, **options: str) -> NoReturn:
         sys.exit(code)
     # The bpy modules of 4.2 and 4.5 can crash while Python shuts down, which would hide the exit code.
     os._exit(code)
+
+
+def _keep_output_clean() -> None:
+    """Leave standard output to the command: what Blender prints there goes to standard error.
+
+    Blender writes its banner and its warnings from C, past Python's streams; `--json` must stay JSON.
+    """
+    sys.stdout.flush()
+    own = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(own, "w", encoding=sys.stdout.encoding, errors="backslashreplace")
 
 
 def _arguments() -> list[str]:

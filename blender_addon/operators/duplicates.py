@@ -15,6 +15,7 @@ from bpy.props import IntProperty
 from .. import duplicate_properties, duplicates, jobs, linking, models
 from ..duplicate_properties import show_groups
 from ..preferences import preferences
+from ..scene_index import is_here
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel, ShapeSignature
@@ -368,12 +369,9 @@ def _objects(context: Any, group: Any, scope: str) -> list[Any]:
     """Members of a group that are objects of this scene; names may have changed since they were found."""
     here = context.scene.objects
     if scope == "LIBRARY":
-        own = bpy.data.filepath
-        return [
-            here[member.name]
-            for member in group.members
-            if own and bpy.path.abspath(member.source) == own and member.name in here
-        ]
+        # Two members may be one object: indexed from the saved file, and from the open scene.
+        names = [member.name for member in group.members if is_here(member.source, member.name)]
+        return [here[name] for name in dict.fromkeys(names)]
     by_name = {(item.name, "" if item.library is None else item.library.filepath): item for item in here}
     members = [by_name.get((member.name, member.library)) for member in group.members]
     return [item for item in members if item is not None and item.type == "MESH"]

@@ -141,8 +141,7 @@ def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
     _running.remove(run)
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
-        reason = "; ".join(line for line in list(run.lines)[-3:] if line) or f"exit code {run.exit_code}"
-        add_error(session, str(preferences().library_path()), reason)
+        add_error(session, str(preferences().library_path()), run.last_words())
         session.summary = session.summary or "Indexing stopped; the list of errors says why"
     if not _running:
         session.indexing = False

@@ -46,6 +46,16 @@ class SHAPEGOOGLE_OT_append_match(_OnMatch, bpy.types.Operator):
     bl_description = "Copy the match into this scene, to the 3D cursor; mesh files are imported"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is elsewhere."""
+        if not super().poll(context):
+            return False
+        if _active_match(context).in_scene:
+            cls.poll_message_set("The match is in this scene: select it, or choose another one")
+            return False
+        return True
+
     def execute(self, context: Any) -> set[str]:
         """Append it."""
         match = _active_match(context)

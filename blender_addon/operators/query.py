@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from bpy.props import IntProperty
 from .. import assets, jobs, scene
 from ..preferences import preferences
 from ..properties import session_of
-from ..scene_index import file_of, scene_source
+from ..scene_index import file_of, is_here
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.tasks import Answer
@@ -124,7 +123,7 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count = match.vertex_count
         line.kind = answer.kinds[match.shape_id]
-        line.in_scene = _is_here(line.source, line.object_name)
+        line.in_scene = is_here(line.source, line.object_name)
         assets.keep_picture(match.shape_id, answer.thumbnails.get(match.shape_id))
     session.active_match = 0 if answer.matches else -1
     session.page = 0
@@ -209,17 +208,11 @@ class SHAPEGOOGLE_OT_turn_page(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _is_here(source: str, object_name: str) -> bool:
-    """Whether a shape is an object of the open scene, indexed as such or from its saved file."""
-    same_file = bool(bpy.data.filepath) and os.path.normcase(source) == os.path.normcase(bpy.data.filepath)
-    return (same_file or source == file_of(scene_source())) and object_name in bpy.context.scene.objects
-
-
 @bpy.app.handlers.persistent
 def _look_again(*_arguments: Any) -> None:
     """Another file is open: other matches are in the scene."""
     for line in session_of(bpy.context).matches:
-        line.in_scene = _is_here(line.source, line.object_name)
+        line.in_scene = is_here(line.source, line.object_name)
 
 
 _register, _unregister = bpy.utils.register_classes_factory(

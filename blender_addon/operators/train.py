@@ -101,7 +101,7 @@ def _take(run: BackgroundRun, path: Path) -> None:
         session.summary = f"Trained {path.name}; it is used for new libraries"
     else:
         session.summary = "Training failed; the list of errors says why"
-        add_error(session, str(path), "; ".join(list(run.lines)[-3:]))
+        add_error(session, str(path), run.last_words())
 
 
 class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):

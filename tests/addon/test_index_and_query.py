@@ -168,6 +168,7 @@ def test_the_scene_itself(preferences, session) -> None:
     bpy.ops.object.select_all(action="DESELECT")
     bpy.ops.shape_google.find_similar()
     assert [(match.name, match.in_scene) for match in session.matches] == [("First", True), ("Second", True)]
+    assert not bpy.ops.shape_google.append_match.poll()
     bpy.ops.shape_google.choose_match(index=1)
     assert bpy.ops.shape_google.select_match() == {"FINISHED"}
     assert [item.name for item in bpy.context.selected_objects] == ["Second"]
@@ -241,6 +242,43 @@ def test_jobs_of_two(addon) -> None:
     assert worker.submit(abs, -4).result() == 4
     with pytest.raises(ShapeGoogleError, match="TypeError"):
         worker.submit(abs, "three").result()
+
+
+def test_paint_is_no_difference_and_library_groups_are_selected(preferences, session) -> None:
+    first = lumpy("First", 0)
+    second = first.copy()
+    second.data = first.data.copy()
+    second.name = "Second"
+    bpy.context.collection.objects.link(second)
+    preferences.use_scene = True
+    bpy.ops.shape_google.index_library()
+    first.select_set(True)
+    bpy.context.scene.shape_google_painting.kind = "WORDS"
+    bpy.ops.shape_google.paint()
+    state = bpy.context.window_manager.shape_google_duplicates
+    state.scope = "SCENE"
+    bpy.ops.shape_google.find_duplicates()
+    assert [(group.kind, group.linkable) for group in state.groups] == [("IDENTICAL", True)]
+    state.scope = "LIBRARY"
+    bpy.ops.shape_google.find_duplicates()
+    bpy.ops.object.select_all(action="DESELECT")
+    assert bpy.ops.shape_google.select_duplicates(index=0) == {"FINISHED"}
+    assert {item.name for item in bpy.context.selected_objects} == {"First", "Second"}
+    state.scope = "SCENE"
+
+
+def test_the_manual_s_script(folder: Path, preferences, session, tmp_path: Path) -> None:
+    manual = (Path(__file__).parents[2] / "docs" / "blender.md").read_text(encoding="utf-8")
+    script = manual.partition("```python\n")[2].partition("```")[0]
+    assert "find_similar" in script
+    script = script.replace("/library/studio.sglib", str(tmp_path / "studio.sglib"))
+    script = script.replace("/library/assets", str(folder))
+    # In tests the add-on is a folder of the repository, and nothing is there twice.
+    script = script.replace('endswith("shape_google")', 'endswith(("shape_google", "blender_addon"))')
+    script = script.replace("bpy.ops.shape_google.link_duplicates()", "")
+    exec(compile(script, "manual", "exec"), {})
+    assert len(session.matches) == 4
+    assert "sg_word" in bpy.context.active_object.data.attributes
 
 
 def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, session, tmp_path: Path) -> None:

@@ -77,6 +77,8 @@ def test_the_whole_way(blender, extension, tmp_path):
 
     query = (folder / "two shapes.blend", "--library", library, "--json", "--top", "1")
     by_script = blender("-b", "-P", SCRIPTS / "query_library.py", "--", *query)
+    json_lines = [json.loads(line) for line in by_script.stdout.splitlines()]
+    assert json_lines == records(by_script.stdout), "nothing but JSON, though Blender prints a banner"
     by_command = blender("--command", "shape_google", "query", *query)
     assert by_script.returncode == by_command.returncode == 0
     assert records(by_script.stdout) == records(by_command.stdout)
