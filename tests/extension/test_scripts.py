@@ -58,7 +58,7 @@ def test_the_whole_way(blender, extension, tmp_path):
         assert missing.returncode == 2
         assert "is not installed in this Blender" in missing.stderr
     # The line that it gives, with the zip's real name.
-    line = missing.stderr.partition("install it with: ")[2].strip()
+    line = missing.stderr.partition("install it with: ")[2].splitlines()[0]
     _, *arguments = shlex.split(line)
     *options, name = arguments
     assert name.endswith(".zip")
