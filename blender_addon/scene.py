@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 __all__ = [
     "base_mesh",
     "evaluated_mesh",
-    "is_evaluated",
     "mesh_objects",
     "new_object",
     "query_mesh",
@@ -62,21 +61,6 @@ def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], li
         seen = item in enabled and own.is_evaluated and not own.hide_viewport
         (evaluated if seen else others).append(item)
     return evaluated, others
-
-
-def is_evaluated(item: Any, context: Any) -> bool:
-    """Whether Blender evaluates an object in the view layer; for many objects, use `split_evaluated`.
-
-    Parameters
-    ----------
-    item : bpy.types.Object
-    context : bpy.types.Context
-
-    Returns
-    -------
-    evaluated : bool
-    """
-    return bool(split_evaluated([item], context)[0])
 
 
 def base_mesh(item: Any) -> Mesh:

@@ -70,8 +70,8 @@ def test_what_the_view_layer_does_not_evaluate(scene, tmp_path: Path) -> None:
     found = scene.split_evaluated(bpy.context.scene.objects, bpy.context)
     assert [{item.name for item in part} for part in found] == [set(part) for part in names]
     assert np.allclose(bpy.data.objects["shown"].matrix_world.to_scale(), 2)
-    assert scene.is_evaluated(bpy.data.objects["shown"], bpy.context)
-    assert not scene.is_evaluated(bpy.data.objects["disabled"], bpy.context)
+    assert scene.split_evaluated([bpy.data.objects["shown"]], bpy.context)[0]
+    assert not scene.split_evaluated([bpy.data.objects["disabled"]], bpy.context)[0]
     # Nothing of the user's was changed to find out.
     assert bpy.data.objects["disabled"].hide_viewport
     assert bpy.context.view_layer.layer_collection.children["Excluded"].exclude
