@@ -321,7 +321,7 @@ def run_all(plan: Plan, options: Sequence[str]) -> dict[str, Outcome]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     options, passed_on = parse_arguments(arguments)
-    environment.enter(["demo", "test"])
+    environment.enter(["benchmark", "demo", "test"])
     started = time.monotonic()
     checks = {name: run_check(name, command) for name, command in CHECKS.items()}
     folder = data_folder()

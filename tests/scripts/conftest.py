@@ -77,6 +77,6 @@ def project(tmp_path, environment):
         (root / "scripts" / name).write_bytes((SCRIPTS / name).read_bytes())
     (root / "pyproject.toml").write_text(PYPROJECT)
     environment.run("Making it", [sys.executable, "-m", "venv", "--without-pip", str(root / ".venv")])
-    stamp = json.dumps(environment.wanted_stamp(root, ["demo", "test"]))
+    stamp = json.dumps(environment.wanted_stamp(root, ["benchmark", "demo", "test"]))
     (root / ".venv" / environment.STAMP_NAME).write_text(stamp)
     return root
