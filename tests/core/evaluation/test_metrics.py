@@ -209,7 +209,7 @@ def on_a_line(*places):
 def test_category_scores_by_hand():
     # a at 0, 1 and 10, b at 2.1 and 4, c at 21 alone.
     scores = category_scores(on_a_line(0, 1, 10, 2.1, 4, 21), ["a", "a", "a", "b", "b", "c"])
-    # Right answers, nearest first: to 0 and 1: 1 0 0 1 0, to 10: 0 0 1 1 0, to 2.1: 0 1 0 0 0, to 4: 1 0 0 0 0.
+    # Right answers, nearest first: to 0 and 1: 10010, to 10: 00110, to 2.1: 01000, to 4: 10000.
     assert scores.nearest_neighbor == pytest.approx(3 / 5)
     assert scores.first_tier == pytest.approx((0.5 + 0.5 + 0 + 0 + 1) / 5)
     assert scores.second_tier == pytest.approx((1 + 1 + 1 + 1 + 1) / 5)
