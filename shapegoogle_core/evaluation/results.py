@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ __all__ = [
     "BenchmarkResult",
     "CategoryResult",
     "Change",
+    "Problem",
     "QueryChange",
     "QueryOutcome",
     "VariantResult",
@@ -60,7 +61,7 @@ class QueryOutcome:
         The database shape that stands first; the relevant one if it stands there with others. Empty for a
         query that failed, whose rank is the size of the database.
     distance_relevant, distance_first : float
-        Infinite for a query that failed.
+        Not finite for a query that failed.
     """
 
     query: str
@@ -88,7 +89,7 @@ class VariantResult:
         Unlike those of the other variants, for example "HKS · spatially sensitive bag · 48 words".
     family : {"baseline", "bags", "codes", "model"}
     parameters : dict of str to str, int or float
-        Columns of the overview: "descriptor", "bag", "words", "bits", "directions", "preparation", …
+        Columns of the overview: "descriptor", "bag", "words", "bits", "projection", "preparation", …
     outcomes : tuple of QueryOutcome
     table : dict of str to list of 5 floats
         As from `metrics.strength_table`.
@@ -188,6 +189,25 @@ class CategoryResult:
 
 
 @dataclass(frozen=True)
+class Problem:
+    """What went wrong with a shape or a variant.
+
+    Attributes
+    ----------
+    shape : str
+        Name of the shape, query or variant.
+    kind : {"left out", "failed", "note"}
+        A query that cannot be made of its null shape is left out of all figures; one that failed counts as
+        if its null shape stood last; a note is anything else.
+    reason : str
+    """
+
+    shape: str
+    kind: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class BenchmarkResult:
     """What a run of the benchmark found.
 
@@ -196,7 +216,7 @@ class BenchmarkResult:
     collection : str
         Name of the ranked collection.
     counts : dict of str to int
-        What was measured with, for example ``{"null shapes": 12, "unrelated shapes": 456, "queries": 652}``.
+        What was measured with: ``{"database": 468, "nulls": 12, "negatives": 456, "queries": 652}``.
     version : str
         Of Shape Google.
     machine : dict of str to str or int
@@ -208,8 +228,8 @@ class BenchmarkResult:
     categories : tuple of CategoryResult
     date : str
         ISO, to the minute.
-    failures : dict of str to str
-        Shapes that could not be made, read or described, and why.
+    problems : tuple of Problem
+        What went wrong, and what was left out.
     """
 
     collection: str
@@ -220,7 +240,7 @@ class BenchmarkResult:
     variants: tuple[VariantResult, ...]
     categories: tuple[CategoryResult, ...]
     date: str = ""
-    failures: dict[str, str] = field(default_factory=dict)
+    problems: tuple[Problem, ...] = ()
 
     @property
     def search(self) -> VariantResult | None:
@@ -236,6 +256,7 @@ class BenchmarkResult:
         values: dict[str, Any] = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         values["variants"] = [variant.to_json() for variant in self.variants]
         values["categories"] = [category.to_json() for category in self.categories]
+        values["problems"] = [asdict(problem) for problem in self.problems]
         return {"format": _FORMAT, **values}
 
     @classmethod
@@ -264,6 +285,7 @@ class BenchmarkResult:
                 )
             known["variants"] = tuple(VariantResult.from_json(entry) for entry in known["variants"])
             known["categories"] = tuple(CategoryResult.from_json(entry) for entry in known["categories"])
+            known["problems"] = tuple(Problem(**entry) for entry in known["problems"])
             return cls(**known)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise BenchmarkError(f"this is not the result of a benchmark ({error!r})") from error

@@ -10,6 +10,7 @@ from shapegoogle_core.evaluation.metrics import CategoryScores
 from shapegoogle_core.evaluation.results import (
     BenchmarkResult,
     CategoryResult,
+    Problem,
     compare,
     compare_queries,
     load_result,
@@ -46,14 +47,14 @@ def result(*variants):
     scores = CategoryScores(0.9, 0.5, 0.75, 0.8)
     return BenchmarkResult(
         collection="pets",
-        counts={"null shapes": 2, "queries": 4},
+        counts={"database": 3, "nulls": 2, "negatives": 1, "queries": 4},
         version="0.1.0",
         machine={"cores": 2},
         seed=7,
         variants=variants or (variant(),),
         categories=(CategoryResult("pets", "model", scores),),
         date="2026-01-02T03:04",
-        failures={"dog0.holes.2": "nothing is left of it"},
+        problems=(Problem("dog0.holes.2", "failed", "nothing is left of it"),),
     )
 
 
@@ -95,7 +96,7 @@ def test_comes_back_from_a_file(tmp_path):
     save_result(one, path)
     again = load_result(path)
     assert again.categories == one.categories
-    assert again.failures == one.failures
+    assert again.problems == one.problems
     for before, after in zip(one.variants, again.variants, strict=True):
         assert after.outcomes == before.outcomes
         assert after.table["holes"] == pytest.approx(before.table["holes"])
