@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
 
-from shapegoogle_core import commands, duplicates_command
+from shapegoogle_core import benchmark_command, commands, duplicates_command
 from shapegoogle_core.arguments import INTERRUPTED, UNUSABLE, number_from, positive_number
 from shapegoogle_core.commands import say
 from shapegoogle_core.errors import ShapeGoogleError
@@ -208,6 +208,16 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     train.add_argument("--seed", type=int, default=0, metavar="N", help="of all random choices (%(default)s)")
     _jobs_option(train)
+
+    benchmark = _command(
+        subparsers,
+        program,
+        "benchmark",
+        benchmark_command.benchmark,
+        "measure the search on collections of meshes, as the paper does",
+        benchmark_command.DETAILS,
+    )
+    benchmark_command.add_options(benchmark)
     for command in (index, query, train):
         for offer in () if reader is None else reader.offers:
             command.add_argument(
