@@ -1,170 +1,197 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Measure retrieval on the evaluation meshes: mean reciprocal rank, indexing and query times.
+"""Measure retrieval on the evaluation meshes, as the paper does, and write a report.
 
-The database is the TOSCA null shapes (pose 0, or the lowest, of each class) and the unrelated PSB shapes;
-queries are all other TOSCA poses (isometry), the same at the paper's global scales, and the remeshed
-collection against the null shapes alone and against all. Every step runs through the command a user types.
+    python3 scripts/benchmark_retrieval.py --data FOLDER [--variants all] [--output FOLDER]
+
+FOLDER holds labels.csv and the collections that it names. The database is the null shape (the lowest pose)
+of each class of TOSCA and the unrelated shapes of PSB. Queries are the next five poses of each class
+(isometry), and ten transformations of each null shape in five strengths. Also measured are the remeshed
+TOSCA shapes, which ask for the null shape of their class (a report of its own, in the folder "remeshed"),
+all poses of TOSCA as categories, and, with --blend-meshes, the posed characters of the .blend library.
+
+What was computed is kept: a run that was ended goes on where it was. Exit codes as `shapegoogle benchmark`.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
-import json
 import os
-import subprocess
 import sys
-import tempfile
-import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import environment
 
+if TYPE_CHECKING:
+    from shapegoogle_core.evaluation.collection import BenchmarkShape, Collection, LabelledCollection
+
 REPOSITORY = Path(__file__).resolve().parent.parent
-SCALES = (0.5, 0.875, 1.25, 1.625, 2.0)
+POSES = 5
+PARTS = ("retrieval", "categories", "remeshed")
 
 
-def shapegoogle(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "shapegoogle_core", *map(str, arguments)]
-    return subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
+@dataclass(frozen=True)
+class Row:
+    """A row of labels.csv."""
+
+    path: Path
+    label: str
+    pose: int
 
 
-def read_labels(data: Path) -> dict[str, list[tuple[Path, str, int]]]:
-    """Rows of labels.csv by dataset: path, class, pose."""
-    labels: dict[str, list[tuple[Path, str, int]]] = {}
-    with (data / "labels.csv").open(newline="") as file:
+def read_labels(data: Path) -> dict[str, list[Row]]:
+    """Rows of labels.csv by collection, in the order of their poses."""
+    rows: dict[str, list[Row]] = {}
+    with (data / "labels.csv").open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             pose = int(row["pose"]) if row["pose"].isdigit() else -1
-            labels.setdefault(row["dataset"], []).append((data / row["path"], row["class"], pose))
-    return labels
+            rows.setdefault(row["dataset"], []).append(Row(data / row["path"], row["class"], pose))
+    return {name: sorted(members, key=lambda row: (row.label, row.pose)) for name, members in rows.items()}
 
 
-def null_shapes(tosca: Sequence[tuple[Path, str, int]]) -> dict[str, Path]:
-    """Find the lowest pose of each class."""
-    nulls: dict[str, tuple[int, Path]] = {}
-    for path, name, pose in tosca:
-        if name not in nulls or pose < nulls[name][0]:
-            nulls[name] = (pose, path)
-    return {name: path for name, (_, path) in nulls.items()}
+def database(labels: dict[str, list[Row]]) -> tuple[list[BenchmarkShape], list[BenchmarkShape]]:
+    """Find the null shapes of TOSCA, the lowest pose of each class, and the unrelated shapes."""
+    from shapegoogle_core.evaluation.collection import NEGATIVE, NULL, database_shape
+
+    lowest: dict[str, Path] = {}
+    for row in labels["tosca"]:
+        lowest.setdefault(row.label, row.path)
+    nulls = [database_shape(path, NULL) for path in lowest.values()]
+    return nulls, [database_shape(row.path, NEGATIVE) for row in labels["psb"]]
 
 
-def reciprocal_ranks(library: Path, queries: dict[Path, Path]) -> dict[Path, float]:
-    """Ask for every query, and look where the wanted file stands."""
-    answers = shapegoogle("query", *queries, "--library", library, "--top", "1000", "--json")
-    ranks = {}
-    for line in answers.stdout.splitlines():
-        answer = json.loads(line)
-        query = Path(answer["query"])
-        sources = [Path(match["source"]) for match in answer["matches"]]
-        wanted = queries[query].resolve()
-        ranks[query] = 1 / (1 + sources.index(wanted)) if wanted in sources else 0.0
-    return ranks
-
-
-def index(library: Path, files: Sequence[Path], model: str, jobs: int) -> dict[str, Any]:
-    started = time.monotonic()
-    result = shapegoogle(
-        "index", *files, "--library", library, "--model", model, "--jobs", str(jobs), "--json"
+def retrieval(labels: dict[str, list[Row]], seed: int) -> Collection:
+    """Re-create the protocol of the paper's section 6.1."""
+    from shapegoogle_core.evaluation.collection import (
+        ISOMETRY,
+        BenchmarkShape,
+        Collection,
+        generated_queries,
     )
-    report: dict[str, Any] = json.loads(result.stdout)
-    report["wall_seconds"] = time.monotonic() - started
-    return report
+
+    nulls, negatives = database(labels)
+    queries: list[BenchmarkShape] = []
+    for null, poses in _by_null(nulls, labels["tosca"]):
+        others = [row.path for row in poses if row.path != null.path][:POSES]
+        queries += [
+            BenchmarkShape(f"{null.name}.{ISOMETRY}.{strength}", path, null.name, ISOMETRY, strength)
+            for strength, path in enumerate(others, start=1)
+        ]
+    queries += generated_queries(nulls, seed=seed)
+    return Collection("TOSCA among PSB", (*nulls, *negatives), tuple(queries))
 
 
-def report(title: str, ranks: dict[Path, float], classes: dict[Path, str]) -> dict[str, Any]:
-    by_class: dict[str, list[float]] = {}
-    for query, rank in ranks.items():
-        by_class.setdefault(classes[query], []).append(rank)
-    mean = sum(ranks.values()) / len(ranks)
-    first = sum(rank == 1 for rank in ranks.values()) / len(ranks)
-    print(f"{title}: {len(ranks)} queries, mean reciprocal rank {mean:.4f}, first {first:.1%}")
-    for name, values in sorted(by_class.items()):
-        if min(values) < 1:
-            print(f"    {name:10s} {sum(values) / len(values):.3f} of {len(values)}")
-    for query, rank in ranks.items():
-        if rank < 1:
-            print(f"    {query.name} came {round(1 / rank) if rank else 'nowhere'}")
-    return {"queries": len(ranks), "mean_reciprocal_rank": mean, "first": first}
+def remeshed(labels: dict[str, list[Row]]) -> Collection:
+    """Ask with shapes of another triangulation, as isometries of strength 1."""
+    from shapegoogle_core.evaluation.collection import ISOMETRY, BenchmarkShape, Collection
+
+    nulls, negatives = database(labels)
+    queries = [
+        BenchmarkShape(f"{row.path.stem}.{ISOMETRY}.1", row.path, null.name, ISOMETRY, 1)
+        for null, poses in _by_null(nulls, labels["tosca_remeshed"], labels["tosca"])
+        for row in poses
+    ]
+    return Collection("remeshed TOSCA among PSB", (*nulls, *negatives), tuple(queries))
 
 
-def scaled_copies(nulls: dict[str, Path], folder: Path) -> dict[Path, Path]:
-    import numpy as np
-    import trimesh
-
-    from shapegoogle_core.mesh import read_mesh
-
-    queries = {}
-    for name, path in nulls.items():
-        mesh = read_mesh(path)
-        for scale in SCALES:
-            copy = folder / f"{name}-scale-{scale}.ply"
-            trimesh.Trimesh(np.array(mesh.vertices) * scale, mesh.faces, process=False).export(copy)
-            queries[copy] = path
-    return queries
+def _by_null(
+    nulls: Sequence[BenchmarkShape], rows: Sequence[Row], null_rows: Sequence[Row] | None = None
+) -> list[tuple[BenchmarkShape, list[Row]]]:
+    """Rows of the class of each null shape."""
+    classes = {row.path: row.label for row in null_rows or rows}
+    return [(null, [row for row in rows if row.label == classes[null.path]]) for null in nulls]
 
 
-def query_seconds(library: Path, mesh_path: Path) -> float:
-    """Median of one query in a running process, for a mesh brought to 5,000 vertices."""
-    import statistics
+def categories(rows: Sequence[Row], name: str) -> LabelledCollection:
+    """Let every shape ask for the others of its class."""
+    from shapegoogle_core.evaluation.collection import NULL, LabelledCollection, database_shape
 
-    from shapegoogle_core.library import Library
-    from shapegoogle_core.mesh import read_mesh
-    from shapegoogle_core.mesh.resampling import resample
-
-    mesh = resample(read_mesh(mesh_path), 5000, 5000)
-    seconds = []
-    with Library.open(library, read_only=True) as opened:
-        opened.query(mesh)  # once for imports and the codes
-        for _ in range(5):
-            started = time.monotonic()
-            opened.query(mesh)
-            seconds.append(time.monotonic() - started)
-    print(f"one query of {len(mesh.vertices)} vertices: median {statistics.median(seconds):.3f} s")
-    return statistics.median(seconds)
+    shapes = tuple(database_shape(row.path, NULL) for row in rows)
+    return LabelledCollection(name, shapes, tuple(row.label for row in rows))
 
 
-def main() -> int:
+def posed_characters(folder: Path) -> list[Row]:
+    """Find the posed characters among the meshes of export_blend_meshes.py."""
+    table = folder / "meshes.csv"
+    if not table.is_file():
+        return []
+    with table.open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["pack"] == "posed_characters"]
+    # One file of the woman is named otherwise than the rest of hers. Hairstyles are poses of nobody.
+    people = {"Female": "woman", "Woman": "woman", "Male": "man"}
+    return [
+        Row(folder / row["file"], people[person], index)
+        for index, row in enumerate(rows)
+        if (person := row["shape"].removeprefix("posed_characters-").partition("_")[0]) in people
+        and "_Hairstyle_" not in row["shape"]
+    ]
+
+
+def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    from shapegoogle_core.benchmark_command import add_run_options
+
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     default = Path(os.environ.get("SHAPEGOOGLE_DATA", REPOSITORY.parent / "shared" / "data"))
-    parser.add_argument("--data", type=Path, default=default, help="folder with labels.csv (%(default)s)")
-    parser.add_argument("--model", default="default", help="model file or shipped name (%(default)s)")
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures to FILE")
-    arguments = parser.parse_args()
-    labels = read_labels(arguments.data)
-    nulls = null_shapes(labels["tosca"])
-    figures: dict[str, Any] = {"model": arguments.model}
-    with tempfile.TemporaryDirectory() as folder:
-        everything, only_nulls = Path(folder) / "all.sglib", Path(folder) / "nulls.sglib"
-        psb = [path for path, _, _ in labels["psb"]]
-        made = index(everything, [*nulls.values(), *psb], arguments.model, arguments.jobs)
-        count = len(nulls) + len(psb)
-        print(
-            f"indexed {made['added']} of {count} shapes in {made['wall_seconds']:.0f} s with "
-            f"{arguments.jobs} jobs: {count / made['wall_seconds']:.2f} shapes/s"
-        )
-        figures["index"] = made
-        index(only_nulls, list(nulls.values()), arguments.model, arguments.jobs)
-        classes = {path: name for rows in labels.values() for path, name, _ in rows}
-        poses = {path: nulls[name] for path, name, _ in labels["tosca"] if path != nulls[name]}
-        figures["isometry"] = report("other poses", reciprocal_ranks(everything, poses), classes)
-        scaled = scaled_copies(nulls, Path(folder))
-        classes |= {copy: classes[original] for copy, original in scaled.items()}
-        figures["scale"] = report("scaled", reciprocal_ranks(everything, scaled), classes)
-        remeshed = {path: nulls[name] for path, name, _ in labels["tosca_remeshed"] if name in nulls}
-        for title, library in (("remeshed, 12 nulls", only_nulls), ("remeshed, all", everything)):
-            figures[title] = report(title, reciprocal_ranks(library, remeshed), classes)
-        figures["query_seconds"] = query_seconds(everything, nulls["victoria"])
-    if arguments.json:
-        arguments.json.write_text(json.dumps(figures, indent=2))
-    return 0
+    parser.add_argument(
+        "--data", type=Path, default=default, metavar="FOLDER", help="with labels.csv (%(default)s)"
+    )
+    parser.add_argument(
+        "--blend-meshes",
+        type=Path,
+        metavar="FOLDER",
+        help="made by export_blend_meshes.py of the .blend files",
+    )
+    parser.add_argument(
+        "--parts", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=f"some of {', '.join(PARTS)}"
+    )
+    add_run_options(parser)
+    options = parser.parse_args(arguments)
+    if not (options.data / "labels.csv").is_file():
+        parser.error(f"there is no labels.csv in '{options.data}'; name the folder of the evaluation meshes")
+    return options
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    from shapegoogle_core.benchmark_command import measure
+    from shapegoogle_core.errors import ShapeGoogleError
+    from shapegoogle_core.launching import orderly_end
+
+    options = parse_arguments(arguments)
+    labels = read_labels(options.data)
+    output = Path(options.output)
+    labelled = []
+    if "categories" in options.parts:
+        labelled.append(categories(labels["tosca"], "TOSCA"))
+        people = [] if options.blend_meshes is None else posed_characters(options.blend_meshes)
+        if people:
+            labelled.append(categories(people, "posed characters"))
+        else:
+            print("the posed characters are left out: --blend-meshes names no folder that holds them")
+    exit_codes = []
+    try:
+        with orderly_end():
+            if "retrieval" in options.parts or labelled:
+                collection = retrieval(labels, options.seed)
+                exit_codes.append(measure(collection, labelled, options, output))
+            if "remeshed" in options.parts:
+                earlier = options.compare and Path(options.compare).parent / "remeshed" / "benchmark.json"
+                options.compare = earlier if earlier and earlier.is_file() else None
+                exit_codes.append(measure(remeshed(labels), [], options, output / "remeshed"))
+    except ShapeGoogleError as error:
+        print(f"benchmark_retrieval: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("benchmark_retrieval: interrupted; run it again to go on", file=sys.stderr)
+        return 130
+    return max(exit_codes)
 
 
 if __name__ == "__main__":
-    environment.enter(("demo",))
+    environment.enter(("benchmark",))
     sys.exit(main())
