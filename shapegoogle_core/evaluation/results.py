@@ -224,7 +224,7 @@ class BenchmarkResult:
     seed : int
         Of the transformations and of everything learnt.
     variants : tuple of VariantResult
-        The last one of family "model" is the search as a user gets it.
+        In the order of the tables.
     categories : tuple of CategoryResult
     date : str
         ISO, to the minute.
@@ -244,8 +244,10 @@ class BenchmarkResult:
 
     @property
     def search(self) -> VariantResult | None:
-        """The search as a user gets it, if it was measured."""
-        return next((variant for variant in reversed(self.variants) if variant.family == "model"), None)
+        """The search as a user gets it: that of the first model, or its last stage that was measured."""
+        models = [variant for variant in self.variants if variant.family == "model"]
+        searches = [variant for variant in models if variant.parameters.get("stage") == "search"]
+        return next(iter(searches + models[::-1]), None)
 
     def variant(self, name: str) -> VariantResult | None:
         """Find a variant by its name."""

@@ -154,7 +154,7 @@ def _overview(result: BenchmarkResult) -> dict[str, Any]:
         for key in parameters
     ]
     rows = []
-    for variant in result.variants:
+    for variant in sorted(result.variants, key=lambda variant: (-variant.average, variant.name)):
         values: list[Any] = [variant.name, variant.family, variant.average]
         values += [variant.table.get(name, [math.nan])[-1] for name in names[:-1]]
         values += [100 * variant.found_within(1), 100 * variant.equal_error_rate]

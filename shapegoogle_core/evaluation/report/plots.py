@@ -43,6 +43,8 @@ _VARIABLES = {_INK: "--ink", _FAINT: "--faint", _GRID: "--grid", _PAPER: "--pape
 _MARKS = ("o", "s", "^", "D", "v", "P")
 _DASHES: tuple[str | tuple[int, tuple[float, ...]], ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
+_SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "text.parse_math": False,  # names are not formulas
@@ -136,9 +138,9 @@ def precision_recall_plot(variants: Sequence[VariantResult]) -> Plot | None:
 
     def panel(axes: Axes) -> None:
         axes.set(xlim=(0, 1), ylim=(0, 1.02), xlabel="recall", ylabel="precision")
-        _plot_lines(axes, lines)
+        _plot_lines(axes, lines, key=True)
 
-    return Plot("Precision and recall", _draw("precision-recall", (4.2, 3.2), panel)) if lines else None
+    return Plot("Precision and recall", _draw("precision-recall", (4.4, 3.3), panel)) if lines else None
 
 
 def roc_plot(variants: Sequence[VariantResult]) -> Plot | None:
@@ -172,14 +174,22 @@ def roc_plot(variants: Sequence[VariantResult]) -> Plot | None:
         axes.set(xlim=(least, 1), ylim=(low, 1 + 0.02 * (1 - low)))
         axes.set(xlabel="false positive rate", ylabel="true positive rate")
         rates = np.geomspace(least, 1, 200)
-        axes.plot(rates, 1 - rates, color=_FAINT, lw=0.8, ls=":")
-        _plot_lines(axes, lines)
+        axes.plot(rates, 1 - rates, color=_FAINT, lw=0.8, ls=":", scalex=False, scaley=False)
+        axes.xaxis.set_major_formatter(FuncFormatter(_decimal))
+        axes.xaxis.set_minor_locator(NullLocator())
+        _plot_lines(axes, lines, key=True)
         for number, variant in drawn:
             rate = variant.equal_error_rate
             if rate > 0 and 1 - rate >= low:
                 axes.plot(rate, 1 - rate, _MARKS[number], color=_SERIES[number], mec=_PAPER, ms=7, zorder=5)
 
-    return Plot("ROC, with equal error rates", _draw("roc", (4.2, 3.2), panel))
+    return Plot("ROC, with equal error rates", _draw("roc", (4.4, 3.3), panel))
+
+
+def _decimal(value: float, _position: int | None = None) -> str:
+    """Write a power of ten: 1, 0.1, 0.01, 10⁻³."""
+    exponent = round(math.log10(value))
+    return f"{value:g}" if exponent > -3 else f"10⁻{str(-exponent).translate(_SUPERSCRIPT)}"
 
 
 def vocabulary_plots(variants: Sequence[VariantResult]) -> list[Plot]:
@@ -239,6 +249,8 @@ def _growth_plots(
     groups: dict[tuple[str, ...], dict[str, dict[float, float]]] = {}
     for variant in variants:
         size = variant.parameters.get(along)
+        if "descriptor" not in variant.parameters or "model" in variant.parameters:
+            continue  # whole models mix descriptors
         if isinstance(size, int | float) and size > 0 and not math.isnan(variant.average):
             lines = groups.setdefault(_group(variant), {})
             lines.setdefault(str(variant.parameters.get(line, "")), {})[size] = variant.average
@@ -278,7 +290,7 @@ def _growth_plots(
             _plot_lines(axes, drawn)
 
         title = " · ".join(part for part in group if part)
-        plots.append(Plot(title, _draw(f"{along}-{'-'.join(group)}", (3.6, 2.7), panel)))
+        plots.append(Plot(title, _draw(f"{along}-{'-'.join(group)}", (4.2, 2.8), panel)))
     return plots
 
 
@@ -301,8 +313,11 @@ def _floor(values: Sequence[float]) -> float:
     return float(min(10 * math.floor(min(finite, default=0) / 10), 90))
 
 
-def _plot_lines(axes: Axes, lines: Sequence[_Line]) -> None:
-    """Draw lines, and each one's label right of its end, moved up or down where labels would touch."""
+def _plot_lines(axes: Axes, lines: Sequence[_Line], key: bool = False) -> None:
+    """Draw lines, and each one's label right of its end, moved up or down where labels would touch.
+
+    Curves that end in one point have their labels in a column from the top instead, as a `key`.
+    """
     for line in lines:
         color = _SERIES[line.series] if line.series >= 0 else _FAINT
         mark = _MARKS[line.series] if line.marks else ""
@@ -316,13 +331,16 @@ def _plot_lines(axes: Axes, lines: Sequence[_Line]) -> None:
     low, high = axes.get_ylim()
     ends = np.array([(np.clip(line.y[-1], low, high) - low) / (high - low) for line in lines])
     heights = np.array([len(text) * line_height for text in texts]) + 0.25 * line_height
-    for line, text, end, place in zip(lines, texts, ends, _spread(ends, heights), strict=True):
+    places = 1 - np.cumsum(heights) + heights / 2 if key else _spread(ends, heights)
+    for line, text, end, place in zip(lines, texts, ends, places, strict=True):
         color = _SERIES[line.series] if line.series >= 0 else _FAINT
-        if abs(place - end) > 0.01:
+        if key:
+            axes.plot([1.02, 1.055], [place, place], color=color, transform=axes.transAxes, clip_on=False)
+        elif abs(place - end) > 0.01:
             leader: dict[str, Any] = {"lw": 0.7, "transform": axes.transAxes, "clip_on": False}
             axes.plot([1.005, 1.035], [end, place], color=color, **leader)
         axes.text(
-            1.045,
+            1.07 if key else 1.045,
             place,
             "\n".join(text),
             color=color,
