@@ -116,7 +116,8 @@ def strength_plots(variants: Sequence[VariantResult], classes: Sequence[str]) ->
     def panel(axes: Axes, name: str) -> None:
         for number, variant in enumerate(variants):
             if name in variant.table:
-                axes.plot(STRENGTHS, variant.table[name], marker=_MARKS[number], color=_SERIES[number])
+                row, above = variant.table[name], 3 - number / 10
+                axes.plot(STRENGTHS, row, marker=_MARKS[number], color=_SERIES[number], zorder=above)
         axes.set(xlim=(0.8, 5.2), ylim=(low - 2, 102), xticks=STRENGTHS)
 
     return [
@@ -165,7 +166,7 @@ def roc_plot(variants: Sequence[VariantResult]) -> Plot | None:
     for number, variant in drawn:
         x, y = _columns(variant.roc)
         rate = variant.equal_error_rate
-        label = variant.name if math.isnan(rate) else f"{variant.name} ({100 * rate:.2g} %)"
+        label = variant.name if math.isnan(rate) else f"{variant.name} ({100 * rate:.2g}\u00a0%)"
         lines.append(_Line(label, np.maximum(x, least).tolist(), y, number, marks=False))
     low = _floor([100 * y for _, variant in drawn for x, y in variant.roc if x >= 10 * least]) / 100
 
@@ -401,7 +402,7 @@ def _for_page(svg: str) -> str:
     assert width is not None
     svg = re.sub(r' (width|height)="[\d.]+pt"', "", svg, count=2)
     svg = re.sub(r' xmlns(:xlink)?="[^"]*"| version="1.1"', "", svg)
-    svg = re.sub(r' id="[a-zA-Z.]+_\d+"', "", svg)
+    svg = re.sub(r' id="[\w.]+_\d+"', "", svg)
     svg = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", svg)
     for color, variable in _VARIABLES.items():
         svg = svg.replace(color, f"var({variable})")
