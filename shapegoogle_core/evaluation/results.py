@@ -244,10 +244,10 @@ class BenchmarkResult:
 
     @property
     def search(self) -> VariantResult | None:
-        """The search as a user gets it: that of the first model, or its last stage that was measured."""
+        """The search as a user gets it: that of the last model, or its last stage that was measured."""
         models = [variant for variant in self.variants if variant.family == "model"]
         searches = [variant for variant in models if variant.parameters.get("stage") == "search"]
-        return next(iter(searches + models[::-1]), None)
+        return next(iter(searches[::-1] or models[::-1]), None)
 
     def variant(self, name: str) -> VariantResult | None:
         """Find a variant by its name."""

@@ -51,12 +51,15 @@ class _Column:
         What a cell of this value says.
     lowest_is_best : bool or None
         None: there is no best.
+    is_parameter : bool
+        Left out on paper: the name says as much.
     """
 
     title: str
     kind: str
     show: Callable[[Any], str]
     lowest_is_best: bool | None = None
+    is_parameter: bool = False
 
 
 def write_report(
@@ -100,7 +103,7 @@ def write_report(
     search = result.search
     text = environment.get_template("page.html.jinja").render(
         result=result,
-        date=result.date.replace("T", " "),
+        date=_date(result),
         chosen=chosen,
         search=search,
         classes=class_names(result),
@@ -125,6 +128,11 @@ def write_report(
 def _svg(plots: Sequence[Any]) -> list[dict[str, str]]:
     """Hand plots to the template; what matplotlib wrote is markup, and it has escaped all names itself."""
     return [{"title": plot.title, "svg": Markup(plot.svg)} for plot in plots]
+
+
+def _date(result: BenchmarkResult) -> str:
+    """Day and time to the minute, without the zone."""
+    return result.date[:16].replace("T", " ")
 
 
 def _hardest(search: VariantResult | None) -> list[tuple[str, float]]:
@@ -189,7 +197,7 @@ def _comparison(result: BenchmarkResult, earlier: BenchmarkResult) -> dict[str, 
     averages = [rows[-1] for rows in changes.values()]
     return {
         "earlier": earlier,
-        "date": earlier.date.replace("T", " "),
+        "date": _date(earlier),
         "search": changes.get(search.name, []) if search else [],
         "others": sorted(
             (change for change in averages if search is None or change.variant != search.name),

@@ -146,11 +146,11 @@ def test_damaged_values_are_refused():
         BenchmarkResult.from_json(values)
 
 
-def test_the_search_is_that_of_the_first_model():
+def test_the_search_is_that_of_the_last_model():
     search, other = variant("default · search"), variant("paper · search")
     search, other = (replace(entry, parameters={"stage": "search"}) for entry in (search, other))
     bags = variant("full bags")
-    assert result(bags, search, bags, other, variant("codes", "codes")).search is search
+    assert result(bags, other, bags, search, variant("codes", "codes"), bags).search is search
     assert result(variant("codes", "codes"), bags).search is bags
     assert result(variant("codes", "codes")).search is None
 
