@@ -157,10 +157,9 @@ def _overview(result: BenchmarkResult) -> dict[str, Any]:
         ),
     ]
     parameters = list(dict.fromkeys(key for variant in result.variants for key in variant.parameters))
-    columns += [
-        _Column(key, "figure" if _all_numbers(result.variants, key) else "text", _number)
-        for key in parameters
-    ]
+    for key in parameters:
+        kind = "figure" if _all_numbers(result.variants, key) else "text"
+        columns.append(_Column(key, kind, _number, is_parameter=True))
     rows = []
     for variant in sorted(result.variants, key=lambda variant: (-variant.average, variant.name)):
         values: list[Any] = [variant.name, variant.family, variant.average]
