@@ -3,16 +3,136 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from shapegoogle_core.errors import BenchmarkError
-from shapegoogle_core.evaluation.matching import VariantGroup
+from shapegoogle_core.evaluation.bag_variants import BAG_NAMES, BagGroup, Descriptor, Preparation
+from shapegoogle_core.evaluation.baseline_variants import d2_group, shape_dna_group
+from shapegoogle_core.evaluation.learning import INDIVIDUALS
+from shapegoogle_core.evaluation.matching import Variant, VariantGroup
 from shapegoogle_core.evaluation.model_variants import model_group
 from shapegoogle_core.model import load_model
+from shapegoogle_core.settings import PRESETS
 
-__all__ = ["choose_variants"]
+__all__ = ["BITS", "WORDS", "choose_variants", "paper_variants"]
+
+WORDS = (4, 8, 16, 32, 48, 64, 128)
+"""Sizes of vocabularies."""
+
+MAIN_WORDS = 48
+"""The paper's choice."""
+
+BITS = (16, 32, 64, 128, 256, 512)
+"""Lengths of codes."""
+
+
+def _preparations() -> tuple[Preparation, Preparation]:
+    """Meshes as the paper takes them, and mended as the default model takes them, at the paper's scale."""
+    paper = PRESETS["paper"]
+    mended = replace(PRESETS["default"], area=paper.area)
+    return Preparation("paper", paper), Preparation("mended", mended)
+
+
+def _descriptors(preparation: Preparation) -> tuple[Descriptor, ...]:
+    (channel,) = PRESETS["paper"].channels
+    time = channel.pair_time
+    # Aubry's 100 energies, 7 of their steps wide and 2 widths inside the logarithms of the eigenvalues, which
+    # on a surface of area A are about 4πk / A (Weyl); the first positive one is a few times less.
+    settings = preparation.settings
+    low = math.log(4 * math.pi / settings.area)
+    high = math.log(4 * math.pi * settings.eigenpairs / settings.area)
+    sigma = 7 * (high - low) / 127
+    return (
+        Descriptor("HKS", channel.descriptor, dict(channel.parameters), time),
+        # As in the paper on it (Bronstein, Kokkinos 2010), in the same unit of time.
+        Descriptor(
+            "SI-HKS",
+            "si-hks",
+            {"alpha": 2.0, "tau_start": 1.0, "tau_end": 25.0, "tau_step": 1 / 16, "frequencies": 6},
+            time,
+        ),
+        Descriptor(
+            "WKS",
+            "wks",
+            {"low": low + 2 * sigma, "high": high - 2 * sigma, "count": 100, "sigma": sigma},
+            time,
+        ),
+    )
+
+
+def paper_variants(
+    train: str | Path | None = None, seed: int = 0, individuals: int = INDIVIDUALS
+) -> list[VariantGroup]:
+    """List the paper's variants and the baselines.
+
+    Parameters
+    ----------
+    train : str or Path, optional
+        Folder of meshes to learn from besides the procedural creatures.
+    seed : int
+        Of what is learnt.
+    individuals : int
+        Of each kind of creature to learn from.
+
+    Returns
+    -------
+    groups : list of VariantGroup
+        Baselines first; then HKS and SI-HKS with all bags, vocabularies and codes on the paper's preparation;
+        then 48 words of each on mended meshes.
+    """
+    paper, mended = _preparations()
+    groups: list[VariantGroup] = [d2_group(seed), shape_dna_group(paper), shape_dna_group(mended)]
+    for preparation in (paper, mended):
+        for descriptor in _descriptors(preparation):
+            complete = preparation is paper and descriptor.name != "WKS"
+            variants = _bag_rows(preparation, descriptor, WORDS if complete else (MAIN_WORDS,))
+            if complete:
+                variants += _code_rows(preparation, descriptor)
+            groups.append(BagGroup(preparation, descriptor, variants, train, seed, individuals))
+    return groups
+
+
+def _bag_rows(preparation: Preparation, descriptor: Descriptor, sizes: Sequence[int]) -> tuple[Variant, ...]:
+    rows = []
+    place = "" if preparation.name == "paper" else f" · {preparation.name}"
+    for bag, name in BAG_NAMES.items():
+        by_area = bag in ("area", "pairs")
+        for weighting in ("",) if by_area else ("", ", tf-idf"):
+            for words in (MAIN_WORDS,) if by_area else sizes:
+                parameters: dict[str, str | int | float] = {
+                    "descriptor": descriptor.name,
+                    "bag": name + weighting,
+                    "words": words,
+                    "preparation": preparation.name,
+                }
+                main = words == MAIN_WORDS and not weighting and not by_area and not place
+                title = f"{descriptor.name} · {name}{weighting} · {words} words{place}"
+                family = "baseline" if descriptor.name == "WKS" else "bags"
+                rows.append(Variant(title, family, parameters, headline=main))
+    return tuple(rows)
+
+
+def _code_rows(preparation: Preparation, descriptor: Descriptor) -> tuple[Variant, ...]:
+    return tuple(
+        Variant(
+            f"{descriptor.name} · {bits}-bit codes · {projection}",
+            "codes",
+            {
+                "descriptor": descriptor.name,
+                "bag": BAG_NAMES["plain-pairs"],
+                "words": MAIN_WORDS,
+                "bits": bits,
+                "projection": projection,
+                "preparation": preparation.name,
+            },
+        )
+        for projection in ("eigenvectors", "random")
+        for bits in BITS
+    )
 
 
 def choose_variants(
@@ -43,7 +163,7 @@ def choose_variants(
     ModelError
         If a model cannot be loaded.
     """
-    groups: list[VariantGroup] = []
+    groups = [] if wanted == "models" else paper_variants(train, seed)
     loaded = [load_model(name) for name in models]
     names = [model.name for model in loaded]
     for model in loaded:

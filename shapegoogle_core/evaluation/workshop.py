@@ -154,8 +154,8 @@ class Workshop:
 
     def describe_sources(self, task: Task, sources: Sequence[Source]) -> list[Arrays | None]:
         """Compute something of anything that has meshes; else as `describe`."""
-        code = code_digest(PREPARATION_CODE)
-        keys = [digest(source.key, task.key, code) for source in sources]
+        depends = [task.key, code_digest(PREPARATION_CODE)]
+        keys = [digest(source.key, depends) for source in sources]
         found = [self.cache.load(task.kind, key) for key in keys]
         missing = [index for index, arrays in enumerate(found) if arrays is None]
         work = partial(_work, task, self.cache)
@@ -171,6 +171,42 @@ class Workshop:
             else:
                 found[index] = self.cache.load(task.kind, keys[index])
         return found
+
+    def remembered(
+        self, kind: str, function: Callable[[T], Arrays], items: Sequence[T], keys: Sequence[str], title: str
+    ) -> list[Arrays]:
+        """Compute what is not of one shape, such as a vocabulary, unless that was done before.
+
+        Parameters
+        ----------
+        kind : str
+            Folder of the entries in the cache.
+        function : callable
+            Of one item; both travel to another process.
+        items : sequence
+        keys : sequence of str
+            Digest of all that the result for each item depends on.
+        title : str
+            What the progress bar calls it.
+
+        Returns
+        -------
+        results : list of dict of str to array
+
+        Raises
+        ------
+        BenchmarkError
+            If one of them fails: without it there is no variant.
+        """
+        found = [self.cache.load(kind, key) for key in keys]
+        missing = [index for index, arrays in enumerate(found) if arrays is None]
+        outcomes = self.run(function, [items[index] for index in missing], title)
+        for index, outcome in zip(missing, outcomes, strict=True):
+            if isinstance(outcome, Exception):
+                raise BenchmarkError(f"{title} failed: {_cause(outcome)}; run it again") from outcome
+            self.cache.store(kind, keys[index], outcome)
+            found[index] = outcome
+        return [arrays for arrays in found if arrays is not None]
 
     def run(self, function: Callable[[T], R], items: Sequence[T], title: str) -> list[R | Exception]:
         """Apply a function to all items, in worker processes.

@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: MIT
+"""The paper's variants as rows of the benchmark: descriptors, bags, vocabulary sizes, tf-idf and codes.
+
+All are learnt from `training_versions`, and compared by the L1 distance of their bags, as in the paper, or
+by the Hamming distance of codes made of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import accumulate, pairwise
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
+from shapegoogle_core.describing import FloatBags
+from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.evaluation.collection import BenchmarkShape
+from shapegoogle_core.evaluation.learning import training_versions
+from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
+from shapegoogle_core.evaluation.spectra_cache import (
+    Arrays,
+    BenchmarkCache,
+    cached_spectrum,
+    code_digest,
+    digest,
+    preparation_of,
+)
+from shapegoogle_core.evaluation.workshop import Source, Workshop
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.words import hard_words, soft_words
+
+__all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation"]
+
+BAG_NAMES = {
+    "plain": "bag of features",
+    "plain-pairs": "spatially sensitive bag",
+    "area": "bag of features, by area",
+    "pairs": "spatially sensitive bag, by area",
+}
+"""What the table calls the kinds of bags of `shapegoogle_core.settings.BAGS`."""
+
+MOST_BITS = 512
+HASHED_DIMENSIONS = 100
+"""Most principal components that bags of pairs are brought to before they are hashed."""
+
+_SAMPLED_VERTICES = 100  # of each version, to learn vocabularies from
+_PAIRS = 5_000  # of each kind, to learn codes from
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """How meshes become spectra.
+
+    Attributes
+    ----------
+    name : str
+    settings : ModelSettings
+        Only its mending, area, Laplacian and number of eigenpairs matter.
+    """
+
+    name: str
+    settings: ModelSettings
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """A local descriptor.
+
+    Attributes
+    ----------
+    name : str
+        In the table.
+    kind : str
+        A key of `shapegoogle_core.settings.DESCRIPTORS`.
+    parameters : dict
+        Of it.
+    pair_time : float
+        t of the kernel in bags of pairs.
+    """
+
+    name: str
+    kind: str
+    parameters: dict[str, Any]
+    pair_time: float
+
+    @property
+    def key(self) -> str:
+        """Digest of what its values depend on."""
+        return digest(self.kind, self.parameters, code_digest(("descriptors.py", "settings.py")))
+
+
+Vocabularies = dict[int, Arrays]
+"""By their number of words: "centers" (V, d) and "sigma" ()."""
+
+
+@dataclass(frozen=True)
+class _SampleTask:
+    """Take descriptors at some vertices of a shape."""
+
+    preparation: Preparation
+    descriptor: Descriptor
+    kind: str = "samples"
+
+    @property
+    def title(self) -> str:
+        return f"{self.descriptor.name}, {self.preparation.name}: descriptors to learn from"
+
+    @property
+    def key(self) -> str:
+        return digest(preparation_of(self.preparation.settings), self.descriptor.key, _SAMPLED_VERTICES)
+
+    def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
+        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
+        random = np.random.default_rng(int(source.key[:8], 16))
+        chosen = random.permutation(len(spectrum.mass))[:_SAMPLED_VERTICES]
+        values = DESCRIPTORS[self.descriptor.kind](spectrum, **self.descriptor.parameters)
+        return {"descriptors": values[chosen]}
+
+
+@dataclass(frozen=True)
+class _BagsTask:
+    """Compute bags of a shape for several vocabularies, one after the other in one array."""
+
+    preparation: Preparation
+    descriptor: Descriptor
+    vocabularies: Vocabularies
+    bags: tuple[tuple[int, str], ...]
+    hard: bool = False
+    kind: str = "bags"
+
+    @property
+    def title(self) -> str:
+        to_learn = " to learn from" if self.hard else ""
+        return f"{self.descriptor.name}, {self.preparation.name}: bags{to_learn}"
+
+    @property
+    def key(self) -> str:
+        vocabularies = [
+            [words, entry["centers"], entry["sigma"]] for words, entry in sorted(self.vocabularies.items())
+        ]
+        code = code_digest(("bags.py", "words.py", "evaluation/bag_variants.py"))
+        chosen = [self.bags, self.descriptor.pair_time, self.hard]
+        return digest(
+            preparation_of(self.preparation.settings), self.descriptor.key, vocabularies, chosen, code
+        )
+
+    def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
+        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
+        values = DESCRIPTORS[self.descriptor.kind](spectrum, **self.descriptor.parameters)
+        computed: dict[str, list[FloatArray]] = {"bags": [], "hard": []}
+        for name, parts in computed.items():
+            if name == "hard" and not self.hard:
+                continue
+            for size, vocabulary in self.vocabularies.items():
+                centers = vocabulary["centers"]
+                if name == "hard":
+                    words = hard_words(values, centers)
+                else:
+                    words = soft_words(values, centers, float(vocabulary["sigma"]))
+                upper, double = np.triu_indices(size), 2 - np.eye(size)
+                for bag in (bag for words_of, bag in self.bags if words_of == size):
+                    by_area = bag in ("area", "pairs")
+                    if "pairs" in bag:
+                        pairs = spatially_sensitive_bag(
+                            words, spectrum, self.descriptor.pair_time, area_weighted=by_area
+                        )
+                        parts.append((double * pairs)[upper])
+                    else:
+                        parts.append(bag_of_features(words, spectrum.mass if by_area else None))
+        return {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
+
+    def slices(self) -> dict[tuple[int, str], slice]:
+        """Where each bag stands in the array."""
+        order = [chosen for size in self.vocabularies for chosen in self.bags if chosen[0] == size]
+        sizes = [size * (size + 1) // 2 if "pairs" in bag else size for size, bag in order]
+        ends = pairwise(accumulate(sizes, initial=0))
+        return {chosen: slice(*span) for chosen, span in zip(order, ends, strict=True)}
+
+
+@dataclass(frozen=True)
+class _Learnt:
+    """What a group learnt: how to compute bags, and the bags of the training versions."""
+
+    task: _BagsTask
+    labels: NDArray[np.int64]
+    bags: FloatBags
+    hard: FloatBags
+
+
+@dataclass(frozen=True, eq=False)
+class BagGroup:
+    """Variants of one descriptor on one preparation.
+
+    Attributes
+    ----------
+    preparation : Preparation
+    descriptor : Descriptor
+    variants : tuple of Variant
+        Their parameters "words", "kind" (of bag), "weighting" ("none" or "tf-idf") and for codes "bits" and
+        "projection" say what is done.
+    train : str, Path or None
+        Folder to learn from, see `training_versions`.
+    seed : int
+    individuals : int
+        Of each kind of creature to learn from.
+    """
+
+    preparation: Preparation
+    descriptor: Descriptor
+    variants: tuple[Variant, ...]
+    train: str | Path | None = None
+    seed: int = 0
+    individuals: int = 4
+
+    def only(self, names: set[str]) -> Self:
+        """Leave the variants with other names out."""
+        return replace(self, variants=tuple(v for v in self.variants if v.name in names))
+
+    def match(
+        self, workshop: Workshop, queries: Sequence[BenchmarkShape], database: Sequence[BenchmarkShape]
+    ) -> Iterator[Matched]:
+        """Compare all queries with the database, for each of the variants."""
+        learnt = self._learn(workshop)
+        known = stacked(workshop.describe(learnt.task, database), "bags")
+        asked = stacked(workshop.describe(learnt.task, queries), "bags")
+        slices = learnt.task.slices()
+        for variant in self.variants:
+            size, bag = _bag_of(variant)
+            part = slices[size, bag]
+            first, second = asked[:, part], known[:, part]
+            if "bits" in variant.parameters:
+                encode = self._hashing(workshop, learnt, part, variant)
+                bytes_per_shape = int(variant.parameters["bits"]) // 8
+                yield between(variant, _hamming, encode(first), encode(second), bytes_per_shape)
+                continue
+            if _weighting(variant) == "tf-idf":
+                weights = _document_weights(learnt.hard[:, part], pairs="pairs" in bag)
+                if not weights.any():
+                    workshop.notes[variant.name] = (
+                        "left out: every word occurs on every training shape, so that tf-idf weighs none"
+                    )
+                    continue
+                first, second = first * weights, second * weights
+            yield between(variant, _l1, first, second, 4 * first.shape[1])
+
+    def _learn(self, workshop: Workshop) -> _Learnt:
+        versions = training_versions(self.train, self.seed, self.individuals)
+        sizes = sorted({_bag_of(variant)[0] for variant in self.variants})
+        sampled = workshop.describe_sources(_SampleTask(self.preparation, self.descriptor), versions)
+        usable = [entry["descriptors"] for entry in sampled if entry is not None]
+        if not usable:
+            raise BenchmarkError("none of the shapes to learn from could be described; see the failures")
+        samples = np.concatenate(usable)
+        code = code_digest(("vocabulary.py",))
+        found = workshop.remembered(
+            "vocabularies",
+            partial(_fit_vocabulary, samples, self.seed),
+            sizes,
+            [digest(samples, self.seed, size, code) for size in sizes],
+            f"{self.descriptor.name}, {self.preparation.name}: vocabularies",
+        )
+        vocabularies = dict(zip(sizes, found, strict=True))
+        bags = tuple(sorted({_bag_of(variant) for variant in self.variants}))
+        task = _BagsTask(self.preparation, self.descriptor, vocabularies, bags)
+        described = workshop.describe_sources(replace(task, hard=True), versions)
+        names = sorted({version.label for version in versions})
+        rows = [
+            (names.index(version.label), entry)
+            for version, entry in zip(versions, described, strict=True)
+            if entry is not None
+        ]
+        return _Learnt(
+            task,
+            np.array([label for label, _ in rows], np.int64),
+            np.array([entry["bags"] for _, entry in rows]),
+            np.array([entry["hard"] for _, entry in rows]),
+        )
+
+    def _hashing(
+        self, workshop: Workshop, learnt: _Learnt, part: slice, variant: Variant
+    ) -> partial[FloatBags]:
+        projection = str(variant.parameters["projection"])
+        bags = np.ascontiguousarray(learnt.bags[:, part])
+        (fitted,) = workshop.remembered(
+            "hashing",
+            partial(_fit_hashing, bags, learnt.labels, self.seed),
+            [projection],
+            [digest(bags, learnt.labels, self.seed, projection, MOST_BITS, code_digest(("hashing.py",)))],
+            f"{self.descriptor.name}: codes by {projection}",
+        )
+        return partial(_encode, fitted, int(variant.parameters["bits"]))
+
+
+def _bag_of(variant: Variant) -> tuple[int, str]:
+    names = {name: bag for bag, name in BAG_NAMES.items()}
+    return int(variant.parameters["words"]), names[str(variant.parameters["bag"]).removesuffix(", tf-idf")]
+
+
+def _weighting(variant: Variant) -> str:
+    return "tf-idf" if str(variant.parameters["bag"]).endswith(", tf-idf") else "none"
+
+
+def _l1(first: FloatBags, second: FloatBags) -> FloatArray:
+    return np.asarray(cdist(first, second, "cityblock"), np.float64)
+
+
+def _hamming(first: FloatBags, second: FloatBags) -> FloatArray:
+    return np.asarray(cdist(first, second, "cityblock"), np.float64)
+
+
+def _document_weights(hard: FloatBags, *, pairs: bool) -> FloatBags:
+    """Weights of tf-idf (paper, equations 17 and 18), from bags of hard words.
+
+    A word occurs on a shape if it is the nearest of any vertex. Almost every pair of words is a little near
+    each other: it occurs if it has more than the share it would have if all pairs had the same.
+    """
+    from shapegoogle_core.weighting import InverseDocumentFrequency
+
+    threshold = 1 / hard.shape[1] if pairs else 0.0
+    weights = InverseDocumentFrequency(threshold).fit(hard.astype(np.float64)).weights_
+    return np.asarray(weights, np.float32)
+
+
+def _fit_vocabulary(samples: FloatArray, seed: int, words: int) -> Arrays:
+    from shapegoogle_core.vocabulary import Vocabulary
+
+    vocabulary = Vocabulary(words, random_state=seed).fit(samples)
+    return {"centers": vocabulary.centers_, "sigma": np.array(vocabulary.sigma_)}
+
+
+def _fit_hashing(bags: FloatBags, labels: NDArray[np.int64], seed: int, projection: str) -> Arrays:
+    """Learn principal components and as many bits as are ever asked for.
+
+    Bits are learnt one after the other, so that a shorter code is the beginning of a longer one.
+    """
+    from shapegoogle_core.hashing import SimilaritySensitiveHashing
+    from shapegoogle_core.metric import choose_pairs
+
+    mean = bags.mean(axis=0, dtype=np.float64)
+    components = np.linalg.svd(bags - mean, full_matrices=False)[2][:HASHED_DIMENSIONS]
+    vectors = (bags - mean) @ components.T
+    first, second, similar = choose_pairs(labels, np.random.default_rng(seed), _PAIRS)
+    hashing = SimilaritySensitiveHashing(MOST_BITS, projection=projection, random_state=seed)
+    hashing.fit(vectors[first], vectors[second], similar)
+    return {
+        "mean": mean,
+        "components": components,
+        "directions": hashing.directions_,
+        "thresholds": hashing.thresholds_,
+    }
+
+
+def _encode(fitted: Arrays, bits: int, bags: FloatBags) -> FloatBags:
+    """Codes as rows of 0 and 1; NaN where the bags are."""
+    vectors = (bags - fitted["mean"]) @ fitted["components"].T
+    values = vectors @ fitted["directions"][:bits].T + fitted["thresholds"][:bits]
+    return np.asarray(np.where(np.isnan(values), np.nan, values > 0), np.float32)
