@@ -180,7 +180,7 @@ def strength_table(
     table : dict of str to list of 5 floats
         Mean reciprocal rank × 100 over the queries of strength ≤ 1 … 5 of each class that was asked, in the
         order of `CLASSES`; NaN before the least strength that was asked. Last "average", the mean of the
-        classes, however many queries each has.
+        classes that were asked up to this strength, however many queries each has.
 
     Raises
     ------

@@ -23,7 +23,7 @@ for (const table of document.querySelectorAll("table.overview")) {
     });
   });
   const filter = document.querySelector("#filter");
-  filter.hidden = false;
+  filter.hidden = body.rows.length < 10;
   filter.addEventListener("input", () => {
     const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
     for (const row of body.rows) {

@@ -182,7 +182,8 @@ def roc_plot(variants: Sequence[VariantResult]) -> Plot | None:
         for number, variant in drawn:
             rate = variant.equal_error_rate
             if rate > 0 and 1 - rate >= low:
-                axes.plot(rate, 1 - rate, _MARKS[number], color=_SERIES[number], mec=_PAPER, ms=7, zorder=5)
+                mark: dict[str, Any] = {"marker": _MARKS[number], "ms": 7, "mec": _PAPER}
+                axes.plot(rate, 1 - rate, color=_SERIES[number], zorder=5 - number / 10, **mark)
 
     return Plot("ROC, with equal error rates", _draw("roc", (4.4, 3.3), panel))
 
