@@ -115,7 +115,11 @@ def markdown_table(result: BenchmarkResult) -> str:
 
 def _wrapped(name: str) -> list[str]:
     """Lines of a heading: parts of the name start anew, long ones are broken."""
-    return [line for part in name.split(" · ") for line in textwrap.wrap(part, _COLUMN_WIDTH)] or [""]
+    return [
+        line
+        for part in name.split(" · ")
+        for line in textwrap.wrap(part, _COLUMN_WIDTH, break_on_hyphens=False)
+    ] or [""]
 
 
 def _figure(variant: VariantResult, name: str) -> str:

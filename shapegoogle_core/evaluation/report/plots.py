@@ -327,7 +327,7 @@ def _plot_lines(axes: Axes, lines: Sequence[_Line], key: bool = False) -> None:
         axes.plot(
             line.x, line.y, marker=mark, ls=_DASHES[line.dashes % 3], color=color, zorder=3 - line.series / 10
         )
-    texts = [textwrap.wrap(line.label, 26) or [""] for line in lines]
+    texts = [textwrap.wrap(line.label, 26, break_on_hyphens=False) or [""] for line in lines]
     points = axes.bbox.height / mpl.rcParams["figure.dpi"] * 72
     line_height = 11 / points
     low, high = axes.get_ylim()
