@@ -22,7 +22,7 @@ from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.evaluation.collection import BenchmarkShape
-from shapegoogle_core.evaluation.learning import training_versions
+from shapegoogle_core.evaluation.learning import INDIVIDUALS, training_versions
 from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
     Arrays,
@@ -37,7 +37,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.words import hard_words, soft_words
 
-__all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation"]
+__all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation", "bag_group"]
 
 BAG_NAMES = {
     "plain": "bag of features",
@@ -204,8 +204,11 @@ class BagGroup:
     preparation : Preparation
     descriptor : Descriptor
     variants : tuple of Variant
-        Their parameters "words", "kind" (of bag), "weighting" ("none" or "tf-idf") and for codes "bits" and
-        "projection" say what is done.
+        Their parameters "words" and "bag" (of `BAG_NAMES`, with ", tf-idf" behind it or not), and for codes
+        "bits" and "projection", say what is done.
+    bags : tuple of (int, str)
+        Vocabulary size and kind of every bag that is computed: those of all variants that there are, not only
+        of the chosen ones, so that any choice finds what another one left in the cache.
     train : str, Path or None
         Folder to learn from, see `training_versions`.
     seed : int
@@ -216,9 +219,10 @@ class BagGroup:
     preparation: Preparation
     descriptor: Descriptor
     variants: tuple[Variant, ...]
+    bags: tuple[tuple[int, str], ...]
     train: str | Path | None = None
     seed: int = 0
-    individuals: int = 4
+    individuals: int = INDIVIDUALS
 
     def only(self, names: set[str]) -> Self:
         """Leave the variants with other names out."""
@@ -253,7 +257,7 @@ class BagGroup:
 
     def _learn(self, workshop: Workshop) -> _Learnt:
         versions = training_versions(self.train, self.seed, self.individuals)
-        sizes = sorted({_bag_of(variant)[0] for variant in self.variants})
+        sizes = sorted({words for words, _ in self.bags})
         sampled = workshop.describe_sources(_SampleTask(self.preparation, self.descriptor), versions)
         usable = [entry["descriptors"] for entry in sampled if entry is not None]
         if not usable:
@@ -268,8 +272,7 @@ class BagGroup:
             f"{self.descriptor.name}, {self.preparation.name}: vocabularies",
         )
         vocabularies = dict(zip(sizes, found, strict=True))
-        bags = tuple(sorted({_bag_of(variant) for variant in self.variants}))
-        task = _BagsTask(self.preparation, self.descriptor, vocabularies, bags)
+        task = _BagsTask(self.preparation, self.descriptor, vocabularies, self.bags)
         described = workshop.describe_sources(replace(task, hard=True), versions)
         names = sorted({version.label for version in versions})
         rows = [
@@ -297,6 +300,20 @@ class BagGroup:
             f"{self.descriptor.name}: codes by {projection}",
         )
         return partial(_encode, fitted, int(variant.parameters["bits"]))
+
+
+def bag_group(
+    preparation: Preparation,
+    descriptor: Descriptor,
+    variants: tuple[Variant, ...],
+    *,
+    train: str | Path | None = None,
+    seed: int = 0,
+    individuals: int = INDIVIDUALS,
+) -> BagGroup:
+    """Make a group of all variants of one descriptor on one preparation; arguments as in `BagGroup`."""
+    bags = tuple(sorted({_bag_of(variant) for variant in variants}))
+    return BagGroup(preparation, descriptor, variants, bags, train, seed, individuals)
 
 
 def _bag_of(variant: Variant) -> tuple[int, str]:

@@ -67,10 +67,10 @@ SIGNATURE_CODE = (
 SEARCH_CODE = (*SIGNATURE_CODE, "library", "registration")
 """What an answer of the search depends on besides the model."""
 
-# Of the modules at the top, these neither describe nor search.
+# These neither describe nor search.
 _OTHER_CODE = re.compile(
     r"(__main__|arguments|background|cli|commands|\w+_command|errors|launching|progress|training|metric|hashing"
-    r"|estimators|vocabulary|weighting)\.py"
+    r"|estimators|vocabulary|weighting|mesh/congruence)\.py"
 )
 
 

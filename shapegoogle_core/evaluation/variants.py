@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from shapegoogle_core.errors import BenchmarkError
-from shapegoogle_core.evaluation.bag_variants import BAG_NAMES, BagGroup, Descriptor, Preparation
+from shapegoogle_core.evaluation.bag_variants import BAG_NAMES, Descriptor, Preparation, bag_group
 from shapegoogle_core.evaluation.baseline_variants import d2_group, shape_dna_group
 from shapegoogle_core.evaluation.learning import INDIVIDUALS
 from shapegoogle_core.evaluation.matching import Variant, VariantGroup
@@ -92,7 +92,9 @@ def paper_variants(
             variants = _bag_rows(preparation, descriptor, WORDS if complete else (MAIN_WORDS,))
             if complete:
                 variants += _code_rows(preparation, descriptor)
-            groups.append(BagGroup(preparation, descriptor, variants, train, seed, individuals))
+            groups.append(
+                bag_group(preparation, descriptor, variants, train=train, seed=seed, individuals=individuals)
+            )
     return groups
 
 

@@ -233,7 +233,8 @@ class Workshop:
         if not items:
             return []
         if self.jobs == 0:
-            return [_attempt(function, item) for item in self.progress(items, title, len(items))]
+            with threadpool_limits(1):
+                return [_attempt(function, item) for item in self.progress(items, title, len(items))]
         with (
             single_threaded(),
             ProcessPool(

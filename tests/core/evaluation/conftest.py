@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+"""Small benchmarks: lumpy ellipsoids, an untrained model, and tasks that misbehave."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from shapegoogle_core.describing import ChannelWords
+from shapegoogle_core.evaluation.collection import (
+    Collection,
+    LabelledCollection,
+    database_shape,
+    generated_queries,
+)
+from shapegoogle_core.evaluation.spectra_cache import BenchmarkCache
+from shapegoogle_core.evaluation.workshop import Workshop
+from shapegoogle_core.mesh import read_mesh
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.settings import ChannelSettings, ModelSettings
+
+# Worker processes must be able to import `benchmark_tasks` too; they are given the same path.
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+def write_lump(path: Path, seed: int, subdivisions: int = 2) -> Path:
+    """Write a lumpy ellipsoid, another one for each seed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    random = np.random.default_rng(seed)
+    mesh = trimesh.creation.icosphere(subdivisions)
+    centers = random.standard_normal((4, 3))
+    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
+    bumps = np.exp(-6 * (1 - mesh.vertices @ centers.T)) @ random.uniform(0, 0.7, 4)
+    mesh.vertices = mesh.vertices * (1 + bumps)[:, None] * random.uniform(0.6, 1.8, 3)
+    mesh.export(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def lumps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of three null shapes, two unrelated ones and a labelled collection."""
+    folder = tmp_path_factory.mktemp("lumps")
+    for seed in range(3):
+        write_lump(folder / "nulls" / f"null{seed}.off", seed)
+        write_lump(folder / "labelled" / "one" / f"{seed}.off", 7)
+        write_lump(folder / "labelled" / "two" / f"{seed}.off", 8)
+    for seed in (3, 4):
+        write_lump(folder / "negatives" / f"other{seed}.off", seed)
+    return folder
+
+
+@pytest.fixture
+def collection(lumps: Path) -> Collection:
+    """Three null shapes and two others; each null shape asked for at two sizes."""
+    nulls = [database_shape(path, "null") for path in sorted((lumps / "nulls").iterdir())]
+    negatives = [database_shape(path, "negative") for path in sorted((lumps / "negatives").iterdir())]
+    queries = [query for query in generated_queries(nulls, ["scale"]) if query.strength < 3]
+    return Collection("lumps", (*nulls, *negatives), tuple(queries))
+
+
+@pytest.fixture
+def labelled(lumps: Path) -> LabelledCollection:
+    paths = sorted((lumps / "labelled").rglob("*.off"))
+    shapes = [database_shape(path, "null", f"{path.parent.name}{path.stem}") for path in paths]
+    return LabelledCollection("two kinds", tuple(shapes), tuple(path.parent.name for path in paths))
+
+
+@pytest.fixture
+def cache(tmp_path: Path) -> BenchmarkCache:
+    return BenchmarkCache(tmp_path / "cache")
+
+
+@pytest.fixture
+def workshop(cache: BenchmarkCache) -> Workshop:
+    """Works in this process."""
+    return Workshop(cache, jobs=0, progress=lambda items, _title, _total: items)
+
+
+@pytest.fixture(scope="session")
+def tiny_model(lumps: Path) -> ShapeModel:
+    """A model that learnt nothing but the mean of the lumps: six words, random projection and code."""
+    random = np.random.default_rng(0)
+    settings = ModelSettings(
+        name="tiny",
+        channels=(ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6),),
+        mending=None,
+        laplacian="cotangent",
+        eigenpairs=20,
+        projected=16,
+        code_bits=64,
+    )
+    size = settings.bag_size
+    model = ShapeModel(
+        settings=settings,
+        vocabularies=(ChannelWords(random.uniform(0.2, 1.0, (6, 3)), sigma=0.3),),
+        weights=np.ones(size, np.float32),
+        mean=np.zeros(size, np.float32),
+        projection=random.standard_normal((size, 16)).astype(np.float16),
+        directions=random.standard_normal((64, 16)).astype(np.float32),
+        thresholds=np.zeros(64, np.float32),
+        similarity_half=0.1,
+        similarity_slope=2.0,
+        trained_on="nothing: random numbers for tests",
+    )
+    bags = [model.describe(read_mesh(path)).bags for path in sorted(lumps.glob("n*/*.off"))]
+    return replace(model, mean=np.mean(bags, axis=0, dtype=np.float32))

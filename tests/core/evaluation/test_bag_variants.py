@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""The paper's variants: what is learnt, that rows are what their names say, and what the cache saves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
+from shapegoogle_core.describing import working_shape
+from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.evaluation import bag_variants
+from shapegoogle_core.evaluation.bag_variants import (
+    BagGroup,
+    Descriptor,
+    Preparation,
+    bag_group,
+)
+from shapegoogle_core.evaluation.collection import Collection
+from shapegoogle_core.evaluation.learning import FileVersion, training_versions
+from shapegoogle_core.evaluation.matching import Variant
+from shapegoogle_core.evaluation.variants import choose_variants, paper_variants
+from shapegoogle_core.evaluation.workshop import Workshop
+from shapegoogle_core.settings import DESCRIPTORS, PRESETS, ModelSettings
+from shapegoogle_core.words import soft_words
+
+PREPARATION = Preparation(
+    "small",
+    ModelSettings("small", PRESETS["paper"].channels, mending=None, laplacian="cotangent", eigenpairs=30),
+)
+DESCRIPTOR = Descriptor("HKS", "hks", {"times": [0.01, 0.02, 0.04, 0.08]}, 0.02)
+
+pytestmark = pytest.mark.filterwarnings("ignore:Number of distinct clusters")
+
+
+def row(bag: str, words: int = 6, **parameters: object) -> Variant:
+    return Variant(f"{bag} {words} {parameters}", "bags", {"bag": bag, "words": words, **parameters})
+
+
+@pytest.fixture
+def group(lumps: Path, monkeypatch: pytest.MonkeyPatch) -> BagGroup:
+    def few(*_: object) -> tuple[FileVersion, ...]:
+        return training_versions(lumps / "nulls", individuals=0)
+
+    monkeypatch.setattr(bag_variants, "training_versions", few)
+    monkeypatch.setattr(bag_variants, "MOST_BITS", 32)
+    monkeypatch.setattr(bag_variants, "_PAIRS", 50)
+    rows = [row(bag) for bag in ("bag of features", "spatially sensitive bag")]
+    rows += [row(f"{bag}, by area") for bag in ("bag of features", "spatially sensitive bag")]
+    rows += [row("bag of features, tf-idf", 12), row("spatially sensitive bag, tf-idf")]
+    for projection in ("eigenvectors", "random"):
+        rows += [row("spatially sensitive bag", bits=bits, projection=projection) for bits in (16, 32)]
+    return bag_group(PREPARATION, DESCRIPTOR, tuple(rows), individuals=0)
+
+
+def match(group: BagGroup, workshop: Workshop, collection: Collection) -> dict:
+    found = group.match(workshop, collection.queries, collection.database)
+    return {entry.variant.name: entry for entry in found}
+
+
+def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
+    found = match(group, workshop, collection)
+    vocabularies = group._learn(workshop).task.vocabularies
+    words = {}
+    for shape in (collection.queries[1], collection.database[3]):
+        spectrum = working_shape(PREPARATION.settings, shape.mesh())[1]
+        values = DESCRIPTORS["hks"](spectrum, **DESCRIPTOR.parameters)
+        theta = soft_words(values, vocabularies[6]["centers"], float(vocabularies[6]["sigma"]))
+        words[shape.name] = (theta, spectrum)
+
+    def distance(bag) -> float:
+        first, second = (bag(*entry) for entry in words.values())
+        return float(np.abs(first - second).sum())
+
+    expected = {
+        "bag of features": distance(lambda theta, _: bag_of_features(theta)),
+        "bag of features, by area": distance(lambda theta, s: bag_of_features(theta, s.mass)),
+        # Off the diagonal an entry counts for both its halves, so L1 is that of the full matrix.
+        "spatially sensitive bag": distance(
+            lambda theta, s: spatially_sensitive_bag(theta, s, 0.02, area_weighted=False)
+        ),
+        "spatially sensitive bag, by area": distance(
+            lambda theta, s: spatially_sensitive_bag(theta, s, 0.02)
+        ),
+    }
+    for bag, value in expected.items():
+        assert found[row(bag).name].distances[1, 3] == pytest.approx(value, rel=1e-4)
+    assert found[row("bag of features").name].bytes_per_shape == 4 * 6
+    assert found[row("spatially sensitive bag").name].bytes_per_shape == 4 * 21
+
+
+def test_a_change_of_size_is_none(group, workshop, collection) -> None:
+    for entry in match(group, workshop, collection).values():
+        own = entry.distances[np.arange(6), collection.relevant_columns]
+        assert own.max() < 1e-4
+
+
+def test_a_short_code_is_the_beginning_of_a_long_one(group, workshop, collection) -> None:
+    found = match(group, workshop, collection)
+    for projection in ("eigenvectors", "random"):
+        short, long = (
+            found[row("spatially sensitive bag", bits=bits, projection=projection).name] for bits in (16, 32)
+        )
+        assert (short.distances <= long.distances).all()
+        assert (long.distances <= short.distances + 16).all()
+        assert (short.bytes_per_shape, long.bytes_per_shape) == (2, 4)
+
+
+def test_a_second_run_computes_nothing(group, workshop, collection, monkeypatch) -> None:
+    first = match(group, workshop, collection)
+
+    def refuse(*_: object) -> None:
+        pytest.fail("it was computed before")
+
+    monkeypatch.setattr(Workshop, "run", lambda self, function, items, title: [refuse() for _ in items])
+    again = match(group, workshop, collection)
+    for name, entry in first.items():
+        np.testing.assert_array_equal(entry.distances, again[name].distances)
+
+
+def test_words_that_all_shapes_have_weigh_nothing(group, workshop, collection) -> None:
+    plain = bag_group(PREPARATION, DESCRIPTOR, (row("bag of features, tf-idf", 1),))
+    assert match(plain, workshop, collection) == {}
+    (problem,) = workshop.problems
+    assert problem.kind == "note"
+    assert "tf-idf weighs none" in problem.reason
+
+
+def test_idf_of_hand_made_bags() -> None:
+    # Four shapes; word 0 on all, word 1 on two, word 2 on one.
+    hard = np.array([[0.5, 0.5, 0], [0.5, 0, 0.5], [0.3, 0.7, 0], [1, 0, 0]], np.float32)
+    words = bag_variants._document_weights(hard, pairs=False)
+    np.testing.assert_allclose(words, np.log([1, 2, 4]), rtol=1e-6)
+    # As pairs, an entry below a third is no occurrence.
+    pairs = bag_variants._document_weights(hard, pairs=True)
+    np.testing.assert_allclose(pairs, np.log([4 / 3, 2, 4]), rtol=1e-6)
+
+
+def test_the_table_is_complete() -> None:
+    variants = [variant for group in paper_variants() for variant in group.variants]
+    names = {variant.name for variant in variants}
+    assert len(names) == len(variants)
+    for descriptor in ("HKS", "SI-HKS"):
+        for words in (4, 8, 16, 32, 48, 64, 128):
+            for bag in ("bag of features", "spatially sensitive bag"):
+                assert {f"{descriptor} · {bag}{w} · {words} words" for w in ("", ", tf-idf")} <= names
+        for bits in (16, 32, 64, 128, 256, 512):
+            assert {f"{descriptor} · {bits}-bit codes · {p}" for p in ("eigenvectors", "random")} <= names
+    assert {"Shape-DNA", "D2 distribution", "WKS · bag of features · 48 words"} <= names
+    assert "HKS · spatially sensitive bag · 48 words · mended" in names
+
+
+def test_choosing_rows() -> None:
+    (group,) = choose_variants("hks*sensitive bag · 48 words", ["paper"])
+    assert [variant.name for variant in group.variants] == ["HKS · spatially sensitive bag · 48 words"]
+    assert [group.model.name for group in choose_variants("models", ["paper", "default"])] == [
+        "paper",
+        "default",
+    ]
+    assert len(choose_variants("all", ["paper"])) == len(paper_variants()) + 1
+    with pytest.raises(BenchmarkError, match="no variant is called 'spin images'"):
+        choose_variants("spin images", ["paper"])
