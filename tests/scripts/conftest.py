@@ -64,6 +64,11 @@ def demo(blenders):
 
 
 @pytest.fixture(scope="session")
+def benchmark_retrieval(environment):
+    return load("benchmark_retrieval")
+
+
+@pytest.fixture(scope="session")
 def export_blend_meshes():
     return load("export_blend_meshes")
 
