@@ -131,6 +131,15 @@ def posed_characters(folder: Path) -> list[Row]:
     ]
 
 
+def check_training(folder: Path, parser: argparse.ArgumentParser) -> None:
+    """Refuse to learn from what is measured with."""
+    if posed_characters(folder):
+        parser.error(
+            f"'{folder}' holds the posed characters, which measure; export the .blend files with "
+            "--exclude posed_characters"
+        )
+
+
 def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     from shapegoogle_core.benchmark_command import add_run_options
 
@@ -154,6 +163,8 @@ def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespac
     options = parser.parse_args(arguments)
     if not (options.data / "labels.csv").is_file():
         parser.error(f"there is no labels.csv in '{options.data}'; name the folder of the evaluation meshes")
+    if options.train is not None:
+        check_training(Path(options.train), parser)
     return options
 
 

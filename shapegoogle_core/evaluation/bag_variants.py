@@ -20,7 +20,7 @@ from scipy.spatial.distance import cdist
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.describing import FloatBags
-from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation.collection import BenchmarkShape
 from shapegoogle_core.evaluation.learning import INDIVIDUALS, training_versions
 from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
@@ -35,6 +35,7 @@ from shapegoogle_core.evaluation.spectra_cache import (
 from shapegoogle_core.evaluation.workshop import Source, Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation", "bag_group"]
@@ -96,6 +97,29 @@ class Descriptor:
         """Digest of what its values depend on."""
         return digest(self.kind, self.parameters, code_digest(("descriptors.py", "settings.py")))
 
+    def values(self, spectrum: Spectrum, name: str) -> FloatArray:
+        """Compute the descriptor of every vertex.
+
+        Parameters
+        ----------
+        spectrum : Spectrum
+        name : str
+            Of the shape, for errors.
+
+        Returns
+        -------
+        values : (n, d) array
+
+        Raises
+        ------
+        MeshError
+            If the shape has no such descriptor: it is in so many parts that no eigenvalue is above 0, say.
+        """
+        try:
+            return DESCRIPTORS[self.kind](spectrum, **self.parameters)
+        except ValueError as error:
+            raise MeshError(f"{name!r} has no {self.name}: {error}") from error
+
 
 Vocabularies = dict[int, Arrays]
 """By their number of words: "centers" (V, d) and "sigma" ()."""
@@ -121,8 +145,7 @@ class _SampleTask:
         spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
         random = np.random.default_rng(int(source.key[:8], 16))
         chosen = random.permutation(len(spectrum.mass))[:_SAMPLED_VERTICES]
-        values = DESCRIPTORS[self.descriptor.kind](spectrum, **self.descriptor.parameters)
-        return {"descriptors": values[chosen]}
+        return {"descriptors": self.descriptor.values(spectrum, source.name)[chosen]}
 
 
 @dataclass(frozen=True)
@@ -154,7 +177,7 @@ class _BagsTask:
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
-        values = DESCRIPTORS[self.descriptor.kind](spectrum, **self.descriptor.parameters)
+        values = self.descriptor.values(spectrum, source.name)
         computed: dict[str, list[FloatArray]] = {"bags": [], "hard": []}
         for name, parts in computed.items():
             if name == "hard" and not self.hard:

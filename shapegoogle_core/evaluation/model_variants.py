@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -119,7 +120,7 @@ class ModelGroup:
         model = self.model
         path = workshop.cache.path("models", model.identifier)
         if not path.exists():
-            unfinished = path.with_name(f".{path.name}")
+            unfinished = path.with_name(f".{path.name}.{os.getpid()}")
             model.save(unfinished)
             unfinished.replace(path)
         key = digest(model.identifier, code_digest(SIGNATURE_CODE))

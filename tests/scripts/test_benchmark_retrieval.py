@@ -54,3 +54,12 @@ def test_a_folder_without_labels_is_refused(benchmark_retrieval, tmp_path: Path,
         benchmark_retrieval.parse_arguments(["--data", str(tmp_path)])
     assert caught.value.code == 2
     assert "no labels.csv" in capsys.readouterr().err
+
+
+def test_what_measures_is_not_learnt_from(benchmark_retrieval, data: Path, capsys) -> None:
+    (data / "meshes.csv").write_text(
+        "file,pack,shape,pose\na.ply,posed_characters,posed_characters-Male_a,0\n"
+    )
+    with pytest.raises(SystemExit):
+        benchmark_retrieval.parse_arguments(["--data", str(data), "--train", str(data)])
+    assert "--exclude posed_characters" in capsys.readouterr().err

@@ -10,7 +10,7 @@ import pytest
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.describing import working_shape
-from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation import bag_variants
 from shapegoogle_core.evaluation.bag_variants import (
     BagGroup,
@@ -24,6 +24,7 @@ from shapegoogle_core.evaluation.matching import Variant
 from shapegoogle_core.evaluation.variants import choose_variants, paper_variants
 from shapegoogle_core.evaluation.workshop import Workshop
 from shapegoogle_core.settings import DESCRIPTORS, PRESETS, ModelSettings
+from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import soft_words
 
 PREPARATION = Preparation(
@@ -162,3 +163,10 @@ def test_choosing_rows() -> None:
     assert len(choose_variants("all", ["paper"])) == len(paper_variants()) + 1
     with pytest.raises(BenchmarkError, match="no variant is called 'spin images'"):
         choose_variants("spin images", ["paper"])
+
+
+def test_a_shape_without_the_descriptor_is_told(workshop, lumps) -> None:
+    flat = Spectrum(np.zeros(3), np.eye(3), np.ones(3))
+    energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
+    with pytest.raises(MeshError, match=r"'soup' has no WKS: .* two positive eigenvalues"):
+        Descriptor("WKS", "wks", energies, 0.02).values(flat, "soup")
