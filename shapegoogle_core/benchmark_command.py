@@ -35,7 +35,7 @@ neighbour, first and second tier and discounted cumulative gain.
              procedural creatures (and from --train), which takes an hour the first time;
              or names of rows with * and ?, such as "HKS*48 words"
 
-What was computed is kept in --cache: a run that was ended goes on where it was, a second one takes seconds.
+What was computed is kept in --cache: a run that was ended goes on where it was, a second one is quick.
 For a thousand shapes that is some megabytes for the models and 8 GB for all variants; delete it at any time.
 
 examples:

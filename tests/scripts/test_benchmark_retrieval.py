@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What `scripts/benchmark_retrieval.py` asks of the evaluation meshes."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -63,3 +64,17 @@ def test_what_measures_is_not_learnt_from(benchmark_retrieval, data: Path, capsy
     with pytest.raises(SystemExit):
         benchmark_retrieval.parse_arguments(["--data", str(data), "--train", str(data)])
     assert "--exclude posed_characters" in capsys.readouterr().err
+
+
+@pytest.mark.real_data
+def test_what_is_asked_of_the_evaluation_meshes(benchmark_retrieval) -> None:
+    default = Path(__file__).resolve().parents[3] / "shared" / "data"
+    folder = Path(os.environ.get("SHAPEGOOGLE_DATA", default))
+    if not folder.is_dir():
+        pytest.skip(f"no evaluation data in {folder}; set SHAPEGOOGLE_DATA")
+    labels = benchmark_retrieval.read_labels(folder)
+    collection = benchmark_retrieval.retrieval(labels, seed=0)
+    assert collection.counts() == {"database": 468, "nulls": 12, "negatives": 456, "queries": 652}
+    assert sum(query.transformation == "isometry" for query in collection.queries) == 52
+    assert benchmark_retrieval.remeshed(labels).counts()["queries"] == 81
+    assert len(benchmark_retrieval.categories(labels["tosca"], "TOSCA").shapes) == 146
