@@ -52,6 +52,7 @@ MOST_BITS = 512
 HASHED_DIMENSIONS = 100
 """Most principal components that bags of pairs are brought to before they are hashed."""
 
+_NO_WAVE = -10.0  # the least logarithm in the wave kernel signature of `DESCRIPTORS`
 _SAMPLED_VERTICES = 100  # of each version, to learn vocabularies from
 _PAIRS = 5_000  # of each kind, to learn codes from
 
@@ -113,11 +114,19 @@ class Descriptor:
         Raises
         ------
         MeshError
-            If the shape has no such descriptor: it is in so many parts that no eigenvalue is above 0, say.
+            If the shape has no such descriptor.
+
+        Notes
+        -----
+        A soup in more parts than there are eigenpairs, as much of PSB is, has only eigenvalues of 0 and no
+        wave on it. It gets the wave kernel signature of parts that the spectrum leaves out, so that it is
+        compared like any other shape and not put last.
         """
         try:
             return DESCRIPTORS[self.kind](spectrum, **self.parameters)
         except ValueError as error:
+            if self.kind == "wks" and not spectrum.eigenvalues.any():
+                return np.full((len(spectrum.mass), self.parameters["count"]), _NO_WAVE)
             raise MeshError(f"{name!r} has no {self.name}: {error}") from error
 
 

@@ -165,8 +165,19 @@ def test_choosing_rows() -> None:
         choose_variants("spin images", ["paper"])
 
 
-def test_a_shape_without_the_descriptor_is_told(workshop, lumps) -> None:
-    flat = Spectrum(np.zeros(3), np.eye(3), np.ones(3))
+def test_a_soup_without_waves_has_the_values_of_what_the_spectrum_leaves_out() -> None:
     energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
-    with pytest.raises(MeshError, match=r"'soup' has no WKS: .* two positive eigenvalues"):
-        Descriptor("WKS", "wks", energies, 0.02).values(flat, "soup")
+    descriptor = Descriptor("WKS", "wks", energies, 0.02)
+    soup = Spectrum(np.zeros(3), np.eye(3), np.ones(3))
+    np.testing.assert_array_equal(descriptor.values(soup, "soup"), np.full((3, 4), -10.0))
+    # The third vertex lies on a part that no eigenvector reaches.
+    vectors = np.vstack([np.linalg.qr(np.array([[1.0, 1, 0], [1, 0, 1], [1, 2, 5]]))[0][:2], np.zeros(3)])
+    partly = Spectrum(np.array([0.0, 5.0, 6.0]), vectors, np.ones(3))
+    np.testing.assert_array_equal(descriptor.values(partly, "partly")[2], np.full(4, -10.0))
+
+
+def test_a_shape_without_the_descriptor_is_told() -> None:
+    point = Spectrum(np.array([0.0, 1.0]), np.eye(2), np.ones(2))
+    energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
+    with pytest.raises(MeshError, match=r"'point' has no WKS: .* two positive eigenvalues"):
+        Descriptor("WKS", "wks", energies, 0.02).values(point, "point")
