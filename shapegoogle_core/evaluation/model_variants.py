@@ -67,7 +67,7 @@ class _SearchTask:
         matches = library.query(mesh, top=self.shapes)
         seconds = time.perf_counter() - started
         describing = np.nan
-        if source.key[0] == "0":  # one in 16 tells how much of that goes into describing
+        if source.key[0] in "08":  # one in eight tells how much of that goes into describing
             started = time.perf_counter()
             library.model.describe(mesh)
             describing = time.perf_counter() - started
@@ -247,11 +247,11 @@ def _in_order(distances: FloatArray) -> FloatArray:
 
 
 def _matching_seconds(times: Sequence[FloatArray]) -> float:
-    """Median time of a query without that of describing it."""
+    """Median time of a query without that of describing it; NaN where none was measured."""
     if not times:
         return float("nan")
     whole, describing = np.array(times).T
     sampled = np.isfinite(describing)
     if not sampled.any():
-        return float(np.median(whole))
+        return float("nan")
     return max(float(np.median(whole[sampled] - describing[sampled])), 0.0)
