@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import row_distances
 
-__all__ = ["RIVALS", "calibrate", "choose_pairs", "learn_projection", "rival_distances"]
+__all__ = ["RIVALS", "Calibration", "calibrate", "choose_pairs", "learn_projection", "rival_pairs"]
 
 RIVALS = 50
 """Of about so many different shapes the nearest stands against a version of the same shape."""
@@ -95,14 +97,14 @@ def choose_pairs(
     return pairs[:, 0], pairs[:, 1], np.arange(len(pairs)) < len(positive)
 
 
-def rival_distances(
+def rival_pairs(
     metric: str,
     vectors: FloatBags,
     labels: NDArray[np.int64],
     random: np.random.Generator,
     count: int = 5_000,
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Distances to another version of the same shape, and to the nearest of `RIVALS` different shapes.
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Pair versions with another one of the same shape, and with the nearest of `RIVALS` different shapes.
 
     Random different shapes are easy to tell apart; who looks at a list of matches wants to know whether the
     best one is the shape itself or only the most similar other one.
@@ -120,36 +122,63 @@ def rival_distances(
 
     Returns
     -------
-    distances : (P,) array
+    first, second : (P,) arrays of int
+        Indices into `vectors`.
     similar : (P,) array of bool
     """
     first, second, similar = choose_pairs(labels, random, count)
-    positive = row_distances(metric, vectors[first[similar]], vectors[second[similar]])
-    nearest = []
+    first, second = first[similar], second[similar]
     rivals = min(RIVALS, len(np.unique(labels)) - 1)
-    for index in first[similar]:
+    nearest = []
+    for index in first:
         others = random.integers(len(labels), size=10 * rivals)
         others = others[labels[others] != labels[index]][:rivals]
-        nearest.append(row_distances(metric, vectors[index : index + 1], vectors[others]).min())
-    return np.concatenate([positive, nearest]), np.repeat([True, False], [len(positive), len(nearest)])
+        distances = row_distances(metric, vectors[index : index + 1], vectors[others])
+        nearest.append(others[distances.argmin()])
+    return (
+        np.concatenate([first, first]),
+        np.concatenate([second, np.array(nearest)]),
+        np.arange(2 * len(first)) < len(first),
+    )
 
 
-def calibrate(distances: FloatArray, similar: NDArray[np.bool_]) -> tuple[float, float]:
-    """Fit the probability that a pair at a distance is similar (see `ShapeModel.similarity`).
+@dataclass(frozen=True)
+class Calibration:
+    """What distances and agreements say, see `ShapeModel.similarity` and `ShapeModel.verified_distance`.
 
-    Logistic regression on the logarithm of the distance, both kinds of pairs counting alike.
+    Attributes
+    ----------
+    half : float
+        The distance at which the probability is ½, where nothing agrees in space.
+    slope : float
+        p in 1 / (1 + (d / half)^p).
+    gain : float
+        k in d exp(-k · agreement), 0 without agreements.
+    """
+
+    half: float
+    slope: float
+    gain: float
+
+
+def calibrate(
+    distances: FloatArray, similar: NDArray[np.bool_], agreements: FloatArray | None = None
+) -> Calibration:
+    """Fit the probability that a pair is similar.
+
+    Logistic regression on the logarithm of the distance and on the agreement, both kinds of pairs counting
+    alike: log odds = p log(half / d) + k p · agreement.
 
     Parameters
     ----------
     distances : (P,) array
     similar : (P,) array of bool
+    agreements : (P,) array, optional
+        What the two surfaces have in common in space, beyond what any two have.
 
     Returns
     -------
-    half : float
-        The distance at which the probability is ½.
-    slope : float
-        p in 1 / (1 + (d / half)^p).
+    calibration : Calibration
 
     Raises
     ------
@@ -159,9 +188,13 @@ def calibrate(distances: FloatArray, similar: NDArray[np.bool_]) -> tuple[float,
     from sklearn.linear_model import LogisticRegression
 
     usable = distances > 0
-    logarithms = np.log(distances[usable])[:, None]
-    regression = LogisticRegression(C=1e6, class_weight="balanced").fit(logarithms, similar[usable])
+    features = [np.log(distances[usable])]
+    if agreements is not None:
+        features.append(agreements[usable])
+    regression = LogisticRegression(C=1e6, class_weight="balanced")
+    regression.fit(np.stack(features, axis=1), similar[usable])
     slope = -float(regression.coef_[0, 0])
     if not slope > 0:
         raise ModelError("the training shapes cannot be told apart: give more varied ones")
-    return float(np.exp(regression.intercept_[0] / slope)), slope
+    gain = 0.0 if agreements is None else max(0.0, float(regression.coef_[0, 1]) / slope)
+    return Calibration(float(np.exp(regression.intercept_[0] / slope)), slope, gain)

@@ -6,7 +6,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -19,6 +20,8 @@ from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration import SurfaceSample, sample_surface
+from shapegoogle_core.registration.alignment import COMMON_AGREEMENT
 from shapegoogle_core.settings import ModelSettings
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
@@ -44,6 +47,8 @@ class ShapeSignature:
         Of the mesh as given, in squared units.
     vertex_count, face_count : int
         Of the mesh as given.
+    sample : SurfaceSample or None
+        Points of the mended mesh, if the model's settings ask for them.
     """
 
     bags: FloatBags
@@ -51,6 +56,7 @@ class ShapeSignature:
     area: float
     vertex_count: int
     face_count: int
+    sample: SurfaceSample | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +103,8 @@ class ShapeModel:
         Calibration of `similarity`: the distance at which it is ½, and how fast it falls there.
     trained_on : str
         A sentence on the training shapes.
+    agreement_gain : float
+        How much an agreement in space says, see `verified_distance`.
     """
 
     settings: ModelSettings
@@ -109,6 +117,7 @@ class ShapeModel:
     similarity_half: float
     similarity_slope: float
     trained_on: str
+    agreement_gain: float = 0.0
 
     def __post_init__(self) -> None:
         size, projected, bits = self.bag_size, self.projection.shape[-1], self.code_bits
@@ -129,6 +138,8 @@ class ShapeModel:
                 raise ModelError(f"the model's vocabulary of {channel.descriptor!r} is damaged")
         if not (0 < self.similarity_half < np.inf and 0 < self.similarity_slope < np.inf):
             raise ModelError("the model's calibration of similarities is damaged")
+        if not 0 <= self.agreement_gain < np.inf:
+            raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
 
     def __repr__(self) -> str:
         return f"ShapeModel({self.name!r}, {self.identifier})"
@@ -151,7 +162,7 @@ class ShapeModel:
     @cached_property
     def identifier(self) -> str:
         """16 hex digits: a hash of all that is learnt. Signatures are comparable iff these are equal."""
-        digest = hashlib.sha256(json.dumps(asdict(self.settings), sort_keys=True).encode())
+        digest = hashlib.sha256(json.dumps(self.settings.to_dict(), sort_keys=True).encode())
         for name, array in sorted(self._arrays().items()):
             digest.update(name.encode())
             digest.update(np.ascontiguousarray(array).tobytes())
@@ -176,15 +187,18 @@ class ShapeModel:
         """
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
-            _, spectrum = working_shape(self.settings, mesh)
+            prepared, spectrum = working_shape(self.settings, mesh)
             bags = shape_bags(self.settings, self.vocabularies, spectrum) * self.weights
             code = self.codes(bags[None])[0]
+            chosen = self.settings.sample
+            sample = None if chosen is None else sample_surface(prepared, spectrum, chosen)
         return ShapeSignature(
             bags=bags,
             code=code,
             area=mesh.area,
             vertex_count=len(mesh.vertices),
             face_count=len(mesh.faces),
+            sample=sample,
         )
 
     def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:
@@ -271,6 +285,26 @@ class ShapeModel:
         """
         return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
 
+    def verified_distance(self, distance: float, agreement: float) -> float:
+        """Lower the distance of bags by what two surfaces have in common in space.
+
+        d′ = d exp(-k max(0, a - a₀)). The logistic regression behind `similarity` is linear in log d; with
+        the agreement as its second variable, k is the ratio of both coefficients (see `metric.calibrate`).
+
+        Parameters
+        ----------
+        distance : float
+            From `distances`.
+        agreement : float
+            a, see `Alignment.agreement`.
+
+        Returns
+        -------
+        distance : float
+            d′ ≤ d. No agreement leaves it as it is: bags alone find other poses.
+        """
+        return distance * math.exp(-self.agreement_gain * max(0.0, agreement - COMMON_AGREEMENT))
+
     def similarity(self, distances: FloatArray) -> FloatArray:
         """Turn distances into a similarity from 0 to 1.
 
@@ -297,10 +331,11 @@ class ShapeModel:
     def _header(self) -> str:
         header = {
             "format": FORMAT,
-            "settings": asdict(self.settings),
+            "settings": self.settings.to_dict(),
             "similarity_half": self.similarity_half,
             "similarity_slope": self.similarity_slope,
             "trained_on": self.trained_on,
+            "agreement_gain": self.agreement_gain,
         }
         return json.dumps(header, sort_keys=True)
 
@@ -366,6 +401,8 @@ class ShapeModel:
                 similarity_half=float(header["similarity_half"]),
                 similarity_slope=float(header["similarity_slope"]),
                 trained_on=str(header["trained_on"]),
+                # Models made before surfaces were sampled do not have it.
+                agreement_gain=float(header.get("agreement_gain", 0.0)),
             )
         except ModelError:
             raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.laplacian import LAPLACIANS
 from shapegoogle_core.mending import Mending
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectrum import Spectrum
 
 __all__ = ["BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
@@ -151,6 +152,9 @@ class ModelSettings:
         Length of the binary code, a multiple of 8.
     code_directions : {"eigenvectors", "random"}
         Where the codes' candidate directions come from, see `SimilaritySensitiveHashing`.
+    sample : SampleSettings or None
+        How many points of a surface are kept, to lay the best candidates of a search over the query. None:
+        candidates are compared by their bags alone.
     """
 
     name: str
@@ -166,6 +170,7 @@ class ModelSettings:
     metric: str = "cosine"
     code_bits: int = 256
     code_directions: str = "eigenvectors"
+    sample: SampleSettings | None = None
 
     def __post_init__(self) -> None:
         if not self.channels:
@@ -190,9 +195,22 @@ class ModelSettings:
         """B, the length of all bags side by side."""
         return sum(sum(channel.bag_sizes()) for channel in self.channels)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Nested dicts for JSON; see `from_dict`.
+
+        Returns
+        -------
+        values : dict
+            Without `sample` where it is None: models from before it existed keep their identifier.
+        """
+        values = asdict(self)
+        if values["sample"] is None:
+            del values["sample"]
+        return values
+
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> ModelSettings:
-        """Rebuild settings from `dataclasses.asdict`, for example out of JSON.
+        """Rebuild settings from `to_dict`, for example out of JSON.
 
         Parameters
         ----------
@@ -217,6 +235,8 @@ class ModelSettings:
                 for channel in known["channels"]
             )
             known["mending"] = None if known["mending"] is None else Mending(**known["mending"])
+            if known.get("sample") is not None:
+                known["sample"] = SampleSettings(**known["sample"])
             return cls(**known)
         except (KeyError, TypeError, ValueError) as error:
             raise ModelError(f"the settings of the model are damaged ({error!r})") from error
@@ -255,6 +275,7 @@ PRESETS: dict[str, ModelSettings] = {
             ),
         ),
         code_directions="random",
+        sample=SampleSettings(),
     ),
     "paper": ModelSettings(
         name="paper",

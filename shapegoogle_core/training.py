@@ -26,8 +26,10 @@ from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, t
 from shapegoogle_core.hashing import SimilaritySensitiveHashing
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_distances
-from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_pairs
+from shapegoogle_core.model import ShapeModel, row_distances
+from shapegoogle_core.registration import Placed, SurfaceSample, align, sample_surface
+from shapegoogle_core.registration.alignment import COMMON_AGREEMENT
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.vocabulary import Vocabulary
@@ -37,6 +39,9 @@ __all__ = ["TrainingShape", "train_model"]
 
 PAIRS = 10_000
 """Of each kind, to learn the codes and the similarity from."""
+
+ALIGNED_PAIRS = 2_000
+"""Of each kind, to learn from what an agreement in space says."""
 
 logger = logging.getLogger(__name__)
 
@@ -134,17 +139,18 @@ def train_model(
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
         chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
         sampling = pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen], chunksize=2)
-        samples = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
-        if not samples:
+        sampled = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
+        if not sampled:
             raise ModelError("none of the training shapes could be described; see the warnings")
-        vocabularies = _learn_vocabularies(settings, samples, seed)
-        describing = pool.map(partial(_version_bags, settings, vocabularies), plan, chunksize=2)
+        vocabularies = _learn_vocabularies(settings, sampled, seed)
+        describing = pool.map(partial(_describe_version, settings, vocabularies), plan, chunksize=2)
         described = list(show(describing, "bags", len(plan)))
-    usable = [(version.label, bag) for version, bag in zip(plan, described, strict=True) if bag is not None]
-    labels = np.array([label for label, _ in usable], dtype=np.int64)
+    usable = [(version.label, *found) for version, found in zip(plan, described, strict=True) if found]
+    labels = np.array([label for label, _, _ in usable], dtype=np.int64)
     _check_variety(len(np.unique(labels)))
-    bags = np.array([bag for _, bag in usable], dtype=np.float32)
-    return fit_metric(settings, vocabularies, bags, labels, seed=seed, trained_on=trained_on)
+    bags = np.array([bag for _, bag, _ in usable], dtype=np.float32)
+    samples = [sample for _, _, sample in usable if sample is not None]
+    return fit_metric(settings, vocabularies, bags, labels, samples, seed=seed, trained_on=trained_on)
 
 
 def _check_variety(different: int) -> None:
@@ -172,18 +178,19 @@ def _plan_versions(
     return plan
 
 
-def _version_spectrum(settings: ModelSettings, version: _Version) -> Spectrum | None:
+def _version_shape(settings: ModelSettings, version: _Version) -> tuple[Mesh, Spectrum] | None:
     try:
-        return working_shape(settings, version.make())[1]
+        return working_shape(settings, version.make())
     except MeshError as error:  # e.g. holes that leave nothing of a tiny shape
         logger.warning("left out of the training (%s %d): %s", version.kind, version.strength, error)
         return None
 
 
 def _sample_descriptors(settings: ModelSettings, version: _Version) -> list[FloatArray] | None:
-    spectrum = _version_spectrum(settings, version)
-    if spectrum is None:
+    shape = _version_shape(settings, version)
+    if shape is None:
         return None
+    _, spectrum = shape
     random = np.random.default_rng(version.seed)
     vertices = random.permutation(len(spectrum.mass))[:750]
     return [
@@ -192,11 +199,14 @@ def _sample_descriptors(settings: ModelSettings, version: _Version) -> list[Floa
     ]
 
 
-def _version_bags(
+def _describe_version(
     settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], version: _Version
-) -> FloatBags | None:
-    spectrum = _version_spectrum(settings, version)
-    return None if spectrum is None else shape_bags(settings, vocabularies, spectrum)
+) -> tuple[FloatBags, SurfaceSample | None] | None:
+    shape = _version_shape(settings, version)
+    if shape is None:
+        return None
+    sample = None if settings.sample is None else sample_surface(*shape, settings.sample)
+    return shape_bags(settings, vocabularies, shape[1]), sample
 
 
 def _learn_vocabularies(
@@ -216,6 +226,7 @@ def fit_metric(
     vocabularies: tuple[ChannelWords, ...],
     bags: FloatBags,
     labels: NDArray[np.int64],
+    samples: Sequence[SurfaceSample] = (),
     *,
     seed: int = 0,
     trained_on: str = "",
@@ -230,6 +241,8 @@ def fit_metric(
         Of all versions of all training shapes.
     labels : (n,) array of int
         Which shape each is a version of.
+    samples : sequence of SurfaceSample, optional
+        Of all versions; left out, an agreement in space will say nothing.
     seed : int
     trained_on : str
         A sentence that `shapegoogle info` shows.
@@ -265,11 +278,26 @@ def fit_metric(
     )
     hashing.fit(vectors[first], vectors[second], similar)
     compared = untrained.comparable(bags)
-    half, slope = calibrate(*rival_distances(settings.metric, compared, labels, random))
+    pairs = rival_pairs(settings.metric, compared, labels, random, ALIGNED_PAIRS if samples else 5_000)
+    first, second, similar = pairs
+    distances = row_distances(settings.metric, compared[first], compared[second])
+    agreements = _agreements(samples, first, second) if samples else None
+    calibration = calibrate(distances, similar, agreements)
     return replace(
         untrained,
         directions=hashing.directions_.astype(np.float32),
         thresholds=hashing.thresholds_.astype(np.float32),
-        similarity_half=half,
-        similarity_slope=slope,
+        similarity_half=calibration.half,
+        similarity_slope=calibration.slope,
+        agreement_gain=calibration.gain,
     )
+
+
+def _agreements(
+    samples: Sequence[SurfaceSample], first: NDArray[np.int64], second: NDArray[np.int64]
+) -> FloatArray:
+    """Align pairs of surfaces: what they have in common in space, beyond what any two have."""
+    agreements = [
+        align(Placed(samples[i]), Placed(samples[j])).agreement for i, j in zip(first, second, strict=True)
+    ]
+    return np.maximum(np.array(agreements) - COMMON_AGREEMENT, 0)

@@ -21,6 +21,7 @@ from shapegoogle_core.library.stars import Wrapper
 from shapegoogle_core.library.store import Store, round_bags
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["Library"]
 
@@ -368,13 +369,15 @@ class Library:
         with self._store.snapshot():
             record = self._record(shape_id)
             _, bags = self._store.bags([shape_id], self._model.bag_size)
+            samples = self._store.samples([shape_id]) if self._model.settings.sample else {}
             code = self._store.code(shape_id, self._model.code_bits // 8)
         if code is None or len(bags) == 0:
             raise LibraryError(
                 f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
                 f"{record.source or 'it'!r} again"
             )
-        return ShapeSignature(bags[0], code, record.area, record.vertex_count, record.face_count)
+        sample = SurfaceSample.from_bytes(samples[shape_id]) if shape_id in samples else None
+        return ShapeSignature(bags[0], code, record.area, record.vertex_count, record.face_count, sample)
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Picture of a shape as PNG, or None when it has none.
@@ -403,7 +406,8 @@ class Library:
         """Find the shapes most like a mesh.
 
         The codes of all shapes are compared first; the `CANDIDATES` nearest (and never fewer than
-        `CANDIDATES_PER_MATCH` for each match asked for) are then compared by their full bags.
+        `CANDIDATES_PER_MATCH` for each match asked for) are then compared by their full bags. The best of
+        these are laid over the query (see `verification`), if the model takes samples of surfaces.
 
         Parameters
         ----------

@@ -22,7 +22,8 @@ class Match:
     object_name : str
         Name of the object inside the source; empty for a file that is one shape.
     distance : float
-        Between the bags of query and shape, as the model measures it; 0 for the same bag.
+        Between the bags of query and shape, as the model measures it; 0 for the same bag. Less where the two
+        surfaces were laid over one another and agree.
     similarity : float
         The model's monotone reading of the distance: 1 at distance 0, towards 0 for shapes that have nothing
         in common.

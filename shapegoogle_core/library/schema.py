@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The tables of a library file.
 
-A shape's row is spread over four tables, so that loading all codes touches about 40 bytes for each shape and
-neither bags (kilobytes) nor thumbnails (tens of kilobytes).
+A shape's row is spread over five tables, so that loading all codes touches about 40 bytes for each shape and
+neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
 import numpy as np
@@ -15,7 +15,8 @@ BAG_TYPE = np.dtype("<f2")
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-SCHEMA_VERSION = 1
+# 2: with samples. A library of version 1 stays as it is: its model makes none.
+SCHEMA_VERSION = 2
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -45,6 +46,10 @@ CREATE TABLE codes (
 CREATE TABLE bags (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     halves BLOB NOT NULL
+);
+CREATE TABLE samples (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    content BLOB NOT NULL
 );
 CREATE TABLE thumbnails (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,

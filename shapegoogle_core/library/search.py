@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The search: Hamming distance over all codes, then the full bags of the nearest (algorithm 2)."""
+"""The search: Hamming distance over all codes, the full bags of the nearest (algorithm 2), then geometry."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.store import Store, round_bags
+from shapegoogle_core.library.verification import VERIFIED, verify
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]
@@ -57,7 +58,7 @@ class Search:
         self._cached_codes = None
 
     def among_nearest_codes(self, signature: ShapeSignature, top: int) -> list[Match]:
-        """Compare the full bags of the shapes with the nearest codes.
+        """Compare the full bags of the shapes with the nearest codes, and lay the best over the query.
 
         Parameters
         ----------
@@ -71,6 +72,7 @@ class Search:
         """
         query = round_bags(signature.bags)
         wanted = max(CANDIDATES, CANDIDATES_PER_MATCH * top)
+        compared = self._compared(signature, top)
         # In one snapshot: a candidate must not vanish between its code and its bags.
         with self._store.snapshot():
             codes = self._codes()
@@ -80,17 +82,26 @@ class Search:
             for start in range(0, len(candidates), self._bags_at_once):
                 portion = candidates[start : start + self._bags_at_once]
                 shape_ids, bags = self._store.bags(portion, self._model.bag_size)
-                best = self._merge(best, query, shape_ids, bags, top)
-        return best
+                best = self._merge(best, query, shape_ids, bags, compared)
+        return self._verified(signature, best)[:top]
 
     def among_all(self, signature: ShapeSignature, top: int) -> list[Match]:
         """Compare the full bags of all shapes; else as `among_nearest_codes`."""
         query = round_bags(signature.bags)
         while True:
-            best = self._scan(query, top)
+            best = self._scan(query, self._compared(signature, top))
             if len(self._store.shapes([match.shape_id for match in best])) == len(best):
-                return best
+                return self._verified(signature, best)[:top]
             # A writer removed one of the best meanwhile: what it had displaced must come in, so look again.
+
+    def _compared(self, signature: ShapeSignature, top: int) -> int:
+        """How many of the best by their bags are kept: those that geometry may bring forward too."""
+        return top if signature.sample is None else max(top, VERIFIED)
+
+    def _verified(self, signature: ShapeSignature, matches: list[Match]) -> list[Match]:
+        if signature.sample is None:
+            return matches
+        return verify(self._store, self._model, signature.sample, matches)
 
     def _scan(self, query: NDArray[np.float32], top: int) -> list[Match]:
         best: list[Match] = []

@@ -275,6 +275,10 @@ class Store:
         self._connection.execute("INSERT INTO codes VALUES (?, ?)", (shape_id, signature.code.tobytes()))
         halves = signature.bags.astype(BAG_TYPE).tobytes()
         self._connection.execute("INSERT INTO bags VALUES (?, ?)", (shape_id, halves))
+        if signature.sample is not None:
+            self._connection.execute(
+                "INSERT INTO samples VALUES (?, ?)", (shape_id, signature.sample.to_bytes())
+            )
         if shape.thumbnail is not None:
             self._connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         return shape_id
@@ -350,6 +354,10 @@ class Store:
         """Return the code of one shape, or None when there is no such shape."""
         rows = self._rows("SELECT code FROM codes WHERE shape_id = ?", shape_id)
         return self._matrix([rows[0][0]], np.dtype(np.uint8), code_bytes)[0] if rows else None
+
+    def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the surface samples of these shapes by id, as `SurfaceSample.to_bytes` made them."""
+        return dict(self._rows_with_ids("SELECT shape_id, content FROM samples WHERE shape_id", shape_ids))
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of one shape as PNG, or None when it has none."""

@@ -10,7 +10,7 @@ import pytest
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_distances
+from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_pairs
 from shapegoogle_core.model import row_distances
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 from shapegoogle_core.training import TrainingShape, train_model
@@ -73,8 +73,10 @@ def test_pairs_are_labelled_right():
 
 def test_rivals_are_the_nearest_of_many():
     bags, labels = versions_of_shapes()
-    distances, similar = rival_distances("l1", bags, labels, np.random.default_rng(0), count=300)
+    first, second, similar = rival_pairs("l1", bags, labels, np.random.default_rng(0), count=300)
+    np.testing.assert_array_equal(labels[first] == labels[second], similar)
     assert similar.sum() == (~similar).sum() == 300
+    distances = row_distances("l1", bags[first], bags[second])
     first, second, same = choose_pairs(labels, np.random.default_rng(0), count=300)
     any_other = row_distances("l1", bags[first], bags[second])[~same]
     assert np.median(distances[~similar]) < np.quantile(any_other, 0.1)
@@ -85,10 +87,21 @@ def test_calibration_recovers_the_probability():
     distances = random.uniform(0.01, 1.0, 20_000)
     similar = random.uniform(size=20_000) < 1 / (1 + (distances / 0.3) ** 4)
     # Logistic regression gives both kinds the same weight; put the prior back before comparing.
-    half, slope = calibrate(distances, similar)
+    found = calibrate(distances, similar)
     prior = similar.mean() / (1 - similar.mean())
-    assert slope == pytest.approx(4, rel=0.1)
-    assert half == pytest.approx(0.3 * prior ** (-1 / 4), rel=0.05)
+    assert found.slope == pytest.approx(4, rel=0.1)
+    assert found.half == pytest.approx(0.3 * prior ** (-1 / 4), rel=0.05)
+    assert found.gain == 0
+
+
+def test_calibration_recovers_what_an_agreement_says():
+    random = np.random.default_rng(0)
+    distances, agreements = random.uniform(0.01, 1.0, 20_000), random.uniform(0, 0.8, 20_000)
+    verified = distances * np.exp(-2 * agreements)
+    similar = random.uniform(size=20_000) < 1 / (1 + (verified / 0.3) ** 4)
+    found = calibrate(distances, similar, agreements)
+    assert found.slope == pytest.approx(4, rel=0.1)
+    assert found.gain == pytest.approx(2, rel=0.1)
 
 
 def test_calibration_refuses_what_cannot_be_told_apart():

@@ -117,7 +117,7 @@ def test_an_empty_file_becomes_a_library_but_is_none_to_read(path, model):
 
 def test_newer_schema(filled, model):
     change(filled, "UPDATE meta SET value = '7' WHERE key = 'schema'")
-    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 1\); update"):
+    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 2\); update"):
         Library.open(filled, model)
 
 

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: MIT
+"""A few hundred oriented points that stand for a surface, and what it looks like around some of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.descriptors import heat_kernel_signature
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spin_images import spin_images
+
+__all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
+
+# From so many random points the sample is picked, and so many of them are counted by the spin images.
+_PICKED_FROM, _CLOUD = 4, 1500
+# Spin images: radius as a share of √area, and bins.
+_RADIUS, _BINS = 0.3, (6, 4)
+# Heat kernel signatures: times as a share of the area, an octave apart; short ones see little of a cut.
+_TIMES = 2.0 ** np.arange(2, 11) / 40_000
+# Between the two kinds of descriptors, so that distances of either count alike.
+_HEAT_WEIGHT, _SPIN_WEIGHT = 0.5, 5.0
+# A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
+_LEAST_LOG = -10.0
+# Of stored numbers. Coordinates are shares of √area, within ±8 of the centre; descriptors are within ±6.
+_POINT_UNIT, _NORMAL_UNIT, _DESCRIPTOR_UNIT = 8 / 32767, 1 / 127, 6 / 127
+
+
+@dataclass(frozen=True)
+class SampleSettings:
+    """How many points stand for a surface.
+
+    Attributes
+    ----------
+    points : int
+        m, all points, evenly spread.
+    keypoints : int
+        k ≤ m of them, evenly spread too, have a descriptor.
+    """
+
+    points: int = 600
+    keypoints: int = 192
+
+    def __post_init__(self) -> None:
+        if not 8 <= self.keypoints <= self.points:
+            raise ValueError(f"a sample needs 8 ≤ keypoints ≤ points, not {self}")
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceSample:
+    """Points of a surface, scaled to unit area and centred.
+
+    Attributes
+    ----------
+    points : (m, 3) array
+        In units of √area; any first part of them is evenly spread.
+    normals : (m, 3) array
+        Of unit length; which side they are on means nothing.
+    descriptors : (k, d) array of float32
+        Of the first k points: logarithms of the heat kernel signature, and the root of a spin image.
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    descriptors: NDArray[np.float32]
+
+    def to_bytes(self) -> bytes:
+        """Serialise in 9 bytes for each point and one for each number of a descriptor."""
+        counts = np.array([len(self.points), *self.descriptors.shape], "<u2")
+        points = np.clip(np.rint(self.points / _POINT_UNIT), -32767, 32767).astype("<i2")
+        normals = np.rint(self.normals / _NORMAL_UNIT).astype(np.int8)
+        descriptors = np.clip(np.rint(self.descriptors / _DESCRIPTOR_UNIT), -127, 127).astype(np.int8)
+        return b"".join(array.tobytes() for array in (counts, points, normals, descriptors))
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """Rebuild a sample from `to_bytes`.
+
+        Parameters
+        ----------
+        data : bytes
+
+        Returns
+        -------
+        sample : SurfaceSample
+            Coordinates to 1/4000 of √area.
+
+        Raises
+        ------
+        ValueError
+            If the data is no sample.
+        """
+        if len(data) < 6:
+            raise ValueError("a surface sample has at least 6 bytes")
+        points, keypoints, size = (int(count) for count in np.frombuffer(data, "<u2", 3))
+        ends = np.cumsum([6, 6 * points, 3 * points, keypoints * size])
+        if len(data) != ends[-1]:
+            raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
+        positions: FloatArray = np.frombuffer(data[6 : ends[1]], "<i2").reshape(points, 3) * _POINT_UNIT
+        normals: FloatArray = (
+            np.frombuffer(data[ends[1] : ends[2]], np.int8).astype(np.float64)
+        )
+        descriptors = np.frombuffer(data[ends[2] :], np.int8).reshape(keypoints, size)
+        normals = normals.reshape(points, 3) * _NORMAL_UNIT
+        return cls(positions, normals, descriptors.astype(np.float32) * np.float32(_DESCRIPTOR_UNIT))
+
+
+def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> SurfaceSample:
+    """Spread points evenly over a surface and describe the surroundings of some.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of positive area.
+    spectrum : Spectrum
+        Of that mesh.
+    settings : SampleSettings
+
+    Returns
+    -------
+    sample : SurfaceSample
+        The same one whenever it is asked for.
+    """
+    random = np.random.default_rng(0)
+    unit = math.sqrt(mesh.area)
+    points, normals, face, corners = _random_points(mesh, max(_PICKED_FROM * settings.points, _CLOUD), random)
+    points = (points - points.mean(axis=0)) / unit
+    cloud = points[random.permutation(len(points))[:_CLOUD]]
+    chosen = farthest_points(points, settings.points)
+    keys = chosen[: settings.keypoints]
+    heat = heat_kernel_signature(spectrum, _TIMES * unit**2, multiply_by_time=True)
+    heat = np.log(np.maximum(heat, math.exp(_LEAST_LOG)))
+    heat = (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
+    spin = np.sqrt(spin_images(points[keys], normals[keys], cloud, _RADIUS, _BINS))
+    descriptors = np.concatenate([_HEAT_WEIGHT * heat, _SPIN_WEIGHT * spin], axis=1).astype(np.float32)
+    return SurfaceSample(points[chosen], normals[chosen], descriptors)
+
+
+def _random_points(
+    mesh: Mesh, count: int, random: np.random.Generator
+) -> tuple[FloatArray, FloatArray, NDArray[np.int64], FloatArray]:
+    """Random points, as dense everywhere: positions, normals, faces, barycentric coordinates."""
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    doubled = np.linalg.norm(normals, axis=1)
+    total = np.cumsum(doubled)
+    # One in each of as many slices of equal area: no crowds and no gaps by chance.
+    place = (np.arange(count) + random.random(count)) / count * total[-1]
+    face = np.minimum(np.searchsorted(total, place, side="right"), len(doubled) - 1)
+    root, other = np.sqrt(random.random(count)), random.random(count)
+    corners = np.stack([1 - root, root * (1 - other), root * other], axis=1)
+    points = corners[:, :1] * a[face] + corners[:, 1:2] * b[face] + corners[:, 2:] * c[face]
+    return points, normals[face] / doubled[face, None], face, corners
+
+
+def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:
+    """Pick points one after the other, each as far as possible from those picked before.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+    count : int
+        At most n.
+
+    Returns
+    -------
+    chosen : (count,) array of int
+        Indices of points; the first one is the farthest from the origin.
+    """
+    x, y, z = np.ascontiguousarray(points.T, np.float32)
+    chosen = np.empty(count, np.int64)
+    nearest = np.full(len(points), np.inf, np.float32)
+    here = int((points**2).sum(axis=1).argmax())
+    for index in range(count):
+        chosen[index] = here
+        np.minimum(nearest, (x - x[here]) ** 2 + (y - y[here]) ** 2 + (z - z[here]) ** 2, out=nearest)
+        here = int(nearest.argmax())
+    return chosen

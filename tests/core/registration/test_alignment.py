@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""Aligning surfaces: the motion that was made is found again, also with a part missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from threadpoolctl import threadpool_limits
+
+from shapegoogle_core import Mesh, compute_spectrum
+from shapegoogle_core.evaluation.transformations import transform
+from shapegoogle_core.mending import Mending, mend
+from shapegoogle_core.registration import Placed, SampleSettings, SurfaceSample, align, sample_surface
+from shapegoogle_core.registration.alignment import similarity_transformations
+
+
+@pytest.fixture(autouse=True)
+def one_thread() -> Iterator[None]:
+    """On matrices of this size more threads of BLAS only get in each other's way."""
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
+def sampled(mesh: Mesh) -> Placed:
+    mesh = mend(mesh, Mending(budget=2000))
+    return Placed(sample_surface(mesh, compute_spectrum(mesh, k=60), SampleSettings(400, 128)))
+
+
+@pytest.fixture(scope="module")
+def bumpy(shapes) -> Mesh:
+    mesh = shapes.bumpy(4, seed=3)
+    return Mesh(mesh.vertices * [1.0, 1.3, 2.0], mesh.faces)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.2, 5))
+def test_similarity_transformation_is_found_again(seed, scale):
+    random = np.random.default_rng(seed)
+    points, weights = random.standard_normal((2, 9, 3)), random.uniform(0.1, 1, (2, 9))
+    turns = Rotation.random(2, random_state=seed % 2**31).as_matrix()
+    shift = random.standard_normal((2, 1, 3))
+    moved = scale * points @ turns.transpose(0, 2, 1) + shift
+    scales, rotations, translations = similarity_transformations(points, moved, weights)
+    np.testing.assert_allclose(scales, scale)
+    np.testing.assert_allclose(rotations, turns, atol=1e-9)
+    np.testing.assert_allclose(translations, shift[:, 0], atol=1e-9)
+
+
+def test_a_mirror_image_gives_no_reflection():
+    points = np.random.default_rng(0).standard_normal((1, 20, 3))
+    _, rotations, _ = similarity_transformations(points, points * [1, 1, -1], np.ones((1, 20)))
+    assert np.linalg.det(rotations[0]) == pytest.approx(1)
+
+
+def test_a_moved_surface_is_laid_back(bumpy):
+    turn = Rotation.from_euler("xyz", [0.5, 1.2, -2.0]).as_matrix()
+    moved = Mesh(3 * bumpy.vertices @ turn.T + 4, bumpy.faces)
+    alignment = align(sampled(moved), sampled(bumpy))
+    np.testing.assert_allclose(alignment.rotation, turn.T, atol=0.03)
+    assert alignment.scale == pytest.approx(1, abs=0.02)
+    assert alignment.agreement > 0.9
+
+
+@pytest.mark.parametrize("kind", ["partial", "noise", "holes", "topology", "sampling"])
+def test_a_damaged_surface_still_fits(bumpy, kind):
+    damaged = transform(bumpy, kind, 2, seed=1)
+    turn = Rotation.from_euler("zyx", [1.0, 0.3, -0.7]).as_matrix()
+    alignment = align(sampled(Mesh(damaged.vertices @ turn.T, damaged.faces)), sampled(bumpy))
+    np.testing.assert_allclose(alignment.rotation, turn.T, atol=0.1)
+    assert alignment.agreement > 0.6
+
+
+def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy):
+    keep = bumpy.vertices[bumpy.faces].mean(axis=1)[:, 2] < 0.7
+    part = Mesh(bumpy.vertices, bumpy.faces[keep])
+    used, corners = np.unique(part.faces, return_inverse=True)
+    part = Mesh(part.vertices[used], corners.reshape(-1, 3))
+    share = part.area / bumpy.area
+    assert 0.6 < share < 0.85
+    alignment = align(sampled(part), sampled(bumpy))
+    assert alignment.scale == pytest.approx(np.sqrt(share), abs=0.02)
+    assert alignment.query_covered[1] > 0.8
+    assert alignment.candidate_covered[1] == pytest.approx(share * alignment.query_covered[1], abs=0.12)
+
+
+def test_other_surfaces_agree_less(bumpy, shapes):
+    others = [sampled(shapes.bumpy(4, seed=seed)) for seed in range(20, 24)]
+    itself = align(sampled(transform(bumpy, "noise", 3, seed=0)), sampled(bumpy)).agreement
+    assert max(align(sampled(bumpy), other).agreement for other in others) < 0.8 * itself
+
+
+def test_a_handful_of_points_in_one_place():
+    """Nothing to lay over: no agreement, and no error."""
+    nothing = SurfaceSample(np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros((8, 4), np.float32))
+    alignment = align(Placed(nothing), Placed(nothing))
+    assert 0 <= alignment.agreement <= 1

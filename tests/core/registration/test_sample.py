@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+"""Samples of a surface: evenly spread, described in a way that motions do not change, stored in few bytes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from shapegoogle_core import Mesh, compute_spectrum
+from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
+from shapegoogle_core.registration.sample import farthest_points
+from shapegoogle_core.spin_images import spin_images
+
+
+@pytest.fixture(scope="module")
+def sample(shapes) -> SurfaceSample:
+    mesh = shapes.bumpy(3)
+    return sample_surface(mesh, compute_spectrum(mesh, k=40), SampleSettings(200, 64))
+
+
+def test_a_sphere_is_sampled_at_its_radius(shapes):
+    mesh = shapes.sphere(4)
+    sample = sample_surface(mesh, compute_spectrum(mesh, k=30), SampleSettings(300, 50))
+    radius = 1 / np.sqrt(4 * np.pi)  # of unit area
+    np.testing.assert_allclose(np.linalg.norm(sample.points, axis=1), radius, rtol=0.05)
+    outward = sample.points / np.linalg.norm(sample.points, axis=1, keepdims=True)
+    assert np.median(np.abs((outward * sample.normals).sum(axis=1))) > 0.995
+    # Evenly: no two closer than half of what a hexagonal pattern of so many points has.
+    distances = np.linalg.norm(sample.points[:, None] - sample.points[None], axis=2)
+    np.fill_diagonal(distances, np.inf)
+    assert distances.min() > 0.5 * np.sqrt(2 / (np.sqrt(3) * 300))
+
+
+def test_samples_forget_place_and_size(shapes, sample):
+    mesh = shapes.bumpy(3)
+    turn = Rotation.from_euler("xyz", [0.4, -1.1, 2.0]).as_matrix()
+    moved = Mesh(7 * mesh.vertices @ turn.T + [10, -3, 5], mesh.faces)
+    other = sample_surface(moved, compute_spectrum(moved, k=40), SampleSettings(200, 64))
+    np.testing.assert_allclose(other.points, sample.points @ turn.T, atol=1e-6)
+    np.testing.assert_allclose(other.descriptors, sample.descriptors, atol=0.1)
+
+
+def test_bytes_and_back(sample):
+    content = sample.to_bytes()
+    assert len(content) == 6 + 9 * 200 + sample.descriptors.size
+    back = SurfaceSample.from_bytes(content)
+    np.testing.assert_allclose(back.points, sample.points, atol=2e-4)
+    np.testing.assert_allclose(back.normals, sample.normals, atol=5e-3)
+    np.testing.assert_allclose(back.descriptors, sample.descriptors, atol=0.025)
+    assert back.to_bytes() == content
+
+
+@pytest.mark.parametrize("damage", [b"", b"abc", b"\x01\x00\x01\x00\x01\x00"])
+def test_damaged_bytes_are_refused(damage, sample):
+    with pytest.raises(ValueError, match="surface sample"):
+        SurfaceSample.from_bytes(damage)
+    with pytest.raises(ValueError, match="surface sample"):
+        SurfaceSample.from_bytes(sample.to_bytes()[:-1])
+
+
+@pytest.mark.parametrize(("points", "keypoints"), [(100, 7), (50, 51)])
+def test_settings_out_of_range(points, keypoints):
+    with pytest.raises(ValueError, match="keypoints"):
+        SampleSettings(points, keypoints)
+
+
+def test_farthest_points_are_those_of_the_definition():
+    points = np.random.default_rng(0).standard_normal((60, 3))
+    chosen = farthest_points(points, 20)
+    assert chosen[0] == np.linalg.norm(points, axis=1).argmax()
+    for count in range(1, 20):
+        gaps = np.linalg.norm(points[:, None] - points[None, chosen[:count]], axis=2).min(axis=1)
+        assert gaps[chosen[count]] == pytest.approx(gaps.max(), rel=1e-5)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_spin_images_count_as_the_definition_says(seed):
+    random = np.random.default_rng(seed)
+    points, cloud = random.standard_normal((4, 3)), random.standard_normal((200, 3))
+    normals = random.standard_normal((4, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    images = spin_images(points, normals, cloud, 1.5, (5, 3)).reshape(4, 5, 3)
+    for point, normal, image in zip(points, normals, images, strict=True):
+        height = np.abs((cloud - point) @ normal)
+        across = np.linalg.norm(np.cross(cloud - point, normal), axis=1)
+        expected, _, _ = np.histogram2d(across, height, bins=(5, 3), range=((0, 1.5), (0, 1.5)))
+        np.testing.assert_allclose(image, expected / 200)
