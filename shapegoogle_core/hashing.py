@@ -15,7 +15,7 @@ from sklearn.utils.validation import check_array
 from shapegoogle_core.estimators import check_features, learn_features
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["SimilaritySensitiveHashing", "best_threshold"]
+__all__ = ["SimilaritySensitiveHashing", "best_threshold", "rotated_components"]
 
 
 class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
@@ -195,3 +195,30 @@ def best_threshold(first: FloatArray, second: FloatArray, signed_weights: FloatA
     best = int(np.argmin(split))
     threshold = -0.5 * (positions[best] + positions[best + 1])
     return float(threshold), float(signed_weights.sum() - 2 * split[best])
+
+
+def rotated_components(vectors: FloatArray, bits: int, random_state: int = 0) -> FloatArray:
+    """Draw directions of a code that is not learnt from pairs: random rotations of principal components.
+
+    The leading components hold most of what tells shapes apart, but in unequal shares; a rotation gives every
+    bit the same share (Jégou et al. 2010). Beside boosting it needs no pairs, so that it cannot fit them.
+
+    Parameters
+    ----------
+    vectors : (n, d) array
+    bits : int
+        s. The s leading components are rotated; where there are fewer, several rotations of all of them.
+    random_state : int
+
+    Returns
+    -------
+    directions : (s, d) array
+        Rows of unit length.
+    """
+    _, components = scipy.linalg.eigh(np.cov(vectors.T))
+    leading = components[:, ::-1][:, :bits]
+    random = np.random.default_rng(random_state)
+    size = leading.shape[1]
+    rotations = [np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(-(-bits // size))]
+    directions: FloatArray = np.concatenate(rotations)[:bits] @ leading.T
+    return directions

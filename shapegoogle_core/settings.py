@@ -60,6 +60,8 @@ DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
 }
 """Descriptors by name: called with a spectrum and a channel's parameters, give (n, d) values."""
 
+CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
+
 BAGS = ("area", "plain", "pairs", "plain-pairs")
 """Kinds of bags: of words or of pairs of words, weighted by area or counting vertices alike."""
 
@@ -150,8 +152,9 @@ class ModelSettings:
         (the paper's).
     code_bits : int
         Length of the binary code, a multiple of 8.
-    code_directions : {"eigenvectors", "random"}
-        Where the codes' candidate directions come from, see `SimilaritySensitiveHashing`.
+    code_directions : {"eigenvectors", "random", "rotated"}
+        Where the codes' candidate directions come from, see `SimilaritySensitiveHashing`; or "rotated": they
+        are not learnt from pairs, see `rotated_components`.
     sample : SampleSettings or None
         How many points of a surface are kept, to lay the best candidates of a search over the query. None:
         candidates are compared by their bags alone.
@@ -177,10 +180,9 @@ class ModelSettings:
             raise ModelError("a model needs at least one channel")
         if self.laplacian not in LAPLACIANS:
             raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
-        if self.code_directions not in ("eigenvectors", "random"):
-            raise ModelError(
-                f"code_directions must be 'eigenvectors' or 'random', not {self.code_directions!r}"
-            )
+        if self.code_directions not in CODE_DIRECTIONS:
+            choices = ", ".join(CODE_DIRECTIONS)
+            raise ModelError(f"code_directions must be one of {choices}, not {self.code_directions!r}")
         if self.metric not in ("cosine", "l1"):
             raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
         bits = self.code_bits
@@ -274,7 +276,7 @@ PRESETS: dict[str, ModelSettings] = {
                 bags=_ALL_BAGS,
             ),
         ),
-        code_directions="random",
+        code_directions="rotated",
         sample=SampleSettings(),
     ),
     "paper": ModelSettings(

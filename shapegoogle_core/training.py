@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.describing import ChannelWords, FloatBags, shape_bags, working_shape
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, transform
-from shapegoogle_core.hashing import SimilaritySensitiveHashing
+from shapegoogle_core.hashing import SimilaritySensitiveHashing, rotated_components
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_pairs
@@ -271,12 +271,7 @@ def fit_metric(
         similarity_slope=1.0,
         trained_on=trained_on,
     )
-    first, second, similar = choose_pairs(labels, random, count=PAIRS)
-    vectors = untrained.embed(bags).astype(np.float64)
-    hashing = SimilaritySensitiveHashing(
-        settings.code_bits, projection=settings.code_directions, random_state=seed
-    )
-    hashing.fit(vectors[first], vectors[second], similar)
+    directions, thresholds = _learn_code(settings, untrained.embed(bags).astype(np.float64), labels, seed)
     compared = untrained.comparable(bags)
     pairs = rival_pairs(settings.metric, compared, labels, random, ALIGNED_PAIRS if samples else 5_000)
     first, second, similar = pairs
@@ -285,12 +280,27 @@ def fit_metric(
     calibration = calibrate(distances, similar, agreements)
     return replace(
         untrained,
-        directions=hashing.directions_.astype(np.float32),
-        thresholds=hashing.thresholds_.astype(np.float32),
+        directions=directions.astype(np.float32),
+        thresholds=thresholds.astype(np.float32),
         similarity_half=calibration.half,
         similarity_slope=calibration.slope,
         agreement_gain=calibration.gain,
     )
+
+
+def _learn_code(
+    settings: ModelSettings, vectors: FloatArray, labels: NDArray[np.int64], seed: int
+) -> tuple[FloatArray, FloatArray]:
+    """Learn directions and thresholds of the code."""
+    if settings.code_directions == "rotated":
+        directions = rotated_components(vectors, settings.code_bits, seed)
+        return directions, -np.median(vectors @ directions.T, axis=0)
+    hashing = SimilaritySensitiveHashing(
+        settings.code_bits, projection=settings.code_directions, random_state=seed
+    )
+    first, second, similar = choose_pairs(labels, np.random.default_rng(seed), count=PAIRS)
+    hashing.fit(vectors[first], vectors[second], similar)
+    return hashing.directions_, hashing.thresholds_
 
 
 def _agreements(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.store import Store, round_bags
-from shapegoogle_core.library.verification import VERIFIED, verify
+from shapegoogle_core.library.verification import SCREENED, verify
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]
@@ -96,7 +96,7 @@ class Search:
 
     def _compared(self, signature: ShapeSignature, top: int) -> int:
         """How many of the best by their bags are kept: those that geometry may bring forward too."""
-        return top if signature.sample is None else max(top, VERIFIED)
+        return top if signature.sample is None else max(top, SCREENED)
 
     def _verified(self, signature: ShapeSignature, matches: list[Match]) -> list[Match]:
         if signature.sample is None:

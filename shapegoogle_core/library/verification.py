@@ -17,17 +17,19 @@ from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.store import Store
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.registration import Placed, SurfaceSample, align
+from shapegoogle_core.registration import Placed, SurfaceSample, align, support
 
-__all__ = ["VERIFIED", "verify"]
+__all__ = ["SCREENED", "verify"]
 
-VERIFIED = 60
-"""How many of the best candidates are laid over the query at most."""
+SCREENED = 300
+"""How many of the best candidates geometry looks at."""
 
-# So many of them at once. If one of them is likely enough, the others are not looked at: what is behind it
-# would have to fit far better in space although its words are far less alike.
-_AT_ONCE = 15
+# So many are laid over the query at first. If one of them is likely enough, the others are not looked at:
+# what stands behind it would have to fit far better in space although its words are far less alike.
+_FIRST = 15
 _LIKELY = 0.9
+# Otherwise so many more: the next by their bags, and those of the rest with the most support in space.
+_NEXT, _SUPPORTED = 15, 25
 
 
 def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequence[Match]) -> list[Match]:
@@ -48,28 +50,50 @@ def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequ
         All of them, best first.
     """
     query = Placed(sample)
-    verified: list[Match] = []
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        for start in range(0, min(len(matches), VERIFIED), _AT_ONCE):
-            portion = matches[start : min(start + _AT_ONCE, VERIFIED)]
-            samples = store.samples([match.shape_id for match in portion])
-            for match in portion:
-                verified.append(_verified(store, model, query, samples.get(match.shape_id), match))
-            if max(match.similarity for match in verified) >= _LIKELY:
-                break
-    return sorted([*verified, *matches[len(verified) :]], key=lambda match: match.rank_key)
+        first = _candidates(store, matches[:_FIRST])
+        verified = [_verified(model, query, *pair) for pair in first]
+        rest = list(matches[_FIRST:])
+        if rest and max(match.similarity for match in verified) < _LIKELY:
+            screened = _candidates(store, rest[:SCREENED])
+            order = _by_support(query, screened)
+            verified += [_verified(model, query, *screened[position]) for position in order]
+            chosen = set(order)
+            rest = [match for position, match in enumerate(rest) if position not in chosen]
+    return sorted([*verified, *rest], key=lambda match: match.rank_key)
 
 
-def _verified(store: Store, model: ShapeModel, query: Placed, data: bytes | None, match: Match) -> Match:
-    if data is None:
+def _by_support(query: Placed, candidates: Sequence[tuple[Match, Placed | None]]) -> list[int]:
+    """Positions of the candidates that are worth a closer look."""
+    last = range(_NEXT, len(candidates))
+    supports = {position: _support(query, candidates[position][1]) for position in last}
+    most = sorted(supports, key=lambda position: -supports[position])[:_SUPPORTED]
+    return [*range(min(_NEXT, len(candidates))), *most]
+
+
+def _support(query: Placed, candidate: Placed | None) -> float:
+    return 0.0 if candidate is None else support(query, candidate)
+
+
+def _candidates(store: Store, matches: Sequence[Match]) -> list[tuple[Match, Placed | None]]:
+    """Pair matches with their surfaces."""
+    samples = store.samples([match.shape_id for match in matches])
+    candidates: list[tuple[Match, Placed | None]] = []
+    for match in matches:
+        data = samples.get(match.shape_id)
+        try:
+            candidates.append((match, None if data is None else Placed(SurfaceSample.from_bytes(data))))
+        except ValueError as error:
+            raise LibraryError(
+                f"'{store.path}' is damaged: the surface of shape {match.shape_id} ({match.name!r}) cannot "
+                f"be read ({error}); index {match.source or 'it'!r} again"
+            ) from error
+    return candidates
+
+
+def _verified(model: ShapeModel, query: Placed, match: Match, candidate: Placed | None) -> Match:
+    if candidate is None:
         return match
-    try:
-        candidate = Placed(SurfaceSample.from_bytes(data))
-    except ValueError as error:
-        raise LibraryError(
-            f"'{store.path}' is damaged: the surface of shape {match.shape_id} ({match.name!r}) cannot be "
-            f"read ({error}); index {match.source or 'it'!r} again"
-        ) from error
     distance = model.verified_distance(match.distance, align(query, candidate).agreement)
     return replace(match, distance=distance, similarity=float(model.similarity(np.array(distance))))

@@ -18,20 +18,26 @@ from scipy.spatial import cKDTree
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["COMMON_AGREEMENT", "TOLERANCES", "Alignment", "Placed", "align"]
+__all__ = ["COMMON_AGREEMENT", "TOLERANCES", "Alignment", "Placed", "align", "support"]
 
 TOLERANCES = (0.01, 0.02, 0.05)
 """At which the coverage is measured, in units of the candidate's √area."""
 
-COMMON_AGREEMENT = 0.2
-"""Agreement that any two surfaces reach somehow; see `Alignment.agreement`."""
+AXIS_TOLERANCES = (0.02, 0.035, 0.05)
+"""The same for the axes, whose points are less exact."""
+
+COMMON_AGREEMENT = 0.25
+"""Agreement that any two shapes reach somehow; see `Alignment.agreement`."""
 
 # All lengths below are in units of √area.
 # So many of the query's points each with as many of the candidate's that look most like it.
 _QUERY_KEYPOINTS, _LIKEST = 128, 2
-# Scales of the query that are tried: a part is larger than in its whole, when both are scaled to unit area.
-_SCALES = (1.0, 0.88)
-_LEAST_SCALE, _LARGEST_SCALE = 0.55, 1.35
+# For a first look fewer points and scales do.
+_FEW_KEYPOINTS, _FEW_SCALES = 64, 2
+# Scales of the query that are tried. When both are scaled to unit area, a part is larger than in its whole,
+# and what is not swollen of a swollen shape is smaller.
+_SCALES = (1.0, 0.88, 1.2)
+_LEAST_SCALE, _LARGEST_SCALE = 0.68, 1.5
 # How well two correspondences must agree on a distance.
 _AGREEMENT = 0.04
 _GROUPS, _GROUP_SIZE = 12, 16
@@ -40,7 +46,7 @@ _COMPARED_POINTS, _COMPARED_TOLERANCE = 96, 0.05
 _REFINED = 2
 _FEWEST = 8  # points that have a counterpart
 # Steps of iterated closest points: how many of the query's points, and the tolerance.
-_STEPS = ((100, 0.12), (100, 0.09), (150, 0.07), (150, 0.05), (300, 0.04), (300, 0.03), (300, 0.02))
+_STEPS = ((80, 0.12), (80, 0.09), (120, 0.07), (120, 0.05), (240, 0.04), (240, 0.03), (240, 0.02))
 # A point farther than this from any point of the other sample has no counterpart.
 _FARTHEST = 0.07
 
@@ -58,6 +64,9 @@ class Alignment:
         At each of `TOLERANCES` τ the share of one surface that lies on the other, from 0 to 1: the mean over
         its points of exp(-(r/τ)²) |n · n′|, with r the distance to the tangent plane at the nearest point of
         the other and n, n′ the normals there.
+    query_axis_covered, candidate_axis_covered : (3,) arrays
+        The same of the medial axes, with r the distance to the nearest point of the other and without
+        normals: a swollen limb leaves its own surface, but not its axis.
     """
 
     scale: float
@@ -65,15 +74,18 @@ class Alignment:
     translation: FloatArray
     query_covered: FloatArray
     candidate_covered: FloatArray
+    query_axis_covered: FloatArray
+    candidate_axis_covered: FloatArray
 
     @property
     def agreement(self) -> float:
-        """How well the smaller of the two surfaces lies on the other, from 0 to 1.
+        """How well two shapes lie on one another, from 0 to 1.
 
-        The larger of both shares, averaged over the tolerances: a part lies on its whole completely, the
-        whole not on its part.
+        The geometric mean of both shares, averaged over the tolerances, and over surface and axis.
         """
-        return float(np.maximum(self.query_covered, self.candidate_covered).mean())
+        surface = np.sqrt(self.query_covered * self.candidate_covered)
+        axis = np.sqrt(self.query_axis_covered * self.candidate_axis_covered)
+        return float((surface.mean() + axis.mean()) / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +109,7 @@ class Placed:
     def __init__(self, sample: SurfaceSample) -> None:
         self.points = sample.points
         self.normals = sample.normals
+        self.centers = sample.centers
         self.descriptors = sample.descriptors
         self.key_points = sample.points[: len(sample.descriptors)].astype(np.float32)
 
@@ -104,6 +117,11 @@ class Placed:
     def tree(self) -> cKDTree:
         """Finds nearest points."""
         return cKDTree(self.points)
+
+    @cached_property
+    def center_tree(self) -> cKDTree:
+        """Finds nearest points of the medial axis."""
+        return cKDTree(self.centers)
 
     @cached_property
     def key_distances(self) -> NDArray[np.float32]:
@@ -130,7 +148,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     scales, rotations, translations = (np.concatenate(parts) for parts in zip(*motions, strict=True))
     possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
     if not possible.any():
-        return Alignment(1.0, np.eye(3), np.zeros(3), np.zeros(3), np.zeros(3))
+        return Alignment(1.0, np.eye(3), np.zeros(3), *np.zeros((4, 3)))
     scales, rotations, translations = scales[possible], rotations[possible], translations[possible]
     scores = _scores(query, candidate, scales, rotations, translations)
     refined = [
@@ -140,9 +158,43 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     return _measure(query, candidate, max(refined, key=lambda pair: pair[0])[1])
 
 
+def support(query: Placed, candidate: Placed) -> float:
+    """Count how many correspondences agree with each other, ten times faster than `align`.
+
+    Parameters
+    ----------
+    query, candidate : Placed
+
+    Returns
+    -------
+    support : float
+        Of the correspondence that the others support most: how many agree both with it and with one of its
+        `_GROUP_SIZE` strongest supporters, on average.
+    """
+    best = 0.0
+    for scale in _SCALES[:_FEW_SCALES]:
+        _, _, second_order = _correspondences(query, candidate, scale, _FEW_KEYPOINTS)
+        leader = second_order[second_order.sum(axis=1).argmax()]
+        best = max(best, float(np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:].mean()))
+    return best
+
+
 def _motions(query: Placed, candidate: Placed, scale: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Motions on which groups of correspondences agree, if the query is scaled by about `scale`."""
-    looks = query.descriptors[:_QUERY_KEYPOINTS]
+    here, there, second_order = _correspondences(query, candidate, scale, _QUERY_KEYPOINTS)
+    groups = _groups(second_order)
+    weights = np.maximum(np.take_along_axis(second_order[groups[:, -1]], groups, axis=1), 1e-3)
+    weights[:, -1] = weights.max(axis=1)
+    return similarity_transformations(
+        query.points[here[groups]], candidate.points[there[groups]], weights.astype(np.float64)
+    )
+
+
+def _correspondences(
+    query: Placed, candidate: Placed, scale: float, keypoints: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+    """Pairs of points that look alike, and for each two pairs that agree how many agree with both."""
+    looks = query.descriptors[:keypoints]
     unlikeness = (candidate.descriptors**2).sum(axis=1)[None] - 2 * looks @ candidate.descriptors.T
     likest = np.argpartition(unlikeness, _LIKEST, axis=1)[:, :_LIKEST]
     here = np.repeat(np.arange(len(looks)), _LIKEST)
@@ -153,13 +205,7 @@ def _motions(query: Placed, candidate: Placed, scale: float) -> tuple[FloatArray
     # Neither two counterparts of one point, nor one counterpart of two.
     agree &= (here[:, None] != here) & (there[:, None] != there)
     first_order = agree.astype(np.float32)
-    second_order = first_order * (first_order @ first_order)
-    groups = _groups(second_order)
-    weights = np.maximum(np.take_along_axis(second_order[groups[:, -1]], groups, axis=1), 1e-3)
-    weights[:, -1] = weights.max(axis=1)
-    return similarity_transformations(
-        query.points[here[groups]], candidate.points[there[groups]], weights.astype(np.float64)
-    )
+    return here, there, first_order * (first_order @ first_order)
 
 
 def _groups(second_order: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -218,31 +264,38 @@ def similarity_transformations(
 def _scores(
     query: Placed, candidate: Placed, scales: FloatArray, rotations: FloatArray, translations: FloatArray
 ) -> FloatArray:
-    points = query.points[:_COMPARED_POINTS]
-    moved = scales[:, None, None] * (points @ rotations.transpose(0, 2, 1)) + translations[:, None]
-    reach = 2 * _COMPARED_TOLERANCE
-    distances, _ = candidate.tree.query(moved.reshape(-1, 3), distance_upper_bound=reach)
-    distances = np.minimum(distances, reach).reshape(len(scales), -1)
-    scores: FloatArray = np.exp(-((distances / _COMPARED_TOLERANCE) ** 2)).mean(axis=1)
+    scores = np.zeros(len(scales))
+    for points, tree in ((query.points, candidate.tree), (query.centers, candidate.center_tree)):
+        turned = points[:_COMPARED_POINTS] @ rotations.transpose(0, 2, 1)
+        moved = scales[:, None, None] * turned + translations[:, None]
+        reach = 2 * _COMPARED_TOLERANCE
+        distances, _ = tree.query(moved.reshape(-1, 3), distance_upper_bound=reach)
+        distances = np.minimum(distances, reach).reshape(len(scales), -1)
+        scores += np.exp(-((distances / _COMPARED_TOLERANCE) ** 2)).mean(axis=1)
     return scores
 
 
 def _refine(query: Placed, candidate: Placed, motion: _Motion) -> tuple[float, _Motion]:
-    """Iterate closest points (Besl and McKay 1992), weighted by distance and by agreement of the normals.
+    """Iterate closest points (Besl and McKay 1992) of the surfaces and of the medial axes together.
 
-    Returns the mean weight at the last tolerance, and the motion.
+    Pairs are weighted by distance, those of the surfaces by the agreement of their normals too. Returns the
+    mean weight at the last tolerance, and the motion.
     """
     support = 0.0
     for count, tolerance in _STEPS:
-        points, normals = query.points[:count], query.normals[:count]
+        points, normals, centers = query.points[:count], query.normals[:count], query.centers[:count]
         distances, nearest = candidate.tree.query(motion.of(points))
+        across, nearest_center = candidate.center_tree.query(motion.of(centers))
         agreement = ((normals @ motion.rotation.T) * candidate.normals[nearest]).sum(axis=1) ** 2
-        weights = np.exp(-((distances / tolerance) ** 2)) * agreement
+        weights = np.exp(-((np.concatenate([distances, across]) / tolerance) ** 2))
+        weights[:count] *= agreement
         support = float(weights.mean())
         if np.count_nonzero(weights > 0.1) < _FEWEST:
             return 0.0, motion
         scales, rotations, translations = similarity_transformations(
-            points[None], candidate.points[nearest][None], weights[None]
+            np.concatenate([points, centers])[None],
+            np.concatenate([candidate.points[nearest], candidate.centers[nearest_center]])[None],
+            weights[None],
         )
         if not _LEAST_SCALE < scales[0] < _LARGEST_SCALE:
             return 0.0, motion
@@ -257,7 +310,15 @@ def _measure(query: Placed, candidate: Placed, motion: _Motion) -> Alignment:
     # The query's tree is in its own place: ask there.
     _, nearest = query.tree.query(motion.back(candidate.points))
     other = _coverage(candidate.points, candidate.normals, points[nearest], normals[nearest])
-    return Alignment(motion.scale, motion.rotation, motion.translation, forth, other)
+    distances, _ = candidate.center_tree.query(motion.of(query.centers))
+    forth_axis = _near(np.asarray(distances))
+    distances, _ = query.center_tree.query(motion.back(candidate.centers))
+    other_axis = _near(motion.scale * np.asarray(distances))
+    return Alignment(motion.scale, motion.rotation, motion.translation, forth, other, forth_axis, other_axis)
+
+
+def _near(distances: FloatArray) -> FloatArray:
+    return np.array([np.exp(-((distances / tau) ** 2)).mean() for tau in AXIS_TOLERANCES])
 
 
 def _coverage(

@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import heat_kernel_signature
+from shapegoogle_core.medial import medial_radii
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.spin_images import spin_images
 
 __all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
 
-# From so many random points the sample is picked, and so many of them are counted by the spin images.
-_PICKED_FROM, _CLOUD = 4, 1500
+# The sample is picked from so many random points; the spin images count the first of them.
+_CLOUD, _COUNTED = 4000, 1500
 # Spin images: radius as a share of √area, and bins.
 _RADIUS, _BINS = 0.3, (6, 4)
 # Heat kernel signatures: times as a share of the area, an octave apart; short ones see little of a cut.
@@ -27,8 +28,11 @@ _TIMES = 2.0 ** np.arange(2, 11) / 40_000
 _HEAT_WEIGHT, _SPIN_WEIGHT = 0.5, 5.0
 # A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
 _LEAST_LOG = -10.0
+_LEAST_COSINE = np.cos(np.radians(45))
+# No medial ball is larger than this share of √area.
+_LARGEST_RADIUS = 0.5
 # Of stored numbers. Coordinates are shares of √area, within ±8 of the centre; descriptors are within ±6.
-_POINT_UNIT, _NORMAL_UNIT, _DESCRIPTOR_UNIT = 8 / 32767, 1 / 127, 6 / 127
+_POINT_UNIT, _NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 8 / 32767, 1 / 127, _LARGEST_RADIUS / 127, 6 / 127
 
 
 @dataclass(frozen=True)
@@ -61,21 +65,31 @@ class SurfaceSample:
         In units of √area; any first part of them is evenly spread.
     normals : (m, 3) array
         Of unit length; which side they are on means nothing.
+    radii : (m,) array
+        Of the ball that touches there and holds no other point, see `medial_radii`.
     descriptors : (k, d) array of float32
         Of the first k points: logarithms of the heat kernel signature, and the root of a spin image.
     """
 
     points: FloatArray
     normals: FloatArray
+    radii: FloatArray
     descriptors: NDArray[np.float32]
 
+    @property
+    def centers(self) -> FloatArray:
+        """(m, 3) points of the medial axis: the centres of those balls."""
+        centers: FloatArray = self.points - self.radii[:, None] * self.normals
+        return centers
+
     def to_bytes(self) -> bytes:
-        """Serialise in 9 bytes for each point and one for each number of a descriptor."""
+        """Serialise in 10 bytes for each point and one for each number of a descriptor."""
         counts = np.array([len(self.points), *self.descriptors.shape], "<u2")
         points = np.clip(np.rint(self.points / _POINT_UNIT), -32767, 32767).astype("<i2")
         normals = np.rint(self.normals / _NORMAL_UNIT).astype(np.int8)
+        radii = np.clip(np.rint(self.radii / _RADIUS_UNIT), -127, 127).astype(np.int8)
         descriptors = np.clip(np.rint(self.descriptors / _DESCRIPTOR_UNIT), -127, 127).astype(np.int8)
-        return b"".join(array.tobytes() for array in (counts, points, normals, descriptors))
+        return b"".join(array.tobytes() for array in (counts, points, normals, radii, descriptors))
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -98,16 +112,15 @@ class SurfaceSample:
         if len(data) < 6:
             raise ValueError("a surface sample has at least 6 bytes")
         points, keypoints, size = (int(count) for count in np.frombuffer(data, "<u2", 3))
-        ends = np.cumsum([6, 6 * points, 3 * points, keypoints * size])
+        ends = np.cumsum([6, 6 * points, 3 * points, points, keypoints * size])
         if len(data) != ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
         positions: FloatArray = np.frombuffer(data[6 : ends[1]], "<i2").reshape(points, 3) * _POINT_UNIT
-        normals: FloatArray = (
-            np.frombuffer(data[ends[1] : ends[2]], np.int8).astype(np.float64)
-        )
-        descriptors = np.frombuffer(data[ends[2] :], np.int8).reshape(keypoints, size)
+        normals: FloatArray = np.frombuffer(data[ends[1] : ends[2]], np.int8).astype(np.float64)
+        radii = np.frombuffer(data[ends[2] : ends[3]], np.int8).astype(np.float64) * _RADIUS_UNIT
+        descriptors = np.frombuffer(data[ends[3] :], np.int8).reshape(keypoints, size)
         normals = normals.reshape(points, 3) * _NORMAL_UNIT
-        return cls(positions, normals, descriptors.astype(np.float32) * np.float32(_DESCRIPTOR_UNIT))
+        return cls(positions, normals, radii, descriptors.astype(np.float32) * np.float32(_DESCRIPTOR_UNIT))
 
 
 def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> SurfaceSample:
@@ -128,17 +141,18 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     """
     random = np.random.default_rng(0)
     unit = math.sqrt(mesh.area)
-    points, normals, face, corners = _random_points(mesh, max(_PICKED_FROM * settings.points, _CLOUD), random)
+    points, normals, face, corners = _random_points(mesh, max(settings.points, _CLOUD), random)
     points = (points - points.mean(axis=0)) / unit
-    cloud = points[random.permutation(len(points))[:_CLOUD]]
+    counted = points[random.permutation(len(points))[:_COUNTED]]
     chosen = farthest_points(points, settings.points)
+    radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
     heat = heat_kernel_signature(spectrum, _TIMES * unit**2, multiply_by_time=True)
     heat = np.log(np.maximum(heat, math.exp(_LEAST_LOG)))
     heat = (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
-    spin = np.sqrt(spin_images(points[keys], normals[keys], cloud, _RADIUS, _BINS))
+    spin = np.sqrt(spin_images(points[keys], normals[keys], counted, _RADIUS, _BINS))
     descriptors = np.concatenate([_HEAT_WEIGHT * heat, _SPIN_WEIGHT * spin], axis=1).astype(np.float32)
-    return SurfaceSample(points[chosen], normals[chosen], descriptors)
+    return SurfaceSample(points[chosen], normals[chosen], radii, descriptors)
 
 
 def _random_points(
@@ -154,8 +168,23 @@ def _random_points(
     face = np.minimum(np.searchsorted(total, place, side="right"), len(doubled) - 1)
     root, other = np.sqrt(random.random(count)), random.random(count)
     corners = np.stack([1 - root, root * (1 - other), root * other], axis=1)
-    points = corners[:, :1] * a[face] + corners[:, 1:2] * b[face] + corners[:, 2:] * c[face]
-    return points, normals[face] / doubled[face, None], face, corners
+    points = (corners[:, :, None] * mesh.vertices[mesh.faces[face]]).sum(axis=1)
+    flat = normals[face] / doubled[face, None]
+    smooth = (corners[:, :, None] * _vertex_normals(mesh, normals)[mesh.faces[face]]).sum(axis=1)
+    smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), np.finfo(float).tiny)
+    # At a crease, and where faces are turned against each other, the face's own normal is the better one.
+    fits = (smooth * flat).sum(axis=1, keepdims=True) > _LEAST_COSINE
+    return points, np.where(fits, smooth, flat), face, corners
+
+
+def _vertex_normals(mesh: Mesh, face_normals: FloatArray) -> FloatArray:
+    corners = mesh.faces.ravel()
+    weighted = np.repeat(face_normals, 3, axis=0)
+    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
+    normals: FloatArray = summed / np.maximum(
+        np.linalg.norm(summed, axis=1, keepdims=True), np.finfo(float).tiny
+    )
+    return normals
 
 
 def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:

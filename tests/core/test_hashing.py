@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from shapegoogle_core.hashing import SimilaritySensitiveHashing, best_threshold
+from shapegoogle_core.hashing import SimilaritySensitiveHashing, best_threshold, rotated_components
 
 
 def clusters(shapes: int, versions: int, dimension: int, seed: int, spread: float = 1.0):
@@ -131,3 +131,13 @@ def test_bad_input():
     )
     with pytest.raises(ValueError, match="5 features"):
         fitted.transform(np.ones((2, 5)))
+
+
+def test_rotated_components_are_orthonormal_and_within_the_leading_ones():
+    random = np.random.default_rng(0)
+    axes, _ = np.linalg.qr(random.standard_normal((20, 20)))
+    vectors = random.standard_normal((500, 20)) * np.where(np.arange(20) < 8, 5.0, 0.1) @ axes.T
+    directions = rotated_components(vectors, bits=8)
+    np.testing.assert_allclose(directions @ directions.T, np.eye(8), atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(directions @ axes[:, :8], axis=1), 1, atol=1e-3)
+    assert rotated_components(vectors, bits=50).shape == (50, 20)

@@ -15,7 +15,14 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.evaluation.transformations import transform
 from shapegoogle_core.mending import Mending, mend
-from shapegoogle_core.registration import Placed, SampleSettings, SurfaceSample, align, sample_surface
+from shapegoogle_core.registration import (
+    Placed,
+    SampleSettings,
+    SurfaceSample,
+    align,
+    sample_surface,
+    support,
+)
 from shapegoogle_core.registration.alignment import similarity_transformations
 
 
@@ -88,6 +95,22 @@ def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy):
     assert alignment.candidate_covered[1] == pytest.approx(share * alignment.query_covered[1], abs=0.12)
 
 
+def test_a_swollen_limb_keeps_its_axis(shapes):
+    """A rod, one half blown up: its surface leaves the other one's, its axis does not."""
+    rod = shapes.sphere(4)
+    along = rod.vertices[:, 2:]
+    thin = Mesh(rod.vertices * [1, 1, 6] * [0.5, 0.5, 1], rod.faces)
+    thick = Mesh(thin.vertices * np.where([True, True, False], 1 + np.clip(along, 0, 1), 1), rod.faces)
+    alignment = align(sampled(thick), sampled(thin))
+    assert alignment.query_axis_covered.mean() > alignment.query_covered.mean() + 0.1
+
+
+def test_support_tells_a_damaged_surface_from_others(bumpy, shapes):
+    damaged = sampled(transform(bumpy, "partial", 3, seed=1))
+    others = [support(damaged, sampled(shapes.bumpy(4, seed=seed))) for seed in range(20, 24)]
+    assert support(damaged, sampled(bumpy)) > 1.5 * max(others)
+
+
 def test_other_surfaces_agree_less(bumpy, shapes):
     others = [sampled(shapes.bumpy(4, seed=seed)) for seed in range(20, 24)]
     itself = align(sampled(transform(bumpy, "noise", 3, seed=0)), sampled(bumpy)).agreement
@@ -96,6 +119,8 @@ def test_other_surfaces_agree_less(bumpy, shapes):
 
 def test_a_handful_of_points_in_one_place():
     """Nothing to lay over: no agreement, and no error."""
-    nothing = SurfaceSample(np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros((8, 4), np.float32))
+    nothing = SurfaceSample(
+        np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros(8), np.zeros((8, 4), np.float32)
+    )
     alignment = align(Placed(nothing), Placed(nothing))
     assert 0 <= alignment.agreement <= 1

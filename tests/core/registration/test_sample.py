@@ -28,6 +28,9 @@ def test_a_sphere_is_sampled_at_its_radius(shapes):
     np.testing.assert_allclose(np.linalg.norm(sample.points, axis=1), radius, rtol=0.05)
     outward = sample.points / np.linalg.norm(sample.points, axis=1, keepdims=True)
     assert np.median(np.abs((outward * sample.normals).sum(axis=1))) > 0.995
+    # All balls are the sphere itself.
+    np.testing.assert_allclose(np.abs(sample.radii), radius, rtol=0.15)
+    np.testing.assert_allclose(sample.centers, 0, atol=0.05)
     # Evenly: no two closer than half of what a hexagonal pattern of so many points has.
     distances = np.linalg.norm(sample.points[:, None] - sample.points[None], axis=2)
     np.fill_diagonal(distances, np.inf)
@@ -45,10 +48,12 @@ def test_samples_forget_place_and_size(shapes, sample):
 
 def test_bytes_and_back(sample):
     content = sample.to_bytes()
-    assert len(content) == 6 + 9 * 200 + sample.descriptors.size
+    assert len(content) == 6 + 10 * 200 + sample.descriptors.size
     back = SurfaceSample.from_bytes(content)
     np.testing.assert_allclose(back.points, sample.points, atol=2e-4)
     np.testing.assert_allclose(back.normals, sample.normals, atol=5e-3)
+    np.testing.assert_allclose(back.radii, sample.radii, atol=2e-3)
+    np.testing.assert_allclose(back.centers, sample.centers, atol=6e-3)
     np.testing.assert_allclose(back.descriptors, sample.descriptors, atol=0.025)
     assert back.to_bytes() == content
 

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""Geometric verification brings forward what fits in space, and never loses a match."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from shapegoogle_core import Library, Mesh
+from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+from shapegoogle_core.evaluation.transformations import transform
+from shapegoogle_core.library import verification
+from shapegoogle_core.mending import Mending
+from shapegoogle_core.registration import SampleSettings
+
+
+@pytest.fixture(scope="module")
+def verifying(make_model):
+    """An untrained model: its bags know little, so that geometry must decide."""
+    model = make_model()
+    settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
+    return replace(model, settings=settings, agreement_gain=8.0)
+
+
+@pytest.fixture(scope="module")
+def shapes_in_it() -> list[Mesh]:
+    creatures = [make_creature(kind, 7, vertex_count=1000).rest for kind in CREATURE_KINDS[:24]]
+    return [Mesh(mesh.vertices, mesh.faces, f"shape {index}") for index, mesh in enumerate(creatures)]
+
+
+@pytest.fixture
+def library(path, verifying, shapes_in_it):
+    with Library.open(path, verifying) as library:
+        for mesh in shapes_in_it:
+            library.add(mesh)
+        yield library
+
+
+def test_a_damaged_shape_comes_first(library, shapes_in_it):
+    ranks, plain = [], []
+    for index in range(0, 24, 4):
+        query = transform(shapes_in_it[index], "partial", 3, seed=index)
+        signature = library.model.describe(query)
+        names = [match.name for match in library.query_signature(signature, top=24)]
+        ranks.append(names.index(f"shape {index}"))
+        alone = [m.name for m in library.query_signature(replace(signature, sample=None), top=24)]
+        plain.append(alone.index(f"shape {index}"))
+        assert sorted(names) == sorted(alone)
+    assert np.mean(np.array(ranks) == 0) >= 0.8
+    assert np.mean(1 / (1 + np.array(plain))) < np.mean(1 / (1 + np.array(ranks)))
+
+
+def test_matches_are_in_order_and_no_farther_than_before(library, shapes_in_it):
+    signature = library.model.describe(transform(shapes_in_it[3], "holes", 3, seed=0))
+    for exact in (False, True):
+        matches = library.query_signature(signature, top=24, exact=exact)
+        assert [match.distance for match in matches] == sorted(match.distance for match in matches)
+        assert [match.similarity for match in matches] == sorted(
+            (match.similarity for match in matches), reverse=True
+        )
+        before = {
+            m.shape_id: m.distance for m in library.query_signature(replace(signature, sample=None), top=24)
+        }
+        assert all(match.distance <= before[match.shape_id] for match in matches)
+        assert len(matches) == 24
+
+
+def test_what_stands_far_behind_is_found_by_its_support(library, shapes_in_it, monkeypatch):
+    """With two looked at first and none next, the right one must come in by the support it has."""
+    monkeypatch.setattr(verification, "_LIKELY", 2.0)  # the untrained model is sure of everything
+    monkeypatch.setattr(verification, "_FIRST", 2)
+    monkeypatch.setattr(verification, "_NEXT", 0)
+    monkeypatch.setattr(verification, "_SUPPORTED", 4)
+    firsts = 0
+    for index in range(0, 24, 4):
+        query = transform(shapes_in_it[index], "partial", 3, seed=index)
+        firsts += library.query(query, top=1)[0].name == f"shape {index}"
+    assert firsts >= 5
+
+
+def test_samples_come_back_and_go_with_their_shape(library, shapes_in_it):
+    shape_id = library.add(shapes_in_it[0], name="again")
+    sample = library.signature(shape_id).sample
+    assert sample is not None
+    assert len(sample.points) == 300
+    library.remove_shape(shape_id)
+    assert library._store.samples([shape_id]) == {}
+
+
+def test_a_damaged_sample_is_named(library, shapes_in_it):
+    library._store._connection.execute("UPDATE samples SET content = x'0102'")
+    with pytest.raises(LibraryError, match=r"surface of shape .* cannot be read"):
+        library.query(shapes_in_it[0])
+
+
+def test_a_library_without_samples_still_answers(path, make_model, shapes_in_it):
+    """Format 1: no such table, and a model that makes none."""
+    with Library.open(path, make_model()) as library:
+        library.add(shapes_in_it[0])
+        library._store._connection.execute("DROP TABLE samples")
+        library._store._connection.execute("UPDATE meta SET value = '1' WHERE key = 'schema'")
+    with Library.open(path) as library:
+        library.add(shapes_in_it[1])
+        assert library.query(shapes_in_it[1], top=1)[0].name == "shape 1"
+        assert library.signature(1).sample is None
+        assert library.info()["schema"] == 1
