@@ -59,7 +59,7 @@ def main() -> int:
     parser.add_argument("--blend-meshes", type=Path, help="folder made by export_blend_meshes.py")
     parser.add_argument("--individuals", type=int, default=8, help="of each kind of creature")
     parser.add_argument("--poses", type=int, default=3, help="of each shape that has poses")
-    parser.add_argument("--versions", type=int, default=6, help="transformed versions of each shape")
+    parser.add_argument("--versions", type=int, default=8, help="transformed versions of each shape")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--output", type=Path, default=REPOSITORY / "shapegoogle_core" / "models")
     arguments = parser.parse_args()

@@ -215,7 +215,7 @@ def rotated_components(vectors: FloatArray, bits: int, random_state: int = 0) ->
     directions : (s, d) array
         Rows of unit length.
     """
-    _, components = scipy.linalg.eigh(np.cov(vectors.T))
+    _, components = scipy.linalg.eigh(np.atleast_2d(np.cov(vectors.T)))
     leading = components[:, ::-1][:, :bits]
     random = np.random.default_rng(random_state)
     size = leading.shape[1]

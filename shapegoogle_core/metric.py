@@ -196,5 +196,7 @@ def calibrate(
     slope = -float(regression.coef_[0, 0])
     if not slope > 0:
         raise ModelError("the training shapes cannot be told apart: give more varied ones")
-    gain = 0.0 if agreements is None else max(0.0, float(regression.coef_[0, 1]) / slope)
+    gain = 0.0 if agreements is None else float(regression.coef_[0, 1]) / slope
+    if gain < 0:  # nothing to be learnt from these agreements
+        return calibrate(distances, similar)
     return Calibration(float(np.exp(regression.intercept_[0] / slope)), slope, gain)

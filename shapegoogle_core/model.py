@@ -161,11 +161,13 @@ class ShapeModel:
 
     @cached_property
     def identifier(self) -> str:
-        """16 hex digits: a hash of all that is learnt. Signatures are comparable iff these are equal."""
+        """16 hex digits: a hash of all that ranks matches. Signatures are comparable iff these are equal."""
         digest = hashlib.sha256(json.dumps(self.settings.to_dict(), sort_keys=True).encode())
         for name, array in sorted(self._arrays().items()):
             digest.update(name.encode())
             digest.update(np.ascontiguousarray(array).tobytes())
+        if self.agreement_gain:  # models from before it existed keep their identifier
+            digest.update(repr(self.agreement_gain).encode())
         return digest.hexdigest()[:16]
 
     def describe(self, mesh: Mesh) -> ShapeSignature:
@@ -310,7 +312,8 @@ class ShapeModel:
 
         s(d) = 1 / (1 + (d / d_½)^p), fitted on training shapes by logistic regression: the probability that
         a shape at distance d is the same one transformed rather than the nearest of fifty different ones, if
-        either is as likely beforehand.
+        either is as likely beforehand. With `agreement_gain` the distance is the verified one; a distance of
+        bags alone then means what it does where nothing agrees in space, which is less.
 
         Parameters
         ----------

@@ -153,8 +153,8 @@ class ModelSettings:
     code_bits : int
         Length of the binary code, a multiple of 8.
     code_directions : {"eigenvectors", "random", "rotated"}
-        Where the codes' candidate directions come from, see `SimilaritySensitiveHashing`; or "rotated": they
-        are not learnt from pairs, see `rotated_components`.
+        Where the candidates for the codes' directions come from, see `SimilaritySensitiveHashing`; or
+        "rotated": no candidates, the directions of `rotated_components`, which are not learnt from pairs.
     sample : SampleSettings or None
         How many points of a surface are kept, to lay the best candidates of a search over the query. None:
         candidates are compared by their bags alone.

@@ -251,6 +251,8 @@ def fit_metric(
     -------
     model : ShapeModel
     """
+    if samples and len(samples) != len(bags):
+        raise ValueError(f"there are {len(samples)} samples for {len(bags)} bags")
     random = np.random.default_rng(seed)
     weights = np.ones(bags.shape[1], np.float32)
     if settings.inverse_document_frequency:
@@ -307,7 +309,10 @@ def _agreements(
     samples: Sequence[SurfaceSample], first: NDArray[np.int64], second: NDArray[np.int64]
 ) -> FloatArray:
     """Align pairs of surfaces: what they have in common in space, beyond what any two have."""
-    agreements = [
-        align(Placed(samples[i]), Placed(samples[j])).agreement for i, j in zip(first, second, strict=True)
-    ]
+    # On matrices of this size a second BLAS thread only doubles the processor time.
+    with threadpool_limits(1, user_api="blas"):
+        agreements = [
+            align(Placed(samples[i]), Placed(samples[j])).agreement
+            for i, j in zip(first, second, strict=True)
+        ]
     return np.maximum(np.array(agreements) - COMMON_AGREEMENT, 0)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.describing import FloatBags
+from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.records import ShapeRecord, SourceRecord
-from shapegoogle_core.library.search import DISTANCE_DECIMALS
 from shapegoogle_core.library.stars import Distances, Stars, Wrapper, choose_banding, group_stars
 from shapegoogle_core.library.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray

@@ -19,9 +19,9 @@ from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.search import Search
 from shapegoogle_core.library.stars import Wrapper
 from shapegoogle_core.library.store import Store, round_bags
+from shapegoogle_core.library.verification import unpack_sample
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
-from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["Library"]
 
@@ -376,7 +376,9 @@ class Library:
                 f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
                 f"{record.source or 'it'!r} again"
             )
-        sample = SurfaceSample.from_bytes(samples[shape_id]) if shape_id in samples else None
+        sample = None
+        if shape_id in samples:
+            sample = unpack_sample(self._store, self._model, shape_id, samples[shape_id])
         return ShapeSignature(bags[0], code, record.area, record.vertex_count, record.face_count, sample)
 
     def thumbnail(self, shape_id: int) -> bytes | None:
@@ -478,6 +480,12 @@ class Library:
                 f"({self._model.identifier}): {signature.bags.size} bag entries and "
                 f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
                 f"{self._model.code_bits}; describe it with library.model"
+            )
+        if (signature.sample is None) != (self._model.settings.sample is None):
+            having = "has no sample of its surface" if signature.sample is None else "has a sample"
+            raise LibraryError(
+                f"{name!r} was described with another model than that of '{self.path}' "
+                f"({self._model.identifier}): it {having}; describe it with library.model"
             )
         if not np.isfinite(round_bags(signature.bags)).all():
             raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")

@@ -6,7 +6,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["Match"]
+__all__ = ["DISTANCE_DECIMALS", "Match"]
+
+# Distances are dimensionless and of order one. Half floats and the order in which a matrix product adds up
+# move them in later digits; unrounded, copies of one shape would come in an order that nobody can foresee.
+DISTANCE_DECIMALS = 6
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
-from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.store import Store, round_bags
 from shapegoogle_core.library.verification import SCREENED, verify
 from shapegoogle_core.model import ShapeModel, ShapeSignature
@@ -23,9 +23,6 @@ CANDIDATES = 300
 CANDIDATES_PER_MATCH = 4
 # Bags in memory at once, in entries: 32 MB as float32.
 BAG_ENTRIES_AT_ONCE = 8_000_000
-# Distances are dimensionless and of order one. Half floats and the order in which a matrix product adds up
-# move them in later digits; unrounded, copies of one shape would come in an order that nobody can foresee.
-DISTANCE_DECIMALS = 6
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,29 +7,29 @@ changes them as much as another shape would; in space the rest still fits to a h
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.failures import damaged
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Placed, SurfaceSample, align, support
 
-__all__ = ["SCREENED", "verify"]
+__all__ = ["SCREENED", "unpack_sample", "verify"]
 
 SCREENED = 300
 """How many of the best candidates geometry looks at."""
 
 # So many are laid over the query at first. If one of them is likely enough, the others are not looked at:
 # what stands behind it would have to fit far better in space although its words are far less alike.
-_FIRST = 15
+_FIRST = 12
 _LIKELY = 0.9
 # Otherwise so many more: the next by their bags, and those of the rest with the most support in space.
-_NEXT, _SUPPORTED = 15, 25
+_NEXT, _SUPPORTED = 10, 20
 
 
 def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequence[Match]) -> list[Match]:
@@ -52,48 +52,55 @@ def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequ
     query = Placed(sample)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        first = _candidates(store, matches[:_FIRST])
-        verified = [_verified(model, query, *pair) for pair in first]
+        verified = [_verified(model, query, *pair) for pair in _placed(store, model, matches[:_FIRST])]
         rest = list(matches[_FIRST:])
         if rest and max(match.similarity for match in verified) < _LIKELY:
-            screened = _candidates(store, rest[:SCREENED])
-            order = _by_support(query, screened)
-            verified += [_verified(model, query, *screened[position]) for position in order]
-            chosen = set(order)
-            rest = [match for position, match in enumerate(rest) if position not in chosen]
+            chosen = _worth_a_look(store, model, query, rest[: SCREENED - _FIRST])
+            verified += [_verified(model, query, *pair) for pair in _placed(store, model, chosen)]
+            taken = {match.shape_id for match in chosen}
+            rest = [match for match in rest if match.shape_id not in taken]
     return sorted([*verified, *rest], key=lambda match: match.rank_key)
 
 
-def _by_support(query: Placed, candidates: Sequence[tuple[Match, Placed | None]]) -> list[int]:
-    """Positions of the candidates that are worth a closer look."""
-    last = range(_NEXT, len(candidates))
-    supports = {position: _support(query, candidates[position][1]) for position in last}
-    most = sorted(supports, key=lambda position: -supports[position])[:_SUPPORTED]
-    return [*range(min(_NEXT, len(candidates))), *most]
+def _worth_a_look(store: Store, model: ShapeModel, query: Placed, candidates: Sequence[Match]) -> list[Match]:
+    """Choose the next by their bags, and of the rest those with the most support in space."""
+    supports = [
+        (0.0 if placed is None else support(query, placed), match)
+        for match, placed in _placed(store, model, candidates[_NEXT:])
+    ]
+    supports.sort(key=lambda pair: (-pair[0], pair[1].rank_key))
+    return [*candidates[:_NEXT], *(match for _, match in supports[:_SUPPORTED])]
 
 
-def _support(query: Placed, candidate: Placed | None) -> float:
-    return 0.0 if candidate is None else support(query, candidate)
-
-
-def _candidates(store: Store, matches: Sequence[Match]) -> list[tuple[Match, Placed | None]]:
-    """Pair matches with their surfaces."""
+def _placed(
+    store: Store, model: ShapeModel, matches: Sequence[Match]
+) -> Iterator[tuple[Match, Placed | None]]:
+    """Pair matches with their surfaces, one at a time: made ready, a surface takes ten times the room."""
     samples = store.samples([match.shape_id for match in matches])
-    candidates: list[tuple[Match, Placed | None]] = []
     for match in matches:
         data = samples.get(match.shape_id)
-        try:
-            candidates.append((match, None if data is None else Placed(SurfaceSample.from_bytes(data))))
-        except ValueError as error:
-            raise LibraryError(
-                f"'{store.path}' is damaged: the surface of shape {match.shape_id} ({match.name!r}) cannot "
-                f"be read ({error}); index {match.source or 'it'!r} again"
-            ) from error
-    return candidates
+        sample = None if data is None else unpack_sample(store, model, match.shape_id, data)
+        yield match, None if sample is None else Placed(sample)
+
+
+def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -> SurfaceSample:
+    """Rebuild a stored sample; `LibraryError` when it is damaged."""
+    try:
+        sample = SurfaceSample.from_bytes(data)
+    except ValueError as error:
+        raise damaged(store.path, f"the surface of shape {shape_id} cannot be read: {error}") from error
+    settings = model.settings.sample
+    if settings is None or (len(sample.points), len(sample.descriptors)) != (
+        settings.points,
+        settings.keypoints,
+    ):
+        raise damaged(store.path, f"the surface of shape {shape_id} has another size than its model's")
+    return sample
 
 
 def _verified(model: ShapeModel, query: Placed, match: Match, candidate: Placed | None) -> Match:
     if candidate is None:
         return match
     distance = model.verified_distance(match.distance, align(query, candidate).agreement)
+    distance = round(distance, DISTANCE_DECIMALS)
     return replace(match, distance=distance, similarity=float(model.similarity(np.array(distance))))

@@ -31,7 +31,7 @@ COMMON_AGREEMENT = 0.25
 
 # All lengths below are in units of √area.
 # So many of the query's points each with as many of the candidate's that look most like it.
-_QUERY_KEYPOINTS, _LIKEST = 128, 2
+_QUERY_KEYPOINTS, _LIKEST = 96, 2
 # For a first look fewer points and scales do.
 _FEW_KEYPOINTS, _FEW_SCALES = 64, 2
 # Scales of the query that are tried. When both are scaled to unit area, a part is larger than in its whole,
@@ -159,7 +159,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
 
 
 def support(query: Placed, candidate: Placed) -> float:
-    """Count how many correspondences agree with each other, ten times faster than `align`.
+    """Count how many correspondences agree with each other, many times faster than `align`.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def _refine(query: Placed, candidate: Placed, motion: _Motion) -> tuple[float, _
     """Iterate closest points (Besl and McKay 1992) of the surfaces and of the medial axes together.
 
     Pairs are weighted by distance, those of the surfaces by the agreement of their normals too. Returns the
-    mean weight at the last tolerance, and the motion.
+    mean weight before the last step, and the motion.
     """
     support = 0.0
     for count, tolerance in _STEPS:
@@ -288,7 +288,7 @@ def _refine(query: Placed, candidate: Placed, motion: _Motion) -> tuple[float, _
         across, nearest_center = candidate.center_tree.query(motion.of(centers))
         agreement = ((normals @ motion.rotation.T) * candidate.normals[nearest]).sum(axis=1) ** 2
         weights = np.exp(-((np.concatenate([distances, across]) / tolerance) ** 2))
-        weights[:count] *= agreement
+        weights[: len(points)] *= agreement
         support = float(weights.mean())
         if np.count_nonzero(weights > 0.1) < _FEWEST:
             return 0.0, motion

@@ -18,7 +18,7 @@ from shapegoogle_core.spin_images import spin_images
 
 __all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
 
-# The sample is picked from so many random points; the spin images count the first of them.
+# The sample is picked from so many random points; the spin images count some of them.
 _CLOUD, _COUNTED = 4000, 1500
 # Spin images: radius as a share of √area, and bins.
 _RADIUS, _BINS = 0.3, (6, 4)
@@ -31,8 +31,10 @@ _LEAST_LOG = -10.0
 _LEAST_COSINE = np.cos(np.radians(45))
 # No medial ball is larger than this share of √area.
 _LARGEST_RADIUS = 0.5
-# Of stored numbers. Coordinates are shares of √area, within ±8 of the centre; descriptors are within ±6.
-_POINT_UNIT, _NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 8 / 32767, 1 / 127, _LARGEST_RADIUS / 127, 6 / 127
+# Of stored numbers; descriptors are within ±6.
+_NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 6 / 127
+_MOST_POINTS = 65_535
+_HEADER = 10  # bytes
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,8 @@ class SampleSettings:
     keypoints: int = 192
 
     def __post_init__(self) -> None:
-        if not 8 <= self.keypoints <= self.points:
-            raise ValueError(f"a sample needs 8 ≤ keypoints ≤ points, not {self}")
+        if not 8 <= self.keypoints <= self.points <= _MOST_POINTS:
+            raise ValueError(f"a sample needs 8 ≤ keypoints ≤ points ≤ {_MOST_POINTS}, not {self}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +87,12 @@ class SurfaceSample:
     def to_bytes(self) -> bytes:
         """Serialise in 10 bytes for each point and one for each number of a descriptor."""
         counts = np.array([len(self.points), *self.descriptors.shape], "<u2")
-        points = np.clip(np.rint(self.points / _POINT_UNIT), -32767, 32767).astype("<i2")
+        unit = np.array([max(np.abs(self.points).max(), 1e-6) / 32767], "<f4")
+        points = np.rint(self.points / float(unit[0])).clip(-32767, 32767).astype("<i2")
         normals = np.rint(self.normals / _NORMAL_UNIT).astype(np.int8)
         radii = np.clip(np.rint(self.radii / _RADIUS_UNIT), -127, 127).astype(np.int8)
         descriptors = np.clip(np.rint(self.descriptors / _DESCRIPTOR_UNIT), -127, 127).astype(np.int8)
-        return b"".join(array.tobytes() for array in (counts, points, normals, radii, descriptors))
+        return b"".join(array.tobytes() for array in (counts, unit, points, normals, radii, descriptors))
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -102,20 +105,23 @@ class SurfaceSample:
         Returns
         -------
         sample : SurfaceSample
-            Coordinates to 1/4000 of √area.
+            Coordinates to 1/65,000 of the extent.
 
         Raises
         ------
         ValueError
             If the data is no sample.
         """
-        if len(data) < 6:
-            raise ValueError("a surface sample has at least 6 bytes")
+        if len(data) < _HEADER:
+            raise ValueError(f"a surface sample has at least {_HEADER} bytes")
         points, keypoints, size = (int(count) for count in np.frombuffer(data, "<u2", 3))
-        ends = np.cumsum([6, 6 * points, 3 * points, points, keypoints * size])
+        (unit,) = np.frombuffer(data, "<f4", 1, offset=6).astype(np.float64)
+        if not (8 <= keypoints <= points and 0 < unit < np.inf):
+            raise ValueError(f"a surface sample cannot have {points} points and {keypoints} keypoints")
+        ends = np.cumsum([_HEADER, 6 * points, 3 * points, points, keypoints * size])
         if len(data) != ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
-        positions: FloatArray = np.frombuffer(data[6 : ends[1]], "<i2").reshape(points, 3) * _POINT_UNIT
+        positions: FloatArray = np.frombuffer(data[_HEADER : ends[1]], "<i2").reshape(points, 3) * unit
         normals: FloatArray = np.frombuffer(data[ends[1] : ends[2]], np.int8).astype(np.float64)
         radii = np.frombuffer(data[ends[2] : ends[3]], np.int8).astype(np.float64) * _RADIUS_UNIT
         descriptors = np.frombuffer(data[ends[3] :], np.int8).reshape(keypoints, size)
