@@ -157,7 +157,12 @@ def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespac
         help="made by export_blend_meshes.py of the .blend files",
     )
     parser.add_argument(
-        "--parts", nargs="+", choices=PARTS, default=PARTS, metavar="PART", help=f"some of {', '.join(PARTS)}"
+        "--parts",
+        nargs="+",
+        choices=PARTS,
+        default=PARTS,
+        metavar="PART",
+        help=f"some of {', '.join(PARTS)}; with the categories the retrieval is measured too",
     )
     add_run_options(parser)
     options = parser.parse_args(arguments)
@@ -191,8 +196,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 collection = retrieval(labels, options.seed)
                 exit_codes.append(measure(collection, labelled, options, output))
             if "remeshed" in options.parts:
-                earlier = options.compare and Path(options.compare).parent / "remeshed" / "benchmark.json"
-                options.compare = earlier if earlier and earlier.is_file() else None
+                if options.compare and len(options.parts) > 1:
+                    earlier = Path(options.compare).parent / "remeshed" / "benchmark.json"
+                    options.compare = earlier if earlier.is_file() else None
+                    if options.compare is None:
+                        print(f"there is no '{earlier}' to compare the remeshed shapes with")
                 exit_codes.append(measure(remeshed(labels), [], options, output / "remeshed"))
     except ShapeGoogleError as error:
         print(f"benchmark_retrieval: {error}", file=sys.stderr)

@@ -63,7 +63,7 @@ def write_creatures(output: Path, first_seed: int) -> int:
 def write_blends(output: Path, folder: Path) -> int:
     from shapegoogle_core.mesh import read_mesh
 
-    with (folder / "meshes.csv").open(newline="") as file:
+    with (folder / "meshes.csv").open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["pack"] != "posed_characters"]
     for number, row in enumerate(rows):
         write(read_mesh(folder / row["file"]), output / "negatives" / row["file"], seed=number)
@@ -80,6 +80,8 @@ def main() -> int:
         "--seed", type=int, default=FIRST_SEED, help="of the first individual of each kind (%(default)s)"
     )
     arguments = parser.parse_args()
+    if arguments.output.exists() and any(arguments.output.iterdir()):
+        parser.error(f"'{arguments.output}' is not empty; name a new folder, or shapes of two sets would mix")
     written = write_creatures(arguments.output, arguments.seed)
     if arguments.blend_meshes:
         written += write_blends(arguments.output, arguments.blend_meshes)

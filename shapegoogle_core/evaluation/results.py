@@ -300,11 +300,23 @@ def save_result(result: BenchmarkResult, path: Path) -> None:
     ----------
     result : BenchmarkResult
     path : Path
+
+    Raises
+    ------
+    BenchmarkError
+        If it cannot be written.
     """
     text = json.dumps(result.to_json(), ensure_ascii=False, allow_nan=False)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise BenchmarkError(
+            f"cannot write '{path}' ({error.strerror or error}); make room, or name another folder with "
+            "--output"
+        ) from error
 
 
 def load_result(path: Path) -> BenchmarkResult:

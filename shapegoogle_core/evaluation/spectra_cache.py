@@ -48,6 +48,7 @@ CACHE_VERSION = 1
 """Of the entries; raise it when their arrays change their meaning."""
 
 PREPARATION_CODE = (
+    "describing.py",
     "mesh",
     "mending.py",
     "smoothing.py",
@@ -64,7 +65,7 @@ SIGNATURE_CODE = (
 )
 """What a signature depends on besides the model: all modules that are no folders, to be on the safe side."""
 
-SEARCH_CODE = (*SIGNATURE_CODE, "library", "registration")
+SEARCH_CODE = (*SIGNATURE_CODE, "library", "registration", "indexing")
 """What an answer of the search depends on besides the model."""
 
 # These neither describe nor search.

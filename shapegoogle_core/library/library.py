@@ -481,11 +481,11 @@ class Library:
                 f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
                 f"{self._model.code_bits}; describe it with library.model"
             )
-        if (signature.sample is None) != (self._model.settings.sample is None):
-            having = "has no sample of its surface" if signature.sample is None else "has a sample"
+        if signature.sample is not None and self._model.settings.sample is None:
             raise LibraryError(
                 f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}): it {having}; describe it with library.model"
+                f"({self._model.identifier}), which takes no samples of surfaces; describe it with "
+                "library.model"
             )
         if not np.isfinite(round_bags(signature.bags)).all():
             raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")

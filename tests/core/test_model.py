@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.settings import PRESETS
 
 # Relative L1 change of the bags that each invariance may cost, with the default model.
 RIGID_BOUND = 1e-3
@@ -160,6 +162,8 @@ def test_shipped_models_are_small_and_round_trip(name):
     shipped = resources.files("shapegoogle_core") / "models" / f"{name}.npz"
     assert len(shipped.read_bytes()) <= 3_000_000
     model = load_model(name)
+    current = json.loads(json.dumps(PRESETS[name].to_dict()))
+    assert json.loads(json.dumps(model.settings.to_dict())) == current, "train the shipped models again"
     assert model.name == name
     again = ShapeModel.from_bytes(model.to_bytes())
     assert again.identifier == model.identifier
@@ -251,3 +255,27 @@ def test_missing_model_names_what_there_is(tmp_path):
         load_model(tmp_path)
     with pytest.raises(ModelError, match="cannot write the model"):
         load_model().save(tmp_path / "no" / "folder.npz")
+
+
+def test_what_an_agreement_counts_is_part_of_the_identity(model):
+    """Otherwise a library would rank by another gain than the model it is asked with."""
+    assert replace(model, agreement_gain=model.agreement_gain + 1).identifier != model.identifier
+
+
+@pytest.mark.parametrize("gain", [-1.0, np.nan, np.inf])
+def test_a_damaged_gain_is_refused(model, gain):
+    with pytest.raises(ModelError, match="agreement_gain"):
+        replace(model, agreement_gain=gain)
+
+
+def test_models_from_before_there_were_samples_keep_their_identifier():
+    """The first default model, whose libraries are out there, has neither `sample` nor a gain."""
+    paper = load_model("paper")
+    assert "sample" not in paper.settings.to_dict()
+    assert paper.identifier == "219c13ef2a931c4c"
+
+
+def test_agreement_lowers_the_distance(model):
+    distances = [model.verified_distance(0.4, agreement) for agreement in (0, 0.25, 0.5, 1)]
+    assert distances[0] == distances[1] == 0.4
+    assert distances[1] > distances[2] > distances[3] > 0

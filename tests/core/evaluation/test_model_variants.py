@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.evaluation.collection import Collection, database_shape
-from shapegoogle_core.evaluation.model_variants import _in_order, _matching_seconds, hamming, model_group
+from shapegoogle_core.evaluation.model_variants import _in_order, hamming, model_group
 from shapegoogle_core.evaluation.workshop import Workshop
 from shapegoogle_core.library import Library
 from shapegoogle_core.model import ShapeModel
@@ -74,13 +74,6 @@ def test_hamming_counts_differing_bits() -> None:
     first = np.array([[0, 255]], np.float32)
     second = np.array([[0, 255], [1, 255], [255, 0]], np.float32)
     np.testing.assert_array_equal(hamming(first, second), [[0, 1, 16]])
-
-
-def test_describing_is_no_part_of_matching() -> None:
-    times = [np.array([0.5, 0.4]), np.array([0.9, 0.7]), np.array([0.6, 0.5]), np.array([9.0, np.nan])]
-    assert _matching_seconds(times) == pytest.approx(0.1)
-    assert _matching_seconds([np.array([0.5, 0.6])]) == 0
-    assert np.isnan(_matching_seconds([np.array([0.5, np.nan])]))
 
 
 def test_answers_keep_their_order() -> None:

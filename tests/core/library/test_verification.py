@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shapegoogle_core import Library, Mesh
+from shapegoogle_core import Library, Mesh, compute_spectrum
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.evaluation.transformations import transform
 from shapegoogle_core.library import verification
 from shapegoogle_core.mending import Mending
-from shapegoogle_core.registration import SampleSettings
+from shapegoogle_core.registration import SampleSettings, sample_surface
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +94,37 @@ def test_a_damaged_sample_is_named(library, shapes_in_it):
     library._store._connection.execute("UPDATE samples SET content = x'0102'")
     with pytest.raises(LibraryError, match=r"surface of shape .* cannot be read"):
         library.query(shapes_in_it[0])
+    with pytest.raises(LibraryError, match=r"surface of shape 1 cannot be read"):
+        library.signature(1)
+    other = sample_surface(shapes_in_it[0], compute_spectrum(shapes_in_it[0], k=20), SampleSettings(50, 20))
+    library._store._connection.execute("UPDATE samples SET content = ?", (other.to_bytes(),))
+    with pytest.raises(LibraryError, match=r"another size than its model's"):
+        library.query(shapes_in_it[0])
+
+
+def test_a_signature_with_a_sample_does_not_fit_a_model_without(path, make_model, verifying, shapes_in_it):
+    signature = verifying.describe(shapes_in_it[0])
+    with Library.open(path, make_model()) as library, pytest.raises(LibraryError, match="another model"):
+        library.add_signature(signature, "shape")
+
+
+def test_shapes_without_a_sample_stand_among_the_others(library, shapes_in_it):
+    """As after an interrupted repair by hand: they are compared by their bags."""
+    library._store._connection.execute("DELETE FROM samples WHERE shape_id % 2 = 0")
+    matches = library.query(shapes_in_it[0], top=24)
+    assert len(matches) == 24
+    assert matches[0].name == "shape 0"
+
+
+def test_one_likely_match_ends_the_search(library, shapes_in_it, monkeypatch):
+    monkeypatch.setattr(verification, "_FIRST", 2)
+    looked_at = []
+    original = verification.align
+    monkeypatch.setattr(
+        verification, "align", lambda query, other: looked_at.append(1) or original(query, other)
+    )
+    library.query(shapes_in_it[5])  # itself: distance 0
+    assert len(looked_at) == 2
 
 
 def test_a_library_without_samples_still_answers(path, make_model, shapes_in_it):

@@ -48,7 +48,7 @@ def test_samples_forget_place_and_size(shapes, sample):
 
 def test_bytes_and_back(sample):
     content = sample.to_bytes()
-    assert len(content) == 6 + 10 * 200 + sample.descriptors.size
+    assert len(content) == 10 + 10 * 200 + sample.descriptors.size
     back = SurfaceSample.from_bytes(content)
     np.testing.assert_allclose(back.points, sample.points, atol=2e-4)
     np.testing.assert_allclose(back.normals, sample.normals, atol=5e-3)
@@ -58,7 +58,7 @@ def test_bytes_and_back(sample):
     assert back.to_bytes() == content
 
 
-@pytest.mark.parametrize("damage", [b"", b"abc", b"\x01\x00\x01\x00\x01\x00"])
+@pytest.mark.parametrize("damage", [b"", b"abc", bytes(10), b"\x01\x00\x01\x00\x01\x00\x00\x00\x80\x3f"])
 def test_damaged_bytes_are_refused(damage, sample):
     with pytest.raises(ValueError, match="surface sample"):
         SurfaceSample.from_bytes(damage)
@@ -66,7 +66,7 @@ def test_damaged_bytes_are_refused(damage, sample):
         SurfaceSample.from_bytes(sample.to_bytes()[:-1])
 
 
-@pytest.mark.parametrize(("points", "keypoints"), [(100, 7), (50, 51)])
+@pytest.mark.parametrize(("points", "keypoints"), [(100, 7), (50, 51), (70_000, 100)])
 def test_settings_out_of_range(points, keypoints):
     with pytest.raises(ValueError, match="keypoints"):
         SampleSettings(points, keypoints)
@@ -94,3 +94,14 @@ def test_spin_images_count_as_the_definition_says(seed):
         across = np.linalg.norm(np.cross(cloud - point, normal), axis=1)
         expected, _, _ = np.histogram2d(across, height, bins=(5, 3), range=((0, 1.5), (0, 1.5)))
         np.testing.assert_allclose(image, expected / 200)
+
+
+def test_parts_far_apart_are_stored_as_well(shapes):
+    sphere, box = shapes.sphere(3), shapes.sphere(2)
+    far = Mesh(
+        np.concatenate([sphere.vertices, box.vertices + np.array([400, 0, 0])]),
+        np.concatenate([sphere.faces, box.faces + len(sphere.vertices)]),
+    )
+    sample = sample_surface(far, compute_spectrum(far, k=20), SampleSettings(200, 64))
+    back = SurfaceSample.from_bytes(sample.to_bytes())
+    np.testing.assert_allclose(back.points, sample.points, atol=np.abs(sample.points).max() / 60_000)
