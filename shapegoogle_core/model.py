@@ -105,6 +105,8 @@ class ShapeModel:
         A sentence on the training shapes.
     agreement_gain : float
         How much an agreement in space says, see `verified_distance`.
+    verified_half, verified_slope : float
+        Calibration of the similarity of verified distances.
     """
 
     settings: ModelSettings
@@ -118,6 +120,8 @@ class ShapeModel:
     similarity_slope: float
     trained_on: str
     agreement_gain: float = 0.0
+    verified_half: float = 1.0
+    verified_slope: float = 1.0
 
     def __post_init__(self) -> None:
         size, projected, bits = self.bag_size, self.projection.shape[-1], self.code_bits
@@ -136,7 +140,13 @@ class ShapeModel:
             fits = words.centers.shape == (channel.words, channel.size)
             if not (fits and np.isfinite(words.centers).all() and 0 < words.sigma < np.inf):
                 raise ModelError(f"the model's vocabulary of {channel.descriptor!r} is damaged")
-        if not (0 < self.similarity_half < np.inf and 0 < self.similarity_slope < np.inf):
+        calibration = (
+            self.similarity_half,
+            self.similarity_slope,
+            self.verified_half,
+            self.verified_slope,
+        )
+        if not all(0 < value < np.inf for value in calibration):
             raise ModelError("the model's calibration of similarities is damaged")
         if not 0 <= self.agreement_gain < np.inf:
             raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
@@ -307,25 +317,30 @@ class ShapeModel:
         """
         return distance * math.exp(-self.agreement_gain * max(0.0, agreement - COMMON_AGREEMENT))
 
-    def similarity(self, distances: FloatArray) -> FloatArray:
+    def similarity(self, distances: FloatArray, *, verified: bool = False) -> FloatArray:
         """Turn distances into a similarity from 0 to 1.
 
         s(d) = 1 / (1 + (d / d_½)^p), fitted on training shapes by logistic regression: the probability that
         a shape at distance d is the same one transformed rather than the nearest of fifty different ones, if
-        either is as likely beforehand. With `agreement_gain` the distance is the verified one; a distance of
-        bags alone then means what it does where nothing agrees in space, which is less.
+        either is as likely beforehand.
 
         Parameters
         ----------
         distances : (n,) array
+        verified : bool
+            Whether agreements in space have lowered the distances. A distance that none has lowered then says
+            less than one of bags alone: nothing was found to agree.
 
         Returns
         -------
         similarity : (n,) array
-            1 at distance 0, ½ at `similarity_half`, falling towards 0.
+            1 at distance 0, falling towards 0.
         """
-        ratio = np.asarray(distances, np.float64) / self.similarity_half
-        return np.asarray(1 / (1 + ratio**self.similarity_slope), dtype=np.float64)
+        half, slope = self.similarity_half, self.similarity_slope
+        if verified:
+            half, slope = self.verified_half, self.verified_slope
+        ratio = np.asarray(distances, np.float64) / half
+        return np.asarray(1 / (1 + ratio**slope), dtype=np.float64)
 
     @cached_property
     def _projection(self) -> FloatBags:
@@ -339,6 +354,8 @@ class ShapeModel:
             "similarity_slope": self.similarity_slope,
             "trained_on": self.trained_on,
             "agreement_gain": self.agreement_gain,
+            "verified_half": self.verified_half,
+            "verified_slope": self.verified_slope,
         }
         return json.dumps(header, sort_keys=True)
 
@@ -404,8 +421,10 @@ class ShapeModel:
                 similarity_half=float(header["similarity_half"]),
                 similarity_slope=float(header["similarity_slope"]),
                 trained_on=str(header["trained_on"]),
-                # Models made before surfaces were sampled do not have it.
+                # Models made before surfaces were sampled do not have these.
                 agreement_gain=float(header.get("agreement_gain", 0.0)),
+                verified_half=float(header.get("verified_half", 1.0)),
+                verified_slope=float(header.get("verified_slope", 1.0)),
             )
         except ModelError:
             raise

@@ -279,14 +279,17 @@ def fit_metric(
     first, second, similar = pairs
     distances = row_distances(settings.metric, compared[first], compared[second])
     agreements = _agreements(samples, first, second) if samples else None
-    calibration = calibrate(distances, similar, agreements)
+    alone = calibrate(distances, similar)
+    joint = alone if agreements is None else calibrate(distances, similar, agreements)
     return replace(
         untrained,
         directions=directions.astype(np.float32),
         thresholds=thresholds.astype(np.float32),
-        similarity_half=calibration.half,
-        similarity_slope=calibration.slope,
-        agreement_gain=calibration.gain,
+        similarity_half=alone.half,
+        similarity_slope=alone.slope,
+        agreement_gain=joint.gain,
+        verified_half=joint.half,
+        verified_slope=joint.slope,
     )
 
 

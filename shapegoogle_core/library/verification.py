@@ -103,4 +103,6 @@ def _verified(model: ShapeModel, query: Placed, match: Match, candidate: Placed 
         return match
     distance = model.verified_distance(match.distance, align(query, candidate).agreement)
     distance = round(distance, DISTANCE_DECIMALS)
-    return replace(match, distance=distance, similarity=float(model.similarity(np.array(distance))))
+    return replace(
+        match, distance=distance, similarity=float(model.similarity(np.array(distance), verified=True))
+    )
