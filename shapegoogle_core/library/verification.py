@@ -29,7 +29,7 @@ SCREENED = 300
 _FIRST = 12
 _LIKELY = 0.9
 # Otherwise so many more: the next by their bags, and those of the rest with the most support in space.
-_NEXT, _SUPPORTED = 10, 20
+_NEXT, _SUPPORTED = 38, 20
 
 
 def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequence[Match]) -> list[Match]:

@@ -279,3 +279,13 @@ def test_agreement_lowers_the_distance(model):
     distances = [model.verified_distance(0.4, agreement) for agreement in (0, 0.25, 0.5, 1)]
     assert distances[0] == distances[1] == 0.4
     assert distances[1] > distances[2] > distances[3] > 0
+
+
+def test_a_distance_that_no_agreement_lowered_says_less(model):
+    """Bags alone, and bags where geometry has looked and found nothing."""
+    distances = np.linspace(0.01, 1.5, 30)
+    alone, looked_at = model.similarity(distances), model.similarity(distances, verified=True)
+    for similarities in (alone, looked_at):
+        assert (np.diff(similarities) < 0).all()
+        assert ((similarities > 0) & (similarities < 1)).all()
+    assert (looked_at < alone).all()
