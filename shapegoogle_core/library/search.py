@@ -79,14 +79,14 @@ class Search:
             for start in range(0, len(candidates), self._bags_at_once):
                 portion = candidates[start : start + self._bags_at_once]
                 shape_ids, bags = self._store.bags(portion, self._model.bag_size)
-                best = self._merge(best, query, shape_ids, bags, compared, signature.sample is not None)
+                best = self._merge(best, query, shape_ids, bags, compared)
         return self._verified(signature, best)[:top]
 
     def among_all(self, signature: ShapeSignature, top: int) -> list[Match]:
         """Compare the full bags of all shapes; else as `among_nearest_codes`."""
         query = round_bags(signature.bags)
         while True:
-            best = self._scan(query, self._compared(signature, top), signature.sample is not None)
+            best = self._scan(query, self._compared(signature, top))
             if len(self._store.shapes([match.shape_id for match in best])) == len(best):
                 return self._verified(signature, best)[:top]
             # A writer removed one of the best meanwhile: what it had displaced must come in, so look again.
@@ -100,7 +100,7 @@ class Search:
             return matches
         return verify(self._store, self._model, signature.sample, matches)
 
-    def _scan(self, query: NDArray[np.float32], top: int, verified: bool) -> list[Match]:
+    def _scan(self, query: NDArray[np.float32], top: int) -> list[Match]:
         best: list[Match] = []
         last_id = 0
         while True:
@@ -109,7 +109,7 @@ class Search:
                 shape_ids, bags = self._store.bags_after(last_id, self._bags_at_once, self._model.bag_size)
                 if not shape_ids:
                     return best
-                best = self._merge(best, query, shape_ids, bags, top, verified)
+                best = self._merge(best, query, shape_ids, bags, top)
             last_id = shape_ids[-1]
 
     def _merge(
@@ -119,12 +119,8 @@ class Search:
         shape_ids: list[int],
         bags: NDArray[np.float32],
         top: int,
-        verified: bool,
     ) -> list[Match]:
-        """Compare a portion of the library with the query and keep the `top` best seen so far.
-
-        `verified`: they will be looked at in space, and their similarities are to be compared with those.
-        """
+        """Compare a portion of the library with the query and keep the `top` best seen so far."""
         distances = np.round(self._model.distances(query, bags), DISTANCE_DECIMALS)
         if len(distances) > top:
             # Equals of the last one stay in: their names decide, and names are read only for these few.
@@ -132,7 +128,7 @@ class Search:
         else:
             chosen = np.arange(len(distances))
         records = self._store.shapes([shape_ids[position] for position in chosen])
-        similarities = self._model.similarity(distances[chosen], verified=verified)
+        similarities = self._model.similarity(distances[chosen])
         matches = [
             Match(
                 name=record.name,

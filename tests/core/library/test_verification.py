@@ -22,7 +22,7 @@ def verifying(make_model):
     """An untrained model: its bags know little, so that geometry must decide."""
     model = make_model()
     settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
-    return replace(model, settings=settings, agreement_gain=8.0)
+    return replace(model, settings=settings, agreement_gain=8.0, similarity_half=1e-6)
 
 
 @pytest.fixture(scope="module")
@@ -91,15 +91,16 @@ def test_samples_come_back_and_go_with_their_shape(library, shapes_in_it):
 
 
 def test_a_damaged_sample_is_named(library, shapes_in_it):
+    query = transform(shapes_in_it[0], "noise", 2, seed=0)
     library._store._connection.execute("UPDATE samples SET content = x'0102'")
     with pytest.raises(LibraryError, match=r"surface of shape .* cannot be read"):
-        library.query(shapes_in_it[0])
+        library.query(query)
     with pytest.raises(LibraryError, match=r"surface of shape 1 cannot be read"):
         library.signature(1)
     other = sample_surface(shapes_in_it[0], compute_spectrum(shapes_in_it[0], k=20), SampleSettings(50, 20))
     library._store._connection.execute("UPDATE samples SET content = ?", (other.to_bytes(),))
     with pytest.raises(LibraryError, match=r"another size than its model's"):
-        library.query(shapes_in_it[0])
+        library.query(query)
 
 
 def test_a_signature_with_a_sample_does_not_fit_a_model_without(path, make_model, verifying, shapes_in_it):
@@ -116,15 +117,21 @@ def test_shapes_without_a_sample_stand_among_the_others(library, shapes_in_it):
     assert matches[0].name == "shape 0"
 
 
-def test_one_likely_match_ends_the_search(library, shapes_in_it, monkeypatch):
+def test_geometry_is_asked_only_where_it_is_needed(library, shapes_in_it, monkeypatch):
     monkeypatch.setattr(verification, "_FIRST", 2)
     looked_at = []
     original = verification.align
     monkeypatch.setattr(
         verification, "align", lambda query, other: looked_at.append(1) or original(query, other)
     )
-    library.query(shapes_in_it[5])  # itself: distance 0
+    certain = library.query(shapes_in_it[5])  # itself: distance 0
+    assert certain[0].similarity == 1
+    assert len(looked_at) == 0
+    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))  # likely, once it has been looked at
     assert len(looked_at) == 2
+    monkeypatch.setattr(verification, "_LIKELY", 2.0)
+    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))
+    assert len(looked_at) == 2 + 24
 
 
 def test_a_library_without_samples_still_answers(path, make_model, shapes_in_it):
