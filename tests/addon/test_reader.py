@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 import subprocess
 import sys
 import time
@@ -196,6 +197,10 @@ def test_a_missing_library_and_a_compressed_file(read, tmp_path: Path) -> None:
 def test_an_fbx_is_one_shape(read, tmp_path: Path) -> None:
     if "fbx" not in dir(bpy.ops.export_scene):
         pytest.skip("this Blender writes no .fbx")
+    # Inside a real Blender tests are lent packages; the Blender that reads files has its own alone.
+    lent = Path(os.environ.get("BLENDER_USER_RESOURCES", tmp_path), "scripts", "modules").resolve()
+    if Path(np.__file__).resolve().is_relative_to(lent):
+        pytest.skip("this Blender has no numpy of its own, which its importer of .fbx needs")
     add("A", location=(-2, 0, 0))
     add("B", location=(2, 0, 0))
     path = tmp_path / "two.fbx"
