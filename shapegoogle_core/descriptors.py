@@ -3,13 +3,24 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectrum import Spectrum
 
-__all__ = ["heat_kernel", "heat_kernel_signature", "scale_invariant_hks", "wave_kernel_signature"]
+__all__ = [
+    "heat_kernel",
+    "heat_kernel_signature",
+    "log_heat_kernel_signature",
+    "scale_invariant_hks",
+    "wave_kernel_signature",
+]
+
+# A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
+_LEAST_HEAT = math.exp(-10)
 
 
 def _positive_times(times: ArrayLike) -> FloatArray:
@@ -71,6 +82,27 @@ def heat_kernel_signature(
         values *= t
     if normalize:
         values /= np.maximum(np.linalg.norm(values, axis=1, keepdims=True), np.finfo(float).tiny)
+    return values
+
+
+def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
+    """Logarithm of the heat kernel signature, which has no unit.
+
+    log(t·K_t(x, x)), where that is not below e⁻¹⁰
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+    times : (d,) array_like
+        Times t > 0, in squared mesh units.
+
+    Returns
+    -------
+    signature : (n, d) array
+        ≥ -10: where the truncated spectrum has no heat at all, -10 stands for that.
+    """
+    kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
+    values: FloatArray = np.log(np.maximum(kernel, _LEAST_HEAT))
     return values
 
 

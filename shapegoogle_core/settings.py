@@ -10,7 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.descriptors import heat_kernel_signature, scale_invariant_hks, wave_kernel_signature
+from shapegoogle_core.descriptors import (
+    heat_kernel_signature,
+    log_heat_kernel_signature,
+    scale_invariant_hks,
+    wave_kernel_signature,
+)
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.laplacian import LAPLACIANS
 from shapegoogle_core.mending import Mending
@@ -25,13 +30,6 @@ def _hks(
     spectrum: Spectrum, times: list[float], multiply_by_time: bool = False, normalize: bool = False
 ) -> FloatArray:
     return heat_kernel_signature(spectrum, times, multiply_by_time=multiply_by_time, normalize=normalize)
-
-
-def _log_hks(spectrum: Spectrum, times: list[float]) -> FloatArray:
-    kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
-    # A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
-    values: FloatArray = np.log(np.maximum(kernel, math.exp(-10)))
-    return values
 
 
 def _si_hks(
@@ -54,7 +52,7 @@ def _check(right: bool, name: str, wanted: str, value: object) -> None:
 
 DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
     "hks": _hks,
-    "log-hks": _log_hks,
+    "log-hks": log_heat_kernel_signature,
     "si-hks": _si_hks,
     "wks": _wks,
 }

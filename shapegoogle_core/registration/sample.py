@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.descriptors import heat_kernel_signature
+from shapegoogle_core.descriptors import log_heat_kernel_signature
 from shapegoogle_core.medial import medial_radii
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectrum import Spectrum
@@ -26,8 +26,6 @@ _RADIUS, _BINS = 0.3, (6, 4)
 _TIMES = 2.0 ** np.arange(2, 11) / 40_000
 # Between the two kinds of descriptors, so that distances of either count alike.
 _HEAT_WEIGHT, _SPIN_WEIGHT = 0.5, 5.0
-# A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
-_LEAST_LOG = -10.0
 _LEAST_COSINE = np.cos(np.radians(45))
 # No medial ball is larger than this share of √area.
 _LARGEST_RADIUS = 0.5
@@ -153,8 +151,7 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     chosen = farthest_points(points, settings.points)
     radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
-    heat = heat_kernel_signature(spectrum, _TIMES * unit**2, multiply_by_time=True)
-    heat = np.log(np.maximum(heat, math.exp(_LEAST_LOG)))
+    heat = log_heat_kernel_signature(spectrum, _TIMES * unit**2)
     heat = (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
     spin = np.sqrt(spin_images(points[keys], normals[keys], counted, _RADIUS, _BINS))
     descriptors = np.concatenate([_HEAT_WEIGHT * heat, _SPIN_WEIGHT * spin], axis=1).astype(np.float32)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from shapegoogle_core.descriptors import (
     heat_kernel,
     heat_kernel_signature,
+    log_heat_kernel_signature,
     scale_invariant_hks,
     wave_kernel_signature,
 )
@@ -180,3 +181,11 @@ def test_descriptors_follow_the_vertices(bumpy, seed):
         lambda s: wave_kernel_signature(s, 20),
     ):
         np.testing.assert_allclose(describe(changed), describe(original)[order], rtol=1e-5)
+
+
+def test_the_logarithm_of_the_signature_ends_where_there_is_no_heat():
+    spectrum = Spectrum(np.array([0.0, 2.0]), np.array([[1.0, 1.0], [0.0, 0.0]]), np.ones(2))
+    values = log_heat_kernel_signature(spectrum, [0.5, 1.0])
+    plain = heat_kernel_signature(spectrum, [0.5, 1.0], multiply_by_time=True)
+    np.testing.assert_allclose(values[0], np.log(plain[0]))
+    np.testing.assert_allclose(values[1], -10)
