@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,25 @@ def data_folder() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no evaluation data in {folder}; set SHAPEGOOGLE_DATA")
     return folder
+
+
+def write_mesh(path: Path, seed: int = 0, subdivisions: int = 2) -> Path:
+    """Write a lumpy ellipsoid, another one for each seed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    random = np.random.default_rng(seed)
+    mesh = trimesh.creation.icosphere(subdivisions)
+    centers = random.standard_normal((4, 3))
+    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
+    bumps = np.exp(-6 * (1 - mesh.vertices @ centers.T)) @ random.uniform(0, 0.7, 4)
+    mesh.vertices = mesh.vertices * (1 + bumps)[:, None] * random.uniform(0.6, 1.8, 3)
+    mesh.export(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def make_mesh() -> Callable[..., Path]:
+    """See `write_mesh`."""
+    return write_mesh
 
 
 @pytest.fixture(scope="session")

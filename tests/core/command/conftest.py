@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.indexing import describe_shape, find_meshes, read_shapes
@@ -51,19 +50,6 @@ def build_model(seed: int = 0) -> ShapeModel:
     )
 
 
-def write_mesh(path: Path, seed: int = 0, subdivisions: int = 2) -> Path:
-    """Write a lumpy ellipsoid, another one for each seed."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    random = np.random.default_rng(seed)
-    mesh = trimesh.creation.icosphere(subdivisions)
-    centers = random.standard_normal((4, 3))
-    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
-    bumps = np.exp(-6 * (1 - mesh.vertices @ centers.T)) @ random.uniform(0, 0.7, 4)
-    mesh.vertices = mesh.vertices * (1 + bumps)[:, None] * random.uniform(0.6, 1.8, 3)
-    mesh.export(path)
-    return path
-
-
 @pytest.fixture(scope="session")
 def model() -> ShapeModel:
     return build_model()
@@ -76,17 +62,12 @@ def model_file(model: ShapeModel, tmp_path_factory: pytest.TempPathFactory) -> P
     return path
 
 
-@pytest.fixture(scope="session")
-def make_mesh() -> Callable[..., Path]:
-    return write_mesh
-
-
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path: Path, make_mesh: Callable[..., Path]) -> Path:
     """Three sound meshes in two folders."""
-    write_mesh(tmp_path / "meshes" / "apple.off", seed=1)
-    write_mesh(tmp_path / "meshes" / "pear.obj", seed=2)
-    write_mesh(tmp_path / "meshes" / "more" / "plum.stl", seed=3)
+    make_mesh(tmp_path / "meshes" / "apple.off", seed=1)
+    make_mesh(tmp_path / "meshes" / "pear.obj", seed=2)
+    make_mesh(tmp_path / "meshes" / "more" / "plum.stl", seed=3)
     return tmp_path / "meshes"
 
 

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.evaluation.collection import (
@@ -28,29 +28,16 @@ from shapegoogle_core.settings import ChannelSettings, ModelSettings
 sys.path.insert(0, str(Path(__file__).parent))
 
 
-def write_lump(path: Path, seed: int, subdivisions: int = 2) -> Path:
-    """Write a lumpy ellipsoid, another one for each seed."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    random = np.random.default_rng(seed)
-    mesh = trimesh.creation.icosphere(subdivisions)
-    centers = random.standard_normal((4, 3))
-    centers /= np.linalg.norm(centers, axis=1, keepdims=True)
-    bumps = np.exp(-6 * (1 - mesh.vertices @ centers.T)) @ random.uniform(0, 0.7, 4)
-    mesh.vertices = mesh.vertices * (1 + bumps)[:, None] * random.uniform(0.6, 1.8, 3)
-    mesh.export(path)
-    return path
-
-
 @pytest.fixture(scope="session")
-def lumps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def lumps(tmp_path_factory: pytest.TempPathFactory, make_mesh: Callable[..., Path]) -> Path:
     """A folder of three null shapes, two unrelated ones and a labelled collection."""
     folder = tmp_path_factory.mktemp("lumps")
     for seed in range(3):
-        write_lump(folder / "nulls" / f"null{seed}.off", seed)
-        write_lump(folder / "labelled" / "one" / f"{seed}.off", 7)
-        write_lump(folder / "labelled" / "two" / f"{seed}.off", 8)
+        make_mesh(folder / "nulls" / f"null{seed}.off", seed)
+        make_mesh(folder / "labelled" / "one" / f"{seed}.off", 7)
+        make_mesh(folder / "labelled" / "two" / f"{seed}.off", 8)
     for seed in (3, 4):
-        write_lump(folder / "negatives" / f"other{seed}.off", seed)
+        make_mesh(folder / "negatives" / f"other{seed}.off", seed)
     return folder
 
 
