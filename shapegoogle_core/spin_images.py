@@ -11,7 +11,12 @@ __all__ = ["spin_images"]
 
 
 def spin_images(
-    points: FloatArray, normals: FloatArray, cloud: FloatArray, radius: float, bins: tuple[int, int] = (6, 4)
+    points: FloatArray,
+    normals: FloatArray,
+    cloud: FloatArray,
+    weights: FloatArray,
+    radius: float,
+    bins: tuple[int, int],
 ) -> FloatArray:
     """Histograms of a surface in the cylindrical coordinates of each of some oriented points.
 
@@ -24,7 +29,8 @@ def spin_images(
     points, normals : (k, 3) arrays
         Normals of unit length.
     cloud : (n, 3) array
-        Points spread evenly over the surface.
+    weights : (n,) array
+        What each point of the cloud counts: the area that it stands for, say.
     radius : float
         Of the support, in the unit of the points: 0 ≤ α < radius, 0 ≤ |β| < radius.
     bins : (int, int)
@@ -33,7 +39,7 @@ def spin_images(
     Returns
     -------
     images : (k, bins) array
-        The share of the cloud in each bin, flattened; a row's sum is the share inside the support.
+        The weight of the cloud in each bin, flattened; a row's sum is the weight inside the support.
     """
     heights = np.abs(normals @ cloud.T - (normals * points).sum(axis=1)[:, None])
     squares = (cloud**2).sum(axis=1) + (points**2).sum(axis=1)[:, None] - 2 * points @ cloud.T
@@ -42,8 +48,7 @@ def spin_images(
     inside = (distances < radius) & (heights < radius)
     row = (distances[inside] * (rows / radius)).astype(np.int64)
     column = (heights[inside] * (columns / radius)).astype(np.int64)
-    image = np.nonzero(inside)[0]
+    image, point = np.nonzero(inside)
     cell = (image * rows + np.minimum(row, rows - 1)) * columns + np.minimum(column, columns - 1)
-    counts = np.bincount(cell, minlength=len(points) * rows * columns)
-    images: FloatArray = counts.reshape(len(points), -1) / len(cloud)
-    return images
+    summed = np.bincount(cell, weights[point], minlength=len(points) * rows * columns)
+    return np.asarray(summed.reshape(len(points), -1), dtype=np.float64)

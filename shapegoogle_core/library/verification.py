@@ -10,6 +10,7 @@ finds another individual in the query's own pose.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -34,8 +35,9 @@ _CERTAIN = 0.95
 # what stands behind it would have to fit far better in space although its words are far less alike.
 _FIRST = 12
 _LIKELY = 0.9
-# Otherwise so many more: the next by their bags, and those of the rest with the most support in space.
-_NEXT, _SUPPORTED = 38, 20
+# Otherwise so many more of those that bags and their support in space together make the best, by
+# d exp(-k support) of the distance d of their bags.
+_NEXT, _SUPPORT_GAIN = 48, 5.0
 
 
 def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequence[Match]) -> list[Match]:
@@ -77,13 +79,14 @@ def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequ
 
 
 def _worth_a_look(store: Store, model: ShapeModel, query: Placed, candidates: Sequence[Match]) -> list[Match]:
-    """Choose the next by their bags, and of the rest those with the most support in space."""
-    supports = [
-        (0.0 if placed is None else support(query, placed), match)
-        for match, placed in _placed(store, model, candidates[_NEXT:])
-    ]
-    supports.sort(key=lambda pair: (-pair[0], pair[1].rank_key))
-    return [*candidates[:_NEXT], *(match for _, match in supports[:_SUPPORTED])]
+    """Choose the best by their bags and their support in space."""
+
+    def promise(match: Match, placed: Placed | None) -> float:
+        return match.distance * math.exp(-_SUPPORT_GAIN * (0.0 if placed is None else support(query, placed)))
+
+    promises = [(promise(match, placed), match) for match, placed in _placed(store, model, candidates)]
+    promises.sort(key=lambda pair: (pair[0], pair[1].rank_key))
+    return [match for _, match in promises[:_NEXT]]
 
 
 def _placed(

@@ -30,16 +30,14 @@ COMMON_AGREEMENT = 0.25
 """Agreement that any two shapes reach somehow; see `Alignment.agreement`."""
 
 # All lengths below are in units of √area.
-# So many of the query's points each with as many of the candidate's that look most like it.
-_QUERY_KEYPOINTS, _LIKEST = 96, 2
-# For a first look fewer points and scales do.
-_FEW_KEYPOINTS, _FEW_SCALES = 64, 2
+# So many of the query's points each with the one of the candidate's that looks most like it.
+_QUERY_KEYPOINTS = 128
 # Scales of the query that are tried. When both are scaled to unit area, a part is larger than in its whole,
 # and what is not swollen of a swollen shape is smaller.
-_SCALES = (1.0, 0.88, 1.2)
+_SCALES = (1.0, 0.85, 1.2)
 _LEAST_SCALE, _LARGEST_SCALE = 0.68, 1.5
-# How well two correspondences must agree on a distance.
-_AGREEMENT = 0.04
+# How well two correspondences must agree on the distance of their points, and of their balls' centres.
+_AGREEMENT = 0.05
 _GROUPS, _GROUP_SIZE = 12, 16
 # Candidates of the motion are compared by this many points of the query at this tolerance.
 _COMPARED_POINTS, _COMPARED_TOLERANCE = 96, 0.05
@@ -107,11 +105,13 @@ class Placed:
     """A sample made ready to be aligned with many others."""
 
     def __init__(self, sample: SurfaceSample) -> None:
+        self.sample = sample
         self.points = sample.points
         self.normals = sample.normals
         self.centers = sample.centers
-        self.descriptors = sample.descriptors
-        self.key_points = sample.points[: len(sample.descriptors)].astype(np.float32)
+        keypoints = len(sample.descriptors)
+        self.key_points = sample.points[:keypoints].astype(np.float32)
+        self.key_centers = self.centers[:keypoints].astype(np.float32)
 
     @cached_property
     def tree(self) -> cKDTree:
@@ -124,12 +124,31 @@ class Placed:
         return cKDTree(self.centers)
 
     @cached_property
-    def key_distances(self) -> NDArray[np.float32]:
-        """(k, k) distances between the points with descriptors."""
-        squares = (self.key_points**2).sum(axis=1)
-        squared = squares[:, None] + squares[None] - 2 * self.key_points @ self.key_points.T
-        distances: NDArray[np.float32] = np.sqrt(np.maximum(squared, 0))
-        return distances
+    def looks(self) -> tuple[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]], ...]:
+        """As a query, at each scale: descriptors, and distances between their points and between centres."""
+        few = slice(_QUERY_KEYPOINTS)
+        points, centers = _distances(self.key_points[few]), _distances(self.key_centers[few])
+        return tuple(
+            (
+                self.sample.descriptors_at(scale, _QUERY_KEYPOINTS),
+                np.float32(scale) * points,
+                np.float32(scale) * centers,
+            )
+            for scale in _SCALES
+        )
+
+    @cached_property
+    def half_squares(self) -> NDArray[np.float32]:
+        """Of the lengths of the descriptors."""
+        return np.asarray((self.sample.descriptors**2).sum(axis=1) / 2)
+
+
+def _distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Distances between all points of a set, fast."""
+    squares = (points**2).sum(axis=1)
+    squared = squares[:, None] + squares - 2 * points @ points.T
+    distances: NDArray[np.float32] = np.sqrt(np.maximum(squared, 0, out=squared), out=squared)
+    return distances
 
 
 def align(query: Placed, candidate: Placed) -> Alignment:
@@ -144,7 +163,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     alignment : Alignment
         The best one found, which need not be a good one.
     """
-    motions = [_motions(query, candidate, scale) for scale in _SCALES]
+    motions = [_motions(query, candidate, scale) for scale in range(len(_SCALES))]
     scales, rotations, translations = (np.concatenate(parts) for parts in zip(*motions, strict=True))
     possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
     if not possible.any():
@@ -168,44 +187,48 @@ def support(query: Placed, candidate: Placed) -> float:
     Returns
     -------
     support : float
-        Of the correspondence that the others support most: how many agree both with it and with one of its
-        `_GROUP_SIZE` strongest supporters, on average.
+        From 0 to 1. Of the correspondence that the others support most: which share of all agrees both with
+        it and with one of its `_GROUP_SIZE` strongest supporters, on average.
     """
     best = 0.0
-    for scale in _SCALES[:_FEW_SCALES]:
-        _, _, second_order = _correspondences(query, candidate, scale, _FEW_KEYPOINTS)
+    for scale in range(len(_SCALES)):
+        second_order = _correspondences(query, candidate, scale)[1]
         leader = second_order[second_order.sum(axis=1).argmax()]
-        best = max(best, float(np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:].mean()))
+        strongest = np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:]
+        best = max(best, float(strongest.mean()) / len(leader))
     return best
 
 
-def _motions(query: Placed, candidate: Placed, scale: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Motions on which groups of correspondences agree, if the query is scaled by about `scale`."""
-    here, there, second_order = _correspondences(query, candidate, scale, _QUERY_KEYPOINTS)
+def _motions(query: Placed, candidate: Placed, scale: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Motions on which groups of correspondences agree, if the query has one of the scales."""
+    there, second_order = _correspondences(query, candidate, scale)
     groups = _groups(second_order)
     weights = np.maximum(np.take_along_axis(second_order[groups[:, -1]], groups, axis=1), 1e-3)
     weights[:, -1] = weights.max(axis=1)
+    counterparts = there[groups]
     return similarity_transformations(
-        query.points[here[groups]], candidate.points[there[groups]], weights.astype(np.float64)
+        np.concatenate([query.points[groups], query.centers[groups]], axis=1),
+        np.concatenate([candidate.points[counterparts], candidate.centers[counterparts]], axis=1),
+        np.tile(weights.astype(np.float64), 2),
     )
 
 
 def _correspondences(
-    query: Placed, candidate: Placed, scale: float, keypoints: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
-    """Pairs of points that look alike, and for each two pairs that agree how many agree with both."""
-    looks = query.descriptors[:keypoints]
-    unlikeness = (candidate.descriptors**2).sum(axis=1)[None] - 2 * looks @ candidate.descriptors.T
-    likest = np.argpartition(unlikeness, _LIKEST, axis=1)[:, :_LIKEST]
-    here = np.repeat(np.arange(len(looks)), _LIKEST)
-    there = likest.ravel()
-    query_distances = query.key_distances[: len(looks), : len(looks)].repeat(_LIKEST, 0).repeat(_LIKEST, 1)
-    candidate_distances = candidate.key_distances[there[:, None], there]
-    agree = np.abs(np.float32(scale) * query_distances - candidate_distances) < _AGREEMENT
-    # Neither two counterparts of one point, nor one counterpart of two.
-    agree &= (here[:, None] != here) & (there[:, None] != there)
+    query: Placed, candidate: Placed, scale: int
+) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """For each point of the query the one that looks most like it, and how far such pairs agree.
+
+    Two pairs do on the distance of their points and of their balls' centres. Returned for two that do is how
+    many others agree with both.
+    """
+    looks, distances, center_distances = query.looks[scale]
+    there = (candidate.half_squares - looks @ candidate.sample.descriptors.T).argmin(axis=1)
+    agree = np.abs(distances - _distances(candidate.key_points[there])) < _AGREEMENT
+    agree &= np.abs(center_distances - _distances(candidate.key_centers[there])) < _AGREEMENT
+    # One counterpart of two says nothing.
+    agree &= there[:, None] != there
     first_order = agree.astype(np.float32)
-    return here, there, first_order * (first_order @ first_order)
+    return there, first_order * (first_order @ first_order)
 
 
 def _groups(second_order: NDArray[np.float32]) -> NDArray[np.int64]:

@@ -18,19 +18,23 @@ from shapegoogle_core.spin_images import spin_images
 
 __all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
 
-# The sample is picked from so many random points; the spin images count some of them.
-_CLOUD, _COUNTED = 4000, 1500
-# Spin images: radius as a share of √area, and bins.
-_RADIUS, _BINS = 0.3, (6, 4)
-# Heat kernel signatures: times as a share of the area, an octave apart; short ones see little of a cut.
-_TIMES = 2.0 ** np.arange(2, 11) / 40_000
-# Between the two kinds of descriptors, so that distances of either count alike.
-_HEAT_WEIGHT, _SPIN_WEIGHT = 0.5, 5.0
+# The sample is picked from so many random points.
+_CLOUD = 4000
+# Heat kernel signatures: times as a share of the area, two octaves apart; short ones see little of a cut.
+_TIMES = 4.0 ** np.arange(1, 6) / 40_000
+_OCTAVES_APART = 2
+# Spin images of the surface and of the medial axis: radius as a share of √area, and bins.
+_SURFACE_RADIUS, _AXIS_RADIUS, _BINS = 0.3, 0.35, (4, 3)
+# Between the three kinds of descriptors, so that distances of each count alike.
+_HEAT_WEIGHT, _SURFACE_WEIGHT, _AXIS_WEIGHT = 0.9, 5.0, 3.5
+# Balls smaller than this are noise; one of almost the largest radius touches nothing on the other side.
+_SMALLEST_RADIUS, _OPEN_RADIUS = 0.02, 0.45
 _LEAST_COSINE = np.cos(np.radians(45))
 # No medial ball is larger than this share of √area.
 _LARGEST_RADIUS = 0.5
-# Of stored numbers; descriptors are within ±6.
-_NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 6 / 127
+# Of stored numbers; descriptors are within ±12.
+_NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 12 / 127
+_DESCRIPTOR_SIZE = len(_TIMES) + 2 * _BINS[0] * _BINS[1]
 _MOST_POINTS = 65_535
 _HEADER = 10  # bytes
 
@@ -68,7 +72,8 @@ class SurfaceSample:
     radii : (m,) array
         Of the ball that touches there and holds no other point, see `medial_radii`.
     descriptors : (k, d) array of float32
-        Of the first k points: logarithms of the heat kernel signature, and the root of a spin image.
+        Of the first k points: logarithms of the heat kernel signature, and roots of the spin images of the
+        surface and of the medial axis.
     """
 
     points: FloatArray
@@ -81,6 +86,34 @@ class SurfaceSample:
         """(m, 3) points of the medial axis: the centres of those balls."""
         centers: FloatArray = self.points - self.radii[:, None] * self.normals
         return centers
+
+    def descriptors_at(self, scale: float, keypoints: int | None = None) -> NDArray[np.float32]:
+        """Descriptors that the surface would have if it were larger.
+
+        When a part and its whole are both scaled to unit area, the part is too large; what is not swollen of
+        a swollen surface is too small. Descriptors have a size of their own, so they must be told.
+
+        Parameters
+        ----------
+        scale : float
+            How many times larger, from 0.5 to 2.
+        keypoints : int, optional
+            Of so many of the first points; without it, of all that have descriptors.
+
+        Returns
+        -------
+        descriptors : (k, d) array of float32
+        """
+        known = self.descriptors[:keypoints]
+        if scale == 1:
+            return known
+        # t K_t at the size of the others is t/s² K_{t/s²} here.
+        times = np.arange(len(_TIMES)) - 2 * math.log2(scale) / _OCTAVES_APART
+        after = np.clip(np.floor(times).astype(int) + 1, 1, len(_TIMES) - 1)
+        share = np.float32(times - after + 1)
+        heat = known[:, after - 1] * (1 - share) + known[:, after] * share
+        spin = _spin_images(scale * self.points, self.normals, scale * self.radii, len(known), scale**2)
+        return np.concatenate([heat, spin], axis=1).astype(np.float32)
 
     def to_bytes(self) -> bytes:
         """Serialise in 10 bytes for each point and one for each number of a descriptor."""
@@ -114,8 +147,10 @@ class SurfaceSample:
             raise ValueError(f"a surface sample has at least {_HEADER} bytes")
         points, keypoints, size = (int(count) for count in np.frombuffer(data, "<u2", 3))
         (unit,) = np.frombuffer(data, "<f4", 1, offset=6).astype(np.float64)
-        if not (8 <= keypoints <= points and 0 < unit < np.inf):
-            raise ValueError(f"a surface sample cannot have {points} points and {keypoints} keypoints")
+        if not (8 <= keypoints <= points and size == _DESCRIPTOR_SIZE and 0 < unit < np.inf):
+            raise ValueError(
+                f"a surface sample cannot have {points} points and {keypoints} keypoints with {size} numbers"
+            )
         ends = np.cumsum([_HEADER, 6 * points, 3 * points, points, keypoints * size])
         if len(data) != ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
@@ -147,15 +182,32 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     unit = math.sqrt(mesh.area)
     points, normals, face, corners = _random_points(mesh, max(settings.points, _CLOUD), random)
     points = (points - points.mean(axis=0)) / unit
-    counted = points[random.permutation(len(points))[:_COUNTED]]
     chosen = farthest_points(points, settings.points)
     radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
     heat = log_heat_kernel_signature(spectrum, _TIMES * unit**2)
-    heat = (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
-    spin = np.sqrt(spin_images(points[keys], normals[keys], counted, _RADIUS, _BINS))
-    descriptors = np.concatenate([_HEAT_WEIGHT * heat, _SPIN_WEIGHT * spin], axis=1).astype(np.float32)
+    heat = _HEAT_WEIGHT * (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
+    spin = _spin_images(points[chosen], normals[chosen], radii, len(keys), 1.0)
+    descriptors = np.concatenate([heat, spin], axis=1).astype(np.float32)
     return SurfaceSample(points[chosen], normals[chosen], radii, descriptors)
+
+
+def _spin_images(
+    points: FloatArray, normals: FloatArray, radii: FloatArray, keypoints: int, area: float
+) -> FloatArray:
+    """Roots of spin images of the first few points, and of their balls' centres among all centres.
+
+    A tube has an area of 2π r for each length of its axis. So each centre counts with its point's area
+    divided by r: what swells keeps the length of its axis.
+    """
+    share = np.full(len(points), area / len(points))
+    closed = np.abs(radii) < _OPEN_RADIUS * math.sqrt(area)
+    lengths = np.where(closed, share / np.maximum(np.abs(radii), _SMALLEST_RADIUS), 0)
+    centers = points - radii[:, None] * normals
+    normals = normals[:keypoints]
+    surface = spin_images(points[:keypoints], normals, points, share, _SURFACE_RADIUS, _BINS)
+    axis = spin_images(centers[:keypoints], normals, centers, lengths, _AXIS_RADIUS, _BINS)
+    return np.concatenate([_SURFACE_WEIGHT * np.sqrt(surface), _AXIS_WEIGHT * np.sqrt(axis)], axis=1)
 
 
 def _random_points(

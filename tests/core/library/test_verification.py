@@ -69,11 +69,10 @@ def test_matches_are_in_order_and_no_farther_than_before(library, shapes_in_it):
 
 
 def test_what_stands_far_behind_is_found_by_its_support(library, shapes_in_it, monkeypatch):
-    """With two looked at first and none next, the right one must come in by the support it has."""
+    """With two looked at first and four next, the right one must come in by the support it has."""
     monkeypatch.setattr(verification, "_LIKELY", 2.0)  # the untrained model is sure of everything
     monkeypatch.setattr(verification, "_FIRST", 2)
-    monkeypatch.setattr(verification, "_NEXT", 0)
-    monkeypatch.setattr(verification, "_SUPPORTED", 4)
+    monkeypatch.setattr(verification, "_NEXT", 4)
     firsts = 0
     for index in range(0, 24, 4):
         query = transform(shapes_in_it[index], "partial", 3, seed=index)

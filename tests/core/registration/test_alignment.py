@@ -120,7 +120,7 @@ def test_other_surfaces_agree_less(bumpy, shapes):
 def test_a_handful_of_points_in_one_place():
     """Nothing to lay over: no agreement, and no error."""
     nothing = SurfaceSample(
-        np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros(8), np.zeros((8, 4), np.float32)
+        np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros(8), np.zeros((8, 29), np.float32)
     )
     alignment = align(Placed(nothing), Placed(nothing))
     assert 0 <= alignment.agreement <= 1
