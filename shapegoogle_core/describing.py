@@ -20,6 +20,8 @@ from shapegoogle_core.words import hard_words, soft_words
 __all__ = [
     "ChannelWords",
     "FloatBags",
+    "Placement",
+    "WorkingShape",
     "channel_words",
     "prepare",
     "prepare_placed",
@@ -46,6 +48,25 @@ class ChannelWords:
     sigma: float
 
 
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a prepared mesh came from: x_prepared = scale · (x - origin).
+
+    Attributes
+    ----------
+    origin : (3,) array
+        In the unit of the mesh as given.
+    scale : float
+    """
+
+    origin: FloatArray
+    scale: float
+
+    def of(self, points: FloatArray) -> FloatArray:
+        """Move (n, 3) points as the mesh was moved."""
+        return np.asarray((points - self.origin) * self.scale)
+
+
 def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     """Mend a mesh and scale it to the working area.
 
@@ -67,8 +88,8 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     return prepare_placed(settings, mesh)[0]
 
 
-def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, FloatArray]:
-    """Prepare a mesh as `prepare` does, and move its own vertices along.
+def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
+    """Prepare a mesh as `prepare` does, and say how it was moved.
 
     Parameters
     ----------
@@ -78,8 +99,7 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, FloatArra
     Returns
     -------
     prepared : Mesh
-    points : (n, 3) array
-        The vertices of `mesh`, scaled and moved as `prepared` is: they lie on or close to it.
+    placement : Placement
 
     Raises
     ------
@@ -90,17 +110,36 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, FloatArra
     used, corner = np.unique(mesh.faces, return_inverse=True)  # a stray vertex far off must not set the scale
     low, high = mesh.vertices[used].min(axis=0), mesh.vertices[used].max(axis=0)
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
-    points = (mesh.vertices - (low + high) / 2) / np.linalg.norm(high - low)
-    centered = Mesh(points[used], corner.reshape(-1, 3), mesh.name)
+    origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
+    centered = Mesh((mesh.vertices[used] - origin) / size, corner.reshape(-1, 3), mesh.name)
     mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
     area = mended.area
     if not area > 0:
         raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
-    scale = np.sqrt(settings.area / area)
-    return Mesh(mended.vertices * scale, mended.faces, mesh.name), points * scale
+    scale = float(np.sqrt(settings.area / area))
+    return Mesh(mended.vertices * scale, mended.faces, mesh.name), Placement(origin, scale / size)
 
 
-def working_shape(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Spectrum]:
+@dataclass(frozen=True, eq=False)
+class WorkingShape:
+    """A shape at the working resolution and area.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        See `prepare`.
+    spectrum : Spectrum
+        Of that mesh.
+    placement : Placement
+        Where it came from.
+    """
+
+    mesh: Mesh
+    spectrum: Spectrum
+    placement: Placement
+
+
+def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
     """Bring a mesh to the working resolution and area, and decompose it.
 
     Parameters
@@ -110,18 +149,17 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Spectrum]:
 
     Returns
     -------
-    prepared : Mesh
-        See `prepare`.
-    spectrum : Spectrum
-        Of `prepared`, with at most `settings.eigenpairs` pairs.
+    shape : WorkingShape
+        With at most `settings.eigenpairs` eigenpairs.
 
     Raises
     ------
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
     """
-    prepared = prepare(settings, mesh)
-    return prepared, compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
+    prepared, placement = prepare_placed(settings, mesh)
+    spectrum = compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
+    return WorkingShape(prepared, spectrum, placement)
 
 
 def channel_words(

@@ -199,11 +199,13 @@ class ShapeModel:
         """
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
-            prepared, spectrum = working_shape(self.settings, mesh)
-            bags = shape_bags(self.settings, self.vocabularies, spectrum) * self.weights
+            shape = working_shape(self.settings, mesh)
+            bags = shape_bags(self.settings, self.vocabularies, shape.spectrum) * self.weights
             code = self.codes(bags[None])[0]
-            chosen = self.settings.sample
-            sample = None if chosen is None else sample_surface(prepared, spectrum, chosen)
+            sample = None
+            if self.settings.sample is not None:
+                sample = sample_surface(shape.mesh, shape.spectrum, self.settings.sample)
+                sample = sample.moved_back(shape.placement.origin, shape.placement.scale)
         return ShapeSignature(
             bags=bags,
             code=code,
@@ -232,8 +234,9 @@ class ShapeModel:
         MeshError
             If the mesh has no surface.
         """
-        prepared, spectrum = working_shape(self.settings, mesh)
-        return WordMap(prepared, channel_words(self.settings, channel, self.vocabularies[channel], spectrum))
+        shape = working_shape(self.settings, mesh)
+        words = channel_words(self.settings, channel, self.vocabularies[channel], shape.spectrum)
+        return WordMap(shape.mesh, words)
 
     def embed(self, bags: FloatBags) -> FloatBags:
         """Project bags into the space of the learnt metric.

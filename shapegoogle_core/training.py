@@ -20,7 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.describing import ChannelWords, FloatBags, shape_bags, working_shape
+from shapegoogle_core.describing import (
+    ChannelWords,
+    FloatBags,
+    WorkingShape,
+    shape_bags,
+    working_shape,
+)
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, bend, transform
 from shapegoogle_core.hashing import SimilaritySensitiveHashing, rotated_components
@@ -31,7 +37,6 @@ from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.registration import Placed, SurfaceSample, align, sample_surface
 from shapegoogle_core.registration.alignment import COMMON_AGREEMENT
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
 
@@ -178,7 +183,7 @@ def _plan_versions(
     return plan
 
 
-def _version_shape(settings: ModelSettings, version: _Version) -> tuple[Mesh, Spectrum] | None:
+def _version_shape(settings: ModelSettings, version: _Version) -> WorkingShape | None:
     try:
         return working_shape(settings, version.make())
     except MeshError as error:  # e.g. holes that leave nothing of a tiny shape
@@ -190,7 +195,7 @@ def _sample_descriptors(settings: ModelSettings, version: _Version) -> list[Floa
     shape = _version_shape(settings, version)
     if shape is None:
         return None
-    _, spectrum = shape
+    spectrum = shape.spectrum
     random = np.random.default_rng(version.seed)
     vertices = random.permutation(len(spectrum.mass))[:750]
     return [
@@ -205,8 +210,10 @@ def _describe_version(
     shape = _version_shape(settings, version)
     if shape is None:
         return None
-    sample = None if settings.sample is None else sample_surface(*shape, settings.sample)
-    return shape_bags(settings, vocabularies, shape[1]), sample
+    sample = None
+    if settings.sample is not None:
+        sample = sample_surface(shape.mesh, shape.spectrum, settings.sample)
+    return shape_bags(settings, vocabularies, shape.spectrum), sample
 
 
 def _learn_vocabularies(

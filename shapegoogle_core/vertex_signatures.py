@@ -170,9 +170,10 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     settings = model.settings
     # As in `ShapeModel.describe`: the words are those that the search sees.
     with threadpool_limits(1, user_api="blas"):
-        prepared, points = prepare_placed(settings, mesh)
+        prepared, placement = prepare_placed(settings, mesh)
         spectrum = compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
         words = channel_words(settings, channel, model.vocabularies[channel], spectrum)
+    points = placement.of(mesh.vertices)
     matrix = _prolongation_to_used(prepared, mesh, points, np.full(len(points), -1))
     return VertexWords(words, matrix, bag_of_features(words, spectrum.mass))
 

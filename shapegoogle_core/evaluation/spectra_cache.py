@@ -290,7 +290,7 @@ def cached_spectrum(
     """
 
     def make() -> Arrays:
-        spectrum = working_shape(settings, mesh())[1]
+        spectrum = working_shape(settings, mesh()).spectrum
         return {
             "eigenvalues": spectrum.eigenvalues,
             "eigenvectors": spectrum.eigenvectors.astype(np.float32),

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import struct
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Self
 
 import numpy as np
@@ -34,9 +36,12 @@ _LEAST_COSINE = np.cos(np.radians(45))
 _LARGEST_RADIUS = 0.5
 # Of stored numbers; descriptors are within ±12.
 _NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 12 / 127
+# Eigenfunctions at the keypoints, times √area; ±8 are the tips of the thinnest limbs.
+_MODES, _MODE_UNIT = 24, 8 / 127
 _DESCRIPTOR_SIZE = len(_TIMES) + 2 * _BINS[0] * _BINS[1]
 _MOST_POINTS = 65_535
-_HEADER = 10  # bytes
+# Points, keypoints, numbers of a descriptor, modes; unit of the coordinates; centre and unit of the sample.
+_HEADER = struct.Struct("<4Hf4d")
 
 
 @dataclass(frozen=True)
@@ -74,12 +79,23 @@ class SurfaceSample:
     descriptors : (k, d) array of float32
         Of the first k points: logarithms of the heat kernel signature, and roots of the spin images of the
         surface and of the medial axis.
+    eigenvalues : (e,) array
+        The lowest of the Laplacian, without the first, times the area: they have no unit.
+    modes : (k, e) array of float32
+        Their eigenfunctions at the first k points, times √area.
+    center : (3,) array
+    unit : float
+        The points are at center + unit · points in the coordinates of the mesh.
     """
 
     points: FloatArray
     normals: FloatArray
     radii: FloatArray
     descriptors: NDArray[np.float32]
+    eigenvalues: FloatArray
+    modes: NDArray[np.float32]
+    center: FloatArray
+    unit: float
 
     @property
     def centers(self) -> FloatArray:
@@ -115,15 +131,37 @@ class SurfaceSample:
         spin = _spin_images(scale * self.points, self.normals, scale * self.radii, len(known), scale**2)
         return np.concatenate([heat, spin], axis=1).astype(np.float32)
 
+    def moved_back(self, origin: FloatArray, scale: float) -> Self:
+        """Return the same sample as one of the mesh that x ↦ scale · (x - origin) moved.
+
+        Parameters
+        ----------
+        origin : (3,) array
+        scale : float
+
+        Returns
+        -------
+        sample : SurfaceSample
+        """
+        return replace(self, center=origin + self.center / scale, unit=self.unit / scale)
+
     def to_bytes(self) -> bytes:
-        """Serialise in 10 bytes for each point and one for each number of a descriptor."""
-        counts = np.array([len(self.points), *self.descriptors.shape], "<u2")
-        unit = np.array([max(np.abs(self.points).max(), 1e-6) / 32767], "<f4")
-        points = np.rint(self.points / float(unit[0])).clip(-32767, 32767).astype("<i2")
+        """Serialise in 10 bytes for each point, and one for each number of a descriptor and of a mode."""
+        unit = np.float32(max(np.abs(self.points).max(), 1e-6) / 32767)
+        counts = (len(self.points), *self.descriptors.shape, len(self.eigenvalues))
+        header = _HEADER.pack(*counts, unit, *self.center, self.unit)
+        points = np.rint(self.points / float(unit)).clip(-32767, 32767).astype("<i2")
         normals = np.rint(self.normals / _NORMAL_UNIT).astype(np.int8)
-        radii = np.clip(np.rint(self.radii / _RADIUS_UNIT), -127, 127).astype(np.int8)
-        descriptors = np.clip(np.rint(self.descriptors / _DESCRIPTOR_UNIT), -127, 127).astype(np.int8)
-        return b"".join(array.tobytes() for array in (counts, unit, points, normals, radii, descriptors))
+        arrays = [points, normals, self.eigenvalues.astype("<f4")]
+        arrays += [
+            np.rint(array / size).clip(-127, 127).astype(np.int8)
+            for array, size in (
+                (self.radii, _RADIUS_UNIT),
+                (self.descriptors, _DESCRIPTOR_UNIT),
+                (self.modes, _MODE_UNIT),
+            )
+        ]
+        return header + b"".join(array.tobytes() for array in arrays)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -143,23 +181,33 @@ class SurfaceSample:
         ValueError
             If the data is no sample.
         """
-        if len(data) < _HEADER:
-            raise ValueError(f"a surface sample has at least {_HEADER} bytes")
-        points, keypoints, size = (int(count) for count in np.frombuffer(data, "<u2", 3))
-        (unit,) = np.frombuffer(data, "<f4", 1, offset=6).astype(np.float64)
-        if not (8 <= keypoints <= points and size == _DESCRIPTOR_SIZE and 0 < unit < np.inf):
+        if len(data) < _HEADER.size:
+            raise ValueError(f"a surface sample has at least {_HEADER.size} bytes")
+        points, keypoints, size, modes, step, *frame = _HEADER.unpack_from(data)
+        center, unit = np.array(frame[:3]), float(frame[3])
+        usable = 0 < step < np.inf and 0 < unit < np.inf and np.isfinite(center).all()
+        if not (8 <= keypoints <= points and size == _DESCRIPTOR_SIZE and usable):
             raise ValueError(
                 f"a surface sample cannot have {points} points and {keypoints} keypoints with {size} numbers"
             )
-        ends = np.cumsum([_HEADER, 6 * points, 3 * points, points, keypoints * size])
+        lengths = (6 * points, 3 * points, 4 * modes, points, keypoints * size, keypoints * modes)
+        ends = np.cumsum([_HEADER.size, *lengths])
         if len(data) != ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
-        positions: FloatArray = np.frombuffer(data[_HEADER : ends[1]], "<i2").reshape(points, 3) * unit
-        normals: FloatArray = np.frombuffer(data[ends[1] : ends[2]], np.int8).astype(np.float64)
-        radii = np.frombuffer(data[ends[2] : ends[3]], np.int8).astype(np.float64) * _RADIUS_UNIT
-        descriptors = np.frombuffer(data[ends[3] :], np.int8).reshape(keypoints, size)
-        normals = normals.reshape(points, 3) * _NORMAL_UNIT
-        return cls(positions, normals, radii, descriptors.astype(np.float32) * np.float32(_DESCRIPTOR_UNIT))
+        parts = [data[start:end] for start, end in pairwise(ends)]
+        normals = np.frombuffer(parts[1], np.int8).reshape(points, 3) * _NORMAL_UNIT
+        descriptors = np.frombuffer(parts[4], np.int8).reshape(keypoints, size).astype(np.float32)
+        functions = np.frombuffer(parts[5], np.int8).reshape(keypoints, modes).astype(np.float32)
+        return cls(
+            points=np.frombuffer(parts[0], "<i2").reshape(points, 3) * float(step),
+            normals=normals.astype(np.float64),
+            radii=np.frombuffer(parts[3], np.int8).astype(np.float64) * _RADIUS_UNIT,
+            descriptors=descriptors * np.float32(_DESCRIPTOR_UNIT),
+            eigenvalues=np.frombuffer(parts[2], "<f4").astype(np.float64),
+            modes=functions * np.float32(_MODE_UNIT),
+            center=center,
+            unit=unit,
+        )
 
 
 def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> SurfaceSample:
@@ -181,15 +229,30 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     random = np.random.default_rng(0)
     unit = math.sqrt(mesh.area)
     points, normals, face, corners = _random_points(mesh, max(settings.points, _CLOUD), random)
-    points = (points - points.mean(axis=0)) / unit
+    center = points.mean(axis=0)
+    points = (points - center) / unit
     chosen = farthest_points(points, settings.points)
     radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
-    heat = log_heat_kernel_signature(spectrum, _TIMES * unit**2)
-    heat = _HEAT_WEIGHT * (heat[mesh.faces[face[keys]]] * corners[keys, :, None]).sum(axis=1)
+    at_keys = mesh.faces[face[keys]], corners[keys, :, None]
+    heat = _HEAT_WEIGHT * _interpolated(log_heat_kernel_signature(spectrum, _TIMES * unit**2), *at_keys)
     spin = _spin_images(points[chosen], normals[chosen], radii, len(keys), 1.0)
-    descriptors = np.concatenate([heat, spin], axis=1).astype(np.float32)
-    return SurfaceSample(points[chosen], normals[chosen], radii, descriptors)
+    modes = slice(1, 1 + _MODES)
+    return SurfaceSample(
+        points=points[chosen],
+        normals=normals[chosen],
+        radii=radii,
+        descriptors=np.concatenate([heat, spin], axis=1).astype(np.float32),
+        eigenvalues=spectrum.eigenvalues[modes] * unit**2,
+        modes=_interpolated(unit * spectrum.eigenvectors[:, modes], *at_keys).astype(np.float32),
+        center=center,
+        unit=unit,
+    )
+
+
+def _interpolated(values: FloatArray, faces: NDArray[np.int32], corners: FloatArray) -> FloatArray:
+    """Values at the vertices, at points with barycentric coordinates in some faces."""
+    return np.asarray((values[faces] * corners).sum(axis=1))
 
 
 def _spin_images(

@@ -66,7 +66,7 @@ def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
     vocabularies = group._learn(workshop).task.vocabularies
     words = {}
     for shape in (collection.queries[1], collection.database[3]):
-        spectrum = working_shape(PREPARATION.settings, shape.mesh())[1]
+        spectrum = working_shape(PREPARATION.settings, shape.mesh()).spectrum
         values = DESCRIPTORS["hks"](spectrum, **DESCRIPTOR.parameters)
         theta = soft_words(values, vocabularies[6]["centers"], float(vocabularies[6]["sigma"]))
         words[shape.name] = (theta, spectrum)

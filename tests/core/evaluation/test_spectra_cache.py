@@ -114,7 +114,7 @@ def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:
         values = heat_kernel_signature(spectrum, channel.parameters["times"], normalize=True)
         return spatially_sensitive_bag(soft_words(values, centers, 0.01), spectrum, channel.pair_time)
 
-    exact = working_shape(settings, bumpy)[1]
+    exact = working_shape(settings, bumpy).spectrum
     centers = heat_kernel_signature(exact, channel.parameters["times"], normalize=True)[::40]
     kept = cached_spectrum(cache, settings, "key", lambda: bumpy)
     assert np.abs(pairs(kept) - pairs(exact)).sum() < 1e-5

@@ -119,9 +119,9 @@ def test_other_surfaces_agree_less(bumpy, shapes):
 
 def test_a_handful_of_points_in_one_place():
     """Nothing to lay over: no agreement, and no error."""
-    nothing = SurfaceSample(
-        np.zeros((8, 3)), np.tile([0.0, 0, 1], (8, 1)), np.zeros(8), np.zeros((8, 29), np.float32)
-    )
+    normals, zeros = np.tile([0.0, 0, 1], (8, 1)), np.zeros((8, 3))
+    looks, modes = np.zeros((8, 29), np.float32), np.zeros((8, 0), np.float32)
+    nothing = SurfaceSample(zeros, normals, np.zeros(8), looks, np.zeros(0), modes, np.zeros(3), 1.0)
     alignment = align(Placed(nothing), Placed(nothing))
     assert 0 <= alignment.agreement <= 1
 

@@ -44,17 +44,26 @@ def test_samples_forget_place_and_size(shapes, sample):
     other = sample_surface(moved, compute_spectrum(moved, k=40), SampleSettings(200, 64))
     np.testing.assert_allclose(other.points, sample.points @ turn.T, atol=1e-6)
     np.testing.assert_allclose(other.descriptors, sample.descriptors, atol=0.1)
+    np.testing.assert_allclose(other.eigenvalues, sample.eigenvalues, rtol=1e-6)
+    # Both know where they were.
+    there = other.center + other.unit * other.points
+    back = (there - [10, -3, 5]) @ turn / 7
+    np.testing.assert_allclose(back, sample.center + sample.unit * sample.points, atol=1e-5)
 
 
 def test_bytes_and_back(sample):
     content = sample.to_bytes()
-    assert len(content) == 10 + 10 * 200 + sample.descriptors.size
+    assert len(content) == 44 + 10 * 200 + sample.descriptors.size + sample.modes.size + 4 * 24
     back = SurfaceSample.from_bytes(content)
     np.testing.assert_allclose(back.points, sample.points, atol=2e-4)
     np.testing.assert_allclose(back.normals, sample.normals, atol=5e-3)
     np.testing.assert_allclose(back.radii, sample.radii, atol=2e-3)
     np.testing.assert_allclose(back.centers, sample.centers, atol=6e-3)
     np.testing.assert_allclose(back.descriptors, sample.descriptors, atol=0.05)
+    np.testing.assert_allclose(back.modes, sample.modes, atol=0.04)
+    np.testing.assert_allclose(back.eigenvalues, sample.eigenvalues, rtol=1e-6)
+    np.testing.assert_array_equal(back.center, sample.center)
+    assert back.unit == sample.unit
     assert back.to_bytes() == content
 
 
