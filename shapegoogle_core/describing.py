@@ -66,6 +66,10 @@ class Placement:
         """Move (n, 3) points as the mesh was moved."""
         return np.asarray((points - self.origin) * self.scale)
 
+    def back(self, mesh: Mesh) -> Mesh:
+        """Move a prepared mesh to where the mesh as given was."""
+        return Mesh(mesh.vertices / self.scale + self.origin, mesh.faces, mesh.name)
+
 
 def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     """Mend a mesh and scale it to the working area.

@@ -49,6 +49,8 @@ class ShapeSignature:
         Of the mesh as given.
     sample : SurfaceSample or None
         Points of the mended mesh, if the model's settings ask for them.
+    surface : Mesh or None
+        The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
     """
 
     bags: FloatBags
@@ -57,6 +59,7 @@ class ShapeSignature:
     vertex_count: int
     face_count: int
     sample: SurfaceSample | None = None
+    surface: Mesh | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,13 +183,15 @@ class ShapeModel:
             digest.update(repr(self.agreement_gain).encode())
         return digest.hexdigest()[:16]
 
-    def describe(self, mesh: Mesh) -> ShapeSignature:
+    def describe(self, mesh: Mesh, *, keep_surface: bool = False) -> ShapeSignature:
         """Compute the signature of a shape.
 
         Parameters
         ----------
         mesh : Mesh
             As read: any resolution, size and state of repair.
+        keep_surface : bool, optional
+            Put the mended mesh into the signature too: evidence of matches is measured on it.
 
         Returns
         -------
@@ -213,6 +218,7 @@ class ShapeModel:
             vertex_count=len(mesh.vertices),
             face_count=len(mesh.faces),
             sample=sample,
+            surface=shape.placement.back(shape.mesh) if keep_surface else None,
         )
 
     def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:

@@ -34,8 +34,8 @@ COMMON_AGREEMENT = 0.25
 _QUERY_KEYPOINTS = 128
 # Scales of the query that are tried. When both are scaled to unit area, a part is larger than in its whole,
 # and what is not swollen of a swollen shape is smaller.
-_SCALES = (1.0, 0.85, 1.2)
-_LEAST_SCALE, _LARGEST_SCALE = 0.68, 1.5
+_SCALES = (1.0, 0.85, 1.2, 0.7)
+_LEAST_SCALE, _LARGEST_SCALE = 0.55, 1.8
 # How well two correspondences must agree on the distance of their points, and of their balls' centres.
 _AGREEMENT = 0.05
 _GROUPS, _GROUP_SIZE = 12, 16

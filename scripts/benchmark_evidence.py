@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Measure how often the evidence of a match is right, on generated pairs of known kinds.
+
+    python3 scripts/benchmark_evidence.py [--individuals N] [--calibrate]
+
+Prints what is in docs/evidence.md: the table of confusion, the errors of factors and shares, the seconds for
+a pair. The creatures have seeds that no model was trained on. With --calibrate other ones are made, and the
+weights of the probability of another pose printed, as they stand in `shapegoogle_core/library/evidence.py`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter, defaultdict
+from multiprocessing import get_context
+from typing import TYPE_CHECKING, NamedTuple
+
+import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+TEST_SEED, CALIBRATION_SEED = 1_000, 3_000
+
+
+class Outcome(NamedTuple):
+    """What was said of a pair, and what is true."""
+
+    kind: str
+    detail: str
+    said: dict[str, object]
+    factor: float
+    share: float
+    pose: tuple[float, float, float]
+    seconds: float
+
+
+def measure(job: tuple[str, int]) -> list[Outcome]:
+    """Explain all pairs of one creature, each as if it were a match of a search."""
+    from threadpoolctl import threadpool_limits
+
+    from shapegoogle_core import load_model
+    from shapegoogle_core.evaluation.evidence_pairs import make_pairs
+    from shapegoogle_core.library import Match
+    from shapegoogle_core.library.evidence import Explainer
+    from shapegoogle_core.registration import SurfaceSample
+    from shapegoogle_core.registration.isometry import functional_map
+
+    threadpool_limits(1)
+    model = load_model()
+    outcomes = []
+    pairs = make_pairs(*job)
+    meshes = {id(mesh): mesh for pair in pairs for mesh in (pair.query, pair.candidate)}
+    signatures = {key: model.describe(mesh, keep_surface=True) for key, mesh in meshes.items()}
+    for number, pair in enumerate(pairs):
+        query, found = signatures[id(pair.query)], signatures[id(pair.candidate)]
+        distances = model.distances(query.bags, found.bags[None])
+        match = Match(
+            name=pair.detail,
+            source="",
+            object_name="",
+            distance=float(distances[0]),
+            similarity=float(model.similarity(distances)[0]),
+            shape_id=number,
+            vertex_count=found.vertex_count,
+            face_count=found.face_count,
+            area=found.area,
+        )
+        assert query.sample is not None
+        assert found.sample is not None
+        stored = SurfaceSample.from_bytes(found.sample.to_bytes())
+        started = time.process_time()
+        said = Explainer(query).explain(match, stored)
+        seconds = time.process_time() - started
+        isometry = functional_map(query.sample, stored)
+        pose = isometry.spectral_difference, isometry.orthogonality, isometry.unlikeness
+        outcomes.append(Outcome(pair.kind, pair.detail, said, pair.factor, pair.share, pose, seconds))
+    return outcomes
+
+
+def print_tables(outcomes: Sequence[Outcome]) -> None:
+    import numpy as np
+
+    from shapegoogle_core.library.evidence import KINDS
+
+    counts = Counter((outcome.kind, str(outcome.said["kind"])) for outcome in outcomes)
+    print(f"{len(outcomes)} pairs; rows: what they are, columns: what was said\n")
+    print("| | " + " | ".join(KINDS) + " | right |")
+    print("|---|" + "---|" * (len(KINDS) + 1))
+    for kind in KINDS:
+        row = [counts[kind, said] for said in KINDS]
+        right = 100 * counts[kind, kind] / max(1, sum(row))
+        print(f"| {kind} | " + " | ".join(str(count or "") for count in row) + f" | {right:.1f} % |")
+    right = sum(count for (kind, said), count in counts.items() if kind == said)
+    print(f"\nright: {100 * right / len(outcomes):.1f} %")
+    details: defaultdict[tuple[str, str], list[bool]] = defaultdict(list)
+    for outcome in outcomes:
+        details[outcome.kind, outcome.detail].append(outcome.said["kind"] == outcome.kind)
+    for (kind, detail), hits in details.items():
+        print(f"  {kind}: {detail}: {sum(hits)} of {len(hits)}")
+    for figure in ("factor", "share"):
+        errors = [
+            abs(float(str(outcome.said[figure])) / getattr(outcome, figure) - 1)
+            for outcome in outcomes
+            if outcome.said["kind"] == outcome.kind and figure in outcome.said and outcome.kind != "similar"
+        ]
+        if errors:
+            shown = np.quantile(errors, [0.5, 0.95])
+            print(f"relative error of the {figure}: median {shown[0]:.2g}, 95 % below {shown[1]:.2g}")
+    seconds = np.quantile([outcome.seconds for outcome in outcomes], [0.5, 0.95])
+    print(f"processor seconds for a pair: median {seconds[0]:.3f}, 95 % below {seconds[1]:.3f}")
+
+
+def print_weights(outcomes: Sequence[Outcome]) -> None:
+    import numpy as np
+    from sklearn.linear_model import LogisticRegression
+
+    from shapegoogle_core.library.evidence import pose_features
+
+    chosen = [outcome for outcome in outcomes if outcome.kind in ("re-posed", "similar")]
+    features = np.array([pose_features(*outcome.pose) for outcome in chosen])
+    posed = np.array([outcome.kind == "re-posed" for outcome in chosen])
+    regression = LogisticRegression(C=1.0, class_weight="balanced").fit(features, posed)
+    print("weights", regression.coef_[0].round(2).tolist(), "offset", regression.intercept_.round(2).tolist())
+    print(f"right on these {len(chosen)} pairs: {100 * regression.score(features, posed):.1f} %")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--individuals", type=int, default=2, help="of each of 31 kinds, 14 pairs each (2)")
+    parser.add_argument("--calibrate", action="store_true", help="fit the probability of another pose")
+    parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
+    options = parser.parse_args()
+
+    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS
+    from shapegoogle_core.progress import progress_bar
+
+    first = CALIBRATION_SEED if options.calibrate else TEST_SEED
+    jobs = [(kind, first + number) for kind in CREATURE_KINDS for number in range(options.individuals)]
+    with get_context("spawn").Pool(options.jobs) as pool:
+        results = progress_bar(pool.imap(measure, jobs), "creatures", len(jobs))
+        outcomes = [outcome for result in results for outcome in result]
+    if options.calibrate:
+        print_weights(outcomes)
+    else:
+        print_tables(outcomes)
+    return 0
+
+
+if __name__ == "__main__":
+    environment.enter(("demo",))
+    sys.exit(main())
