@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""A question with examples: shapes that what is looked for is like, and shapes that it is not like.
+
+Each example has its say as in a search of its own, by its distance; two rules make one distance of them:
+
+- **Like several.** d = (d₁ d₂ … dₙ)^(1/n). The log odds behind a similarity are linear in log d (see
+  `ShapeModel.similarity`), so that this averages the log odds that the examples give: what all of them find
+  near comes before what one finds nearer still and another one far. A copy of an example keeps distance 0. On
+  creatures the arithmetic mean ranks as well, but puts an example's own copy behind others; the smallest
+  distance ranks worse, and the largest much worse, for one bad example spoils it.
+- **Not like others.** A shape is what the examples mean, with odds o = (h/d)^p; or what the nearest example
+  of the other kind means, with odds o⁻ likewise; or neither, with odds 1. Its similarity is the probability
+  of the first, o / (1 + o + o⁻), and d (1 + o⁻)^(1/p) is the distance that has it. What is far from all that
+  is not meant stays where it is; what is as near to it falls to less than ½; its copies come last.
+
+One example, and none of the other kind, is an ordinary query: both rules then change nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.match import DISTANCE_DECIMALS
+from shapegoogle_core.library.store import round_bags
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model import ShapeModel, ShapeSignature, row_distances
+from shapegoogle_core.registration import SurfaceSample
+
+__all__ = ["FARTHEST", "Question", "pool_distances"]
+
+FARTHEST = 2.0
+"""Cosine distance of opposite bags: what a question wants least is shown here instead of at infinity."""
+
+
+class Question:
+    """Examples of what is looked for and of what is not, ready to be compared with bags.
+
+    Parameters
+    ----------
+    model : ShapeModel
+        The one that described all of them.
+    like : sequence of ShapeSignature
+        At least one.
+    unlike : sequence of ShapeSignature, optional
+    """
+
+    def __init__(
+        self, model: ShapeModel, like: Sequence[ShapeSignature], unlike: Sequence[ShapeSignature] = ()
+    ) -> None:
+        self._model = model
+        # One by one: the last bits of a product depend on how many rows it has.
+        self._like = [model.comparable(round_bags(signature.bags)[None]) for signature in like]
+        self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
+        self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
+        self._sampled = [index for index, signature in enumerate(like) if signature.sample is not None]
+        self.samples: list[SurfaceSample] = [
+            signature.sample for signature in like if signature.sample is not None
+        ]
+
+    @property
+    def has_unlike(self) -> bool:
+        """Whether it says what is not looked for."""
+        return bool(self._unlike)
+
+    def distances(self, bags: NDArray[np.float32]) -> FloatArray:
+        """Distance of shapes from what is asked for.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        distances : (n,) array
+            ≥ 0, rounded; infinite for copies of what it is not like.
+        """
+        vectors = self._model.comparable(bags)
+        distances = pool_distances(self._to(self._like, vectors))
+        if self._unlike:
+            # Rounded first: rounding errors must not keep a copy from being one.
+            nearest = np.round(self._to(self._unlike, vectors).min(axis=0), DISTANCE_DECIMALS)
+            likeness = self._model.similarity(nearest)
+            slope = self._model.verified_slope if self.samples else self._model.similarity_slope
+            with np.errstate(divide="ignore", over="ignore"):
+                factors = (1 - likeness) ** (-1 / slope)
+            # A copy of both kinds of examples (0 · ∞) is what was said not to be meant.
+            distances = np.where(likeness < 1, distances * np.where(likeness < 1, factors, 1), np.inf)
+        return np.asarray(np.round(distances, DISTANCE_DECIMALS))
+
+    def nearest_samples(self, bags: NDArray[np.float32]) -> NDArray[np.intp]:
+        """Which of `samples` is of the example that each shape is nearest to.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        positions : (n,) array of int
+        """
+        vectors = self._model.comparable(bags)
+        examples = [self._like[index] for index in self._sampled]
+        return np.argmin(self._to(examples, vectors), axis=0)
+
+    def _to(self, examples: Sequence[NDArray[np.float32]], vectors: NDArray[np.float32]) -> FloatArray:
+        metric = self._model.settings.metric
+        return np.stack([row_distances(metric, example, vectors) for example in examples])
+
+
+def pool_distances(distances: FloatArray) -> FloatArray:
+    """Make one distance of those to several examples: their geometric mean.
+
+    Parameters
+    ----------
+    distances : (examples, n) array
+        ≥ 0.
+
+    Returns
+    -------
+    distances : (n,) array
+        0 where one of them is 0. Of one example: as they are, to the last bit.
+    """
+    if len(distances) == 1:
+        return np.asarray(distances[0])
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.exp(np.log(distances).mean(axis=0)))
