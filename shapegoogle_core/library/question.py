@@ -61,6 +61,11 @@ class Question:
         ]
 
     @property
+    def several(self) -> bool:
+        """Whether it has several examples of what is looked for."""
+        return len(self._like) > 1
+
+    @property
     def has_unlike(self) -> bool:
         """Whether it says what is not looked for."""
         return bool(self._unlike)
@@ -80,9 +85,7 @@ class Question:
         vectors = self._model.comparable(bags)
         distances = pool_distances(self._to(self._like, vectors))
         if self._unlike:
-            # Rounded first: rounding errors must not keep a copy from being one.
-            nearest = np.round(self._to(self._unlike, vectors).min(axis=0), DISTANCE_DECIMALS)
-            likeness = self._model.similarity(nearest)
+            likeness = self._model.similarity(self._to(self._unlike, vectors).min(axis=0))
             slope = self._model.verified_slope if self.samples else self._model.similarity_slope
             with np.errstate(divide="ignore", over="ignore"):
                 factors = (1 - likeness) ** (-1 / slope)
@@ -103,11 +106,14 @@ class Question:
         """
         vectors = self._model.comparable(bags)
         examples = [self._like[index] for index in self._sampled]
-        return np.argmin(self._to(examples, vectors), axis=0)
+        nearest: NDArray[np.intp] = self._to(examples, vectors).argmin(axis=0)
+        return nearest
 
     def _to(self, examples: Sequence[NDArray[np.float32]], vectors: NDArray[np.float32]) -> FloatArray:
+        """Distances (examples, n), rounded: a copy must not seem to be none by its last bits."""
         metric = self._model.settings.metric
-        return np.stack([row_distances(metric, example, vectors) for example in examples])
+        distances = np.stack([row_distances(metric, example, vectors) for example in examples])
+        return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
 
 def pool_distances(distances: FloatArray) -> FloatArray:

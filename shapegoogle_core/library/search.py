@@ -96,8 +96,11 @@ class Search:
 
     def _verified(self, question: Question, matches: list[Match]) -> list[Match]:
         if question.samples:
-            matches = verify(
-                self._store, self._model, question.samples, matches, self._views(question, matches)
+            # That a copy of one of several examples is certain says nothing of the others.
+            copies = [match for match in matches if question.several and match.distance == 0]
+            rest = matches[len(copies) :]
+            matches = copies + verify(
+                self._store, self._model, question.samples, rest, self._views(question, rest)
             )
         if not question.has_unlike:
             return matches
