@@ -131,7 +131,7 @@ def test_the_similarity_is_the_probability_among_three(filled, model, make_signa
 
     meant, other = odds(example), odds(unwanted)
     for match in matches[:-1]:
-        expected = meant[match.name] / (1 + meant[match.name] + other[match.name])
+        expected = meant[match.name] / (1 + meant[match.name] + other[match.name] / 8)
         assert match.similarity == pytest.approx(expected, rel=1e-3)
 
 
