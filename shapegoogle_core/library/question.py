@@ -15,7 +15,9 @@ Each example has its say as in a search of its own, by its distance; two rules m
   what is marked stands among the best matches and is much like what is meant: with w = 1 a right match that
   was worse described than the marked one would fall with it.
 
-Neither rule asks geometry: it lowers the distance that they make, as it does that of an ordinary query.
+Where bags are not sure enough, geometry lowers the distance that the rules make, as it does that of an
+ordinary query: each match is laid over the example of what is looked for that is nearest to it.
+
 One example, and none of the other kind, is an ordinary query: both rules then change nothing.
 """
 

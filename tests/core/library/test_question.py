@@ -202,6 +202,7 @@ class TestMeshes:
         """Several examples take no more alignments than one, and the copy of one stops none."""
         looked_at = []
         original = verification.align
+        monkeypatch.setattr(search, "CERTAIN_OF_SEVERAL", 2.0)
         monkeypatch.setattr(
             verification, "align", lambda query, other: looked_at.append(query) or original(query, other)
         )
@@ -213,6 +214,13 @@ class TestMeshes:
         question = Question(model, examples)
         bags = np.stack([example.bags for example in examples])
         assert question.nearest_samples(bags).tolist() == [0, 1]
+
+    def test_geometry_is_not_asked_where_several_are_sure(self, library, poses, monkeypatch):
+        monkeypatch.setattr(search, "CERTAIN_OF_SEVERAL", 0.0)
+        monkeypatch.setattr(verification, "align", None)  # would fail if it were called
+        examples = [library.model.describe(mesh) for mesh in poses["horse"][:2]]
+        bare = [replace(example, sample=None) for example in examples]
+        assert library.query_signatures(examples) == library.query_signatures(bare)
 
     def test_examples_without_samples(self, library, poses):
         """As after an interrupted repair by hand: geometry goes by the others."""
