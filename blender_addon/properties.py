@@ -20,7 +20,16 @@ from bpy.props import (
     StringProperty,
 )
 
-__all__ = ["add_error", "register", "session_of", "shown_matches", "unregister"]
+__all__ = ["add_error", "examples_of", "register", "session_of", "shown_matches", "unregister"]
+
+_SEVERAL = (
+    ("JOINED", "One Shape", "Several selected objects are joined to one shape"),
+    (
+        "EXAMPLES",
+        "Examples",
+        "Each selected object is an example of what is looked for: find what all are like",
+    ),
+)
 
 _SOURCES = (
     ("ANY", "Anywhere", "Matches of all files"),
@@ -41,6 +50,14 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     size: FloatProperty(name="Size", description="How many times as large as the query")
     vertex_count: IntProperty(name="Vertices")
     in_scene: BoolProperty(name="In This Scene")
+
+
+class SHAPEGOOGLE_PG_example(bpy.types.PropertyGroup):
+    """A shape of a library that is an example of what is looked for, or of what is not."""
+
+    library: StringProperty(description="Its library: in another one its number is that of another shape")
+    shape_id: IntProperty()
+    unlike: BoolProperty(name="Not Like This")
 
 
 class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
@@ -67,7 +84,13 @@ class SHAPEGOOGLE_PG_session(bpy.types.PropertyGroup):
     # -- search
     searching: BoolProperty(name="Searching")
     query: StringProperty(name="Query", description="What was looked for")
+    several: EnumProperty(
+        name="Several Objects", description="What several selected objects mean", items=_SEVERAL
+    )
+    examples: CollectionProperty(type=SHAPEGOOGLE_PG_example)
     answer: StringProperty(name="Answer")
+    library: StringProperty(name="Library", description="Where the matches were found")
+    asked: IntProperty(description="How many examples of what is looked for the last question had")
     matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
     active_match: IntProperty(name="Match", default=-1)
     page: IntProperty(name="Page", description="Which page of the gallery is shown, from 0", min=0)
@@ -110,6 +133,21 @@ def session_of(context: Any) -> SHAPEGOOGLE_PG_session:
     return session
 
 
+def examples_of(session: SHAPEGOOGLE_PG_session, library: Path) -> list[tuple[int, Any]]:
+    """Return the examples that are shapes of a library, each with its index.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+    library : Path
+
+    Returns
+    -------
+    examples : list of (int, SHAPEGOOGLE_PG_example)
+    """
+    return [entry for entry in enumerate(session.examples) if entry[1].library == str(library)]
+
+
 def add_error(session: SHAPEGOOGLE_PG_session, path: str, reason: str) -> None:
     """Put an error into the list, once.
 
@@ -140,7 +178,7 @@ def shown_matches(session: SHAPEGOOGLE_PG_session) -> list[tuple[int, Any]]:
     """
     text = session.text.strip().lower()
     factor = 1 + session.size_tolerance / 100
-    best: dict[tuple[float, int], int] = {}  # of each shape the place among those shown
+    best: dict[tuple[float, int, float], int] = {}  # of each shape the place among those shown
     shown: list[tuple[int, Any]] = []
     for index, match in enumerate(session.matches):
         if match.similarity < session.least_similarity:
@@ -152,7 +190,9 @@ def shown_matches(session: SHAPEGOOGLE_PG_session) -> list[tuple[int, Any]]:
         if text and text not in f"{match.name}\n{match.source}".lower():
             continue
         # Equal distances to six digits and as many vertices: the same mesh, wherever it is.
-        key = round(match.distance, 6), match.vertex_count
+        # Of several examples all copies have distance 0: the sizes of their poses tell them apart.
+        size = round(match.size, 3) if session.asked > 1 else 0.0
+        key = round(match.distance, 6), match.vertex_count, size
         if session.collapse and key in best:
             # The one that can be selected stands for its copies in files.
             if match.in_scene and not shown[best[key]][1].in_scene:
@@ -202,7 +242,7 @@ def _assign(group: Any, values: dict[str, Any]) -> None:
 
 
 _register, _unregister = bpy.utils.register_classes_factory(
-    (SHAPEGOOGLE_PG_match, SHAPEGOOGLE_PG_error, SHAPEGOOGLE_PG_session)
+    (SHAPEGOOGLE_PG_match, SHAPEGOOGLE_PG_example, SHAPEGOOGLE_PG_error, SHAPEGOOGLE_PG_session)
 )
 
 
@@ -219,7 +259,16 @@ def unregister() -> None:
     bpy.app.handlers.load_post.remove(_bring_back)
     bpy.app.handlers.load_pre.remove(_keep)
     session = session_of(bpy.context)
-    for name in ("indexing", "progress", "searching", "training", "matches", "answer", "active_match"):
+    for name in (
+        "indexing",
+        "progress",
+        "searching",
+        "training",
+        "matches",
+        "examples",
+        "answer",
+        "active_match",
+    ):
         session.property_unset(name)
     del bpy.types.WindowManager.shape_google
     _unregister()

@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 __all__ = [
     "base_mesh",
     "evaluated_mesh",
+    "joined_name",
     "mesh_objects",
     "new_object",
-    "query_mesh",
+    "query_meshes",
     "selected_part",
     "split_evaluated",
 ]
@@ -135,20 +136,23 @@ def selected_part(items: Sequence[Any]) -> Mesh:
             used, corners = np.unique(faces, return_inverse=True)
             parts.append((vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)))
             names.append(item.name)
-    return _core_mesh(f"{_joined_name(names or [items[0].name])}, selected part", parts)
+    return _core_mesh(f"{joined_name(names or [items[0].name])}, selected part", parts)
 
 
-def query_mesh(context: Any) -> Mesh:
-    """Return the shape that the user means: what is selected in edit mode, else the selected objects, joined.
+def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
+    """Return what the user means: what is selected in edit mode, else the selected objects.
 
     Parameters
     ----------
     context : bpy.types.Context
+    separate : bool, optional
+        Whether several objects are shapes of their own; else they are joined. What is selected in edit mode
+        is always one shape.
 
     Returns
     -------
-    mesh : Mesh
-        As seen, with modifiers; in edit mode before them.
+    meshes : list of Mesh
+        At least one. As seen, with modifiers; in edit mode before them. The active object's first.
 
     Raises
     ------
@@ -166,16 +170,18 @@ def query_mesh(context: Any) -> Mesh:
             names = " and ".join(repr(item.name) for item in edited.values())
             verb = "has" if len(edited) == 1 else "have"
             raise MeshError(f"{names} {verb} no selected faces; select the faces to look for")
-        return part
+        return [part]
     chosen = mesh_objects(context.selected_objects)
     if not chosen and active is not None and active.type == "MESH":
         chosen = [active]
     if not chosen:
         raise MeshError("no mesh object is selected; select the shape to look for")
     depsgraph = context.evaluated_depsgraph_get()
-    return _core_mesh(
-        _joined_name([item.name for item in chosen]), [_evaluated_arrays(item, depsgraph) for item in chosen]
-    )
+    if separate:
+        chosen.sort(key=lambda item: item != active)
+        return [evaluated_mesh(item, depsgraph) for item in chosen]
+    name = joined_name([item.name for item in chosen])
+    return [_core_mesh(name, [_evaluated_arrays(item, depsgraph) for item in chosen])]
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:
@@ -198,7 +204,8 @@ def new_object(context: Any, mesh: Mesh, name: str) -> Any:
     return item
 
 
-def _joined_name(names: Sequence[str]) -> str:
+def joined_name(names: Sequence[str]) -> str:
+    """Return the first name, and how many more there are."""
     return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 

@@ -149,11 +149,16 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "With --json, one line for each mesh:\n"
         '  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}\n'
         'A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others go on.\n'
+        "With --together all meshes are examples of what you look for, and give one line:\n"
+        '  {"query": [path, …], "unlike": [path, …], "matches": […]}\n'
+        "What all of them are near to comes first; an example that cannot be read fails the question. With\n"
+        "--unlike, also without --together, what is near to one of its meshes falls behind.\n"
         "similarity, 0 to 1: how likely it is the same shape transformed rather than the nearest of many\n"
         "others. distance orders the list, from 0 for the very same to 2. evidence is always null so far.\n\n"
         "examples:\n"
         "  shapegoogle query horse.obj --library shapes.sglib\n"
-        "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n",
+        "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n"
+        "  shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib\n",
     )
     query.add_argument("meshes", nargs="+", metavar="MESH", help="mesh file")
     _library_option(query)
@@ -165,7 +170,18 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         action="store_true",
         help="compare all shapes in full: slower in a large library, misses nothing",
     )
-    query.add_argument("--json", action="store_true", help="print one JSON object for each mesh")
+    query.add_argument(
+        "--together", action="store_true", help="the meshes are examples of one thing: ask once, for all"
+    )
+    query.add_argument(
+        "--unlike",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="MESH",
+        help="mesh files of what you do not look for",
+    )
+    query.add_argument("--json", action="store_true", help="print one JSON object for each answer")
 
     info = _command(subparsers, program, "info", commands.info, "say what a library holds", "")
     _library_option(info)

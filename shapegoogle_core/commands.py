@@ -27,7 +27,7 @@ from shapegoogle_core.indexing import (
 )
 from shapegoogle_core.library import Library, Match
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import load_model
+from shapegoogle_core.model import ShapeSignature, load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
 
 __all__ = ["index", "info", "query", "say", "train"]
@@ -126,35 +126,63 @@ def _index_summary(report: IndexReport, failed: Failures, removed: list[str], sh
 
 
 def query(options: Namespace) -> int:
-    """Print the best matches of each mesh."""
+    """Print the best matches of each mesh, or of all of them together."""
     failed: Failures = []
+    answered = False
     with Library.open(options.library, read_only=True) as library:
         shapes = len(library)
-        for path in options.meshes:
+        unlike = _examples(library, options.unlike, options, failed)
+        if options.together:
+            like = _examples(library, options.meshes, options, failed)
+            if isinstance(like, str) or isinstance(unlike, str):
+                # Without one of its examples it would be another question.
+                reasons = [reason for reason in (like, unlike) if isinstance(reason, str)]
+                _answer(options, options.meshes, None, "; ".join(reasons))
+            else:
+                matches = library.query_signatures(like, options.top, options.exact, unlike=unlike)
+                _answer(options, options.meshes, None, matches, shapes)
+                answered = True
+        for path in () if options.together else options.meshes:
+            if isinstance(unlike, str):
+                _answer(options, path, None, unlike)
+                continue
             try:
                 found = _read_queries(path, options, failed)
             except (MeshError, MemoryError) as error:
-                if options.verbose:
-                    traceback.print_exc()
-                _answer(options, path, None, _query_failure(path, error, failed))
+                _answer(options, path, None, _query_failure(path, error, options, failed))
                 continue
             for shape in found:
                 try:
-                    matches = library.query(shape.mesh, top=options.top, exact=options.exact)
+                    signature = library.model.describe(shape.mesh)
+                    matches = library.query_signatures([signature], options.top, options.exact, unlike=unlike)
                 except (MeshError, MemoryError) as error:
-                    if options.verbose:
-                        traceback.print_exc()
-                    _answer(options, path, shape, _query_failure(path, error, failed))
+                    _answer(options, path, shape, _query_failure(path, error, options, failed))
                 else:
                     _answer(options, path, shape, matches, shapes)
+                    answered = True
     end_external_readers()
-    if not options.json and len(failed) < len(options.meshes):
+    if answered and not options.json:
         print(
             "similarity: how likely it is the same shape transformed rather than the nearest of many others\n"
             "distance:   what orders the list, from 0 for the very same to 2"
         )
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
+
+
+def _examples(
+    library: Library, paths: Sequence[str], options: Namespace, failed: Failures
+) -> list[ShapeSignature] | str:
+    """Describe all shapes of files that are examples of one thing; a sentence if one of the files fails."""
+    signatures: list[ShapeSignature] = []
+    reasons = []
+    for path in paths:
+        try:
+            found = _read_queries(path, options, failed)
+            signatures += [library.model.describe(shape.mesh) for shape in found]
+        except (MeshError, MemoryError) as error:
+            reasons.append(_query_failure(path, error, options, failed))
+    return "; ".join(reasons) if reasons else signatures
 
 
 def _read_queries(path: str, options: Namespace, failed: Failures) -> Sequence[FoundShape]:
@@ -166,7 +194,9 @@ def _read_queries(path: str, options: Namespace, failed: Failures) -> Sequence[F
     return found.shapes
 
 
-def _query_failure(path: str, error: BaseException, failed: Failures) -> str:
+def _query_failure(path: str, error: BaseException, options: Namespace, failed: Failures) -> str:
+    if options.verbose:
+        traceback.print_exception(error)
     reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
     failed.append((Path(path), reason))
     return reason
@@ -174,17 +204,24 @@ def _query_failure(path: str, error: BaseException, failed: Failures) -> str:
 
 def _answer(
     options: Namespace,
-    path: str,
+    query: str | list[str],
     shape: FoundShape | None,
     answer: list[Match] | str,
     shapes: int = 0,
 ) -> None:
-    """Print what was found for one shape, or a sentence on why it could not be looked for."""
-    record: dict[str, object] = {"query": path}
-    title = path
+    """Print what was found for one question, or a sentence on why it could not be looked for.
+
+    The question is a file, one shape of a file, or several files together.
+    """
+    record: dict[str, object] = {"query": query}
+    title = query if isinstance(query, str) else " and ".join(query)
     if shape is not None and shape.object_name:
         record["object"] = shape.object_name
-        title = f"{path}, {shape.object_name}"
+        title = f"{title}, {shape.object_name}"
+    if options.together or options.unlike:
+        record["unlike"] = options.unlike
+    if options.unlike:
+        title = f"{title}, not like {' and '.join(options.unlike)}"
     if isinstance(answer, str):
         record |= {"matches": [], "error": answer}
     else:

@@ -12,7 +12,7 @@ from bpy.props import IntProperty
 
 from .. import assets, jobs, scene
 from ..preferences import preferences
-from ..properties import session_of
+from ..properties import examples_of, session_of
 from ..scene_index import file_of, is_here
 
 if TYPE_CHECKING:
@@ -31,7 +31,8 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     bl_label = "Find Similar"
     bl_description = (
         "Find the shapes of the library that are most like the active object, in any pose, at any size. "
-        "Several selected objects are joined; in edit mode the selected faces are looked for"
+        "Several selected objects are one shape or several examples, as chosen below; in edit mode the "
+        "selected faces are looked for"
     )
 
     @classmethod
@@ -42,7 +43,11 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             return False
         active = context.active_object
         chosen = scene.mesh_objects(context.selected_objects)
-        if not chosen and (active is None or active.type != "MESH"):
+        if (
+            not chosen
+            and (active is None or active.type != "MESH")
+            and not any(not example.unlike for example in _examples(context))
+        ):
             cls.poll_message_set("Select a mesh object")
             return False
         if not preferences(context).library_path().is_file():
@@ -95,22 +100,43 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         from shapegoogle_core.library.tasks import query
 
         session = session_of(context)
+        examples = _examples(context)
+        like = [example for example in examples if not example.unlike]
+        unlike = [example for example in examples if example.unlike]
         try:
-            mesh = scene.query_mesh(context)
+            meshes = scene.query_meshes(context, separate=session.several == "EXAMPLES")
         except MeshError as error:
-            self.report({"ERROR"}, str(error))
-            return None
-        future = jobs.worker().submit(query, preferences(context).library_path(), mesh, session.top)
+            # With examples from the library nothing need be selected; in edit mode something was meant.
+            if not like or context.mode == "EDIT_MESH":
+                self.report({"ERROR"}, str(error))
+                return None
+            meshes = []
+        future = jobs.worker().submit(
+            query,
+            preferences(context).library_path(),
+            meshes,
+            session.top,
+            [(example.shape_id, example.name) for example in like],
+            [(example.shape_id, example.name) for example in unlike],
+        )
         _asked[:] = [future]
         session.searching = True
-        session.query = mesh.name
-        session.answer = f"Looking for {mesh.name} …"
+        session.query = scene.joined_name([shape.name for shape in (*meshes, *like)])
+        if unlike:
+            session.query += f", not like {scene.joined_name([example.name for example in unlike])}"
+        session.answer = f"Looking for {session.query} …"
         return future
+
+
+def _examples(context: Any) -> list[Any]:
+    """Shapes of the present library that are examples of what is looked for, or of what is not."""
+    return [example for _, example in examples_of(session_of(context), preferences(context).library_path())]
 
 
 def _show(context: Any, answer: Answer, seconds: float) -> None:
     session = session_of(context)
     session.searching = False
+    session.library, session.asked = str(answer.library), answer.examples
     session.matches.clear()
     assets.forget_pictures()
     for match in answer.matches:

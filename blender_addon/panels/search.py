@@ -8,9 +8,9 @@ from typing import Any
 
 import bpy
 
-from .. import assets, jobs
+from .. import assets, jobs, scene
 from ..preferences import preferences
-from ..properties import session_of, shown_matches
+from ..properties import examples_of, session_of, shown_matches
 from .text import wrapped
 
 __all__ = ["register", "unregister"]
@@ -44,6 +44,9 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
             row.operator("shape_google.cancel_search", text="", icon="X")
         else:
             row.operator("shape_google.find_similar", icon="VIEWZOOM")
+        if context.mode == "OBJECT" and len(scene.mesh_objects(context.selected_objects)) > 1:
+            layout.row(heading="Several Objects").prop(session, "several", expand=True)
+        _draw_examples(layout, examples_of(session, preferences(context).library_path()))
         _draw_filters(layout, session)
         if session.answer and not session.searching:
             wrapped(layout, session.answer, context)
@@ -51,7 +54,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
             return
         shown = shown_matches(session)
         if any(index == session.active_match for index, _ in shown):
-            _draw_match(layout, session.matches[session.active_match])
+            _draw_match(layout, session, session.matches[session.active_match])
         _draw_gallery(layout, session, shown, context)
         hidden = len(session.matches) - len(shown)
         if hidden:
@@ -60,6 +63,20 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
 
 def _show_count(shapes: int) -> None:
     session_of(bpy.context).shape_count = shapes
+
+
+def _draw_examples(layout: Any, examples: list[tuple[int, Any]]) -> None:
+    if not examples:
+        return
+    column = layout.box().column(align=True)
+    row = column.row()
+    row.label(text="Examples from the Library")
+    row.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)
+    for index, example in examples:
+        row = column.row()
+        kind = "Not like" if example.unlike else "Like"
+        row.label(text=f"{kind} {example.name}", icon="REMOVE" if example.unlike else "ADD")
+        row.operator("shape_google.remove_example", text="", icon="X", emboss=False).index = index
 
 
 def _draw_filters(layout: Any, session: Any) -> None:
@@ -81,7 +98,7 @@ def _draw_filters(layout: Any, session: Any) -> None:
     body.prop(session, "collapse")
 
 
-def _draw_match(layout: Any, match: Any) -> None:
+def _draw_match(layout: Any, session: Any, match: Any) -> None:
     box = layout.box()
     column = box.column(align=True)
     column.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
@@ -100,6 +117,15 @@ def _draw_match(layout: Any, match: Any) -> None:
         grid.operator("shape_google.link_match", icon="LINK_BLEND")
         grid.operator("shape_google.open_match", icon="FILE_BLEND")
     grid.operator("shape_google.mark_match", icon="COLOR")
+    marks = [
+        example.unlike
+        for example in session.examples
+        if (example.library, example.shape_id) == (session.library, match.shape_id)
+    ]
+    row = box.row(align=True)
+    for unlike, text, icon in ((False, "More Like This", "ADD"), (True, "Not Like This", "REMOVE")):
+        button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
+        button.unlike = unlike
 
 
 def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:

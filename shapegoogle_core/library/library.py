@@ -15,6 +15,7 @@ import numpy as np
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.question import Question
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.search import Search
 from shapegoogle_core.library.stars import Wrapper
@@ -404,22 +405,33 @@ class Library:
 
     # -- search ---------------------------------------------------------------------------------------------
 
-    def query(self, mesh: Mesh, top: int = 10, exact: bool = False) -> list[Match]:
-        """Find the shapes most like a mesh.
+    def query(
+        self,
+        mesh: Mesh | Sequence[Mesh],
+        top: int = 10,
+        exact: bool = False,
+        *,
+        unlike: Sequence[Mesh] = (),
+    ) -> list[Match]:
+        """Find the shapes most like a mesh, or like several examples of what is looked for.
 
         The codes of all shapes are compared first; the `CANDIDATES` nearest (and never fewer than
         `CANDIDATES_PER_MATCH` for each match asked for) are then compared by their full bags. The best of
-        these are laid over the query (see `verification`), if the model takes samples of surfaces.
+        these are laid over the query (see `verification`), if the model takes samples of surfaces. What
+        several examples mean together is said in `question`.
 
         Parameters
         ----------
-        mesh : Mesh
-            In any pose, at any size.
+        mesh : Mesh or sequence of Mesh
+            In any pose, at any size. Several are examples of one thing: shapes near to all of them come
+            first.
         top : int, optional
             How many matches; fewer come back when there are fewer shapes.
         exact : bool, optional
             Compare the full bags of all shapes: nothing can be missed, but it takes time in proportion to the
             size of the library.
+        unlike : sequence of Mesh, optional
+            Examples of what is not looked for: shapes near to one of them fall behind, its copies to the end.
 
         Returns
         -------
@@ -429,9 +441,17 @@ class Library:
         Raises
         ------
         MeshError
-            If the model cannot describe the mesh.
+            If the model cannot describe one of the meshes.
+        ValueError
+            If there is no mesh, or `top` is below 1.
         """
-        return self.query_signature(self._model.describe(mesh), top, exact)
+        meshes = [mesh] if isinstance(mesh, Mesh) else mesh
+        return self.query_signatures(
+            [self._model.describe(example) for example in meshes],
+            top,
+            exact,
+            unlike=[self._model.describe(example) for example in unlike],
+        )
 
     def query_signature(self, signature: ShapeSignature, top: int = 10, exact: bool = False) -> list[Match]:
         """Find the shapes most like one that is described already; else as `query`.
@@ -441,12 +461,33 @@ class Library:
         LibraryError
             If another model made the signature.
         """
+        return self.query_signatures([signature], top, exact)
+
+    def query_signatures(
+        self,
+        signatures: Sequence[ShapeSignature],
+        top: int = 10,
+        exact: bool = False,
+        *,
+        unlike: Sequence[ShapeSignature] = (),
+    ) -> list[Match]:
+        """Find the shapes most like several examples that are described already; else as `query`.
+
+        Raises
+        ------
+        LibraryError
+            If another model made one of the signatures.
+        """
         if top < 1:
             raise ValueError(f"top must be at least 1, not {top}")
-        self._check_signature(signature, "the query")
+        if not signatures:
+            raise ValueError("there is nothing to look for: give at least one example of it")
+        for signature in (*signatures, *unlike):
+            self._check_signature(signature, "the query")
+        question = Question(self._model, signatures, unlike)
         if exact:
-            return self._search.among_all(signature, top)
-        return self._search.among_nearest_codes(signature, top)
+            return self._search.among_all(question, top)
+        return self._search.among_nearest_codes(question, top)
 
     def duplicates(
         self, min_similarity: float = MIN_SIMILARITY, progress: Wrapper = iter

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library.duplicates import (
     MIN_SIMILARITY,
     DuplicateGroup,
@@ -31,6 +31,7 @@ from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 __all__ = [
     "Answer",
     "Description",
+    "StoredExample",
     "describe",
     "describe_meshes",
     "group_similar",
@@ -47,6 +48,9 @@ SAME_SIZE = 1e-3
 # Similarity from which a match is more likely the same shape than the nearest of many others.
 LIKELY = 0.5
 
+StoredExample = tuple[int, str]
+"""Id and name of a shape of a library."""
+
 # Open libraries by path, each with what tells its file from another one put in its place.
 _open: dict[Path, tuple[tuple[int, int], Library]] = {}
 # Models that are in no library, by the name or path that `load_model` takes, with the time of their file.
@@ -59,6 +63,8 @@ class Answer:
 
     Attributes
     ----------
+    library : Path
+        What was asked.
     matches : list of Match
         Best first.
     kinds : dict of int to str
@@ -68,26 +74,39 @@ class Answer:
     shape_count : int
         How many shapes the library has.
     area : float
-        Of the query, in squared units.
+        Of the query, in squared units; of its first example, if it has several.
+    examples : int
+        How many there were of what is looked for.
     """
 
+    library: Path
     matches: list[Match]
     kinds: dict[int, str]
     thumbnails: dict[int, bytes]
     shape_count: int
     area: float
+    examples: int
 
 
-def query(path: Path, mesh: Mesh, top: int) -> Answer:
-    """Find the shapes of a library that are most like a mesh.
+def query(
+    path: Path,
+    meshes: Sequence[Mesh],
+    top: int,
+    like: Sequence[StoredExample] = (),
+    unlike: Sequence[StoredExample] = (),
+) -> Answer:
+    """Find the shapes of a library that are most like a mesh, or like several examples.
 
     Parameters
     ----------
     path : Path
         The library.
-    mesh : Mesh
+    meshes : sequence of Mesh
+        Examples of what is looked for.
     top : int
         How many matches.
+    like, unlike : sequence of (int, str), optional
+        Shapes of the library, by id and name, as further examples of what is looked for and of what is not.
 
     Returns
     -------
@@ -96,21 +115,45 @@ def query(path: Path, mesh: Mesh, top: int) -> Answer:
     Raises
     ------
     LibraryError
-        If the library cannot be opened or read.
+        If the library cannot be opened or read, or an example is no longer in it.
     MeshError
-        If the mesh cannot be described.
+        If a mesh cannot be described.
+    ValueError
+        If there is no example of what is looked for.
     """
     library = _library(path)
-    signature = library.model.describe(mesh)
-    matches = library.query_signature(signature, top)
+    signatures = [library.model.describe(mesh) for mesh in meshes]
+    signatures += [_stored_signature(library, example) for example in like]
+    matches = library.query_signatures(
+        signatures, top, unlike=[_stored_signature(library, example) for example in unlike]
+    )
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
     return Answer(
+        library=path,
         matches=matches,
-        kinds={match.shape_id: kind_of_match(signature, match) for match in matches},
+        kinds={match.shape_id: kind_of_match(_like_counts(signatures, match), match) for match in matches},
         thumbnails={shape_id: png for shape_id, png in pictures if png is not None},
         shape_count=len(library),
-        area=signature.area,
+        area=signatures[0].area,
+        examples=len(signatures),
     )
+
+
+def _stored_signature(library: Library, example: StoredExample) -> ShapeSignature:
+    shape_id, name = example
+    try:
+        return library.signature(shape_id)
+    except LibraryError as error:
+        raise LibraryError(
+            f"the example {name!r} cannot be used: {error}; take it off the list of examples"
+        ) from error
+
+
+def _like_counts(signatures: Sequence[ShapeSignature], match: Match) -> ShapeSignature:
+    """Return the example that may be the mesh of a match; else the first one."""
+    counts = match.vertex_count, match.face_count
+    same = (one for one in signatures if (one.vertex_count, one.face_count) == counts)
+    return next(same, signatures[0])
 
 
 def kind_of_match(query: ShapeSignature, match: Match) -> str:

@@ -11,7 +11,7 @@ finds another individual in the query's own pose.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +24,9 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Placed, SurfaceSample, align, support
 
 __all__ = ["SCREENED", "unpack_sample", "verify"]
+
+# The sample that a match is laid over.
+QueryOf = Callable[[Match], Placed]
 
 SCREENED = 300
 """How many of the best candidates geometry looks at."""
@@ -40,17 +43,26 @@ _LIKELY = 0.9
 _NEXT, _SUPPORT_GAIN = 48, 5.0
 
 
-def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequence[Match]) -> list[Match]:
+def verify(
+    store: Store,
+    model: ShapeModel,
+    samples: Sequence[SurfaceSample],
+    matches: Sequence[Match],
+    views: Mapping[int, int],
+) -> list[Match]:
     """Lay the best matches over the query, and lower the distances of those that fit.
 
     Parameters
     ----------
     store : Store
     model : ShapeModel
-    sample : SurfaceSample
-        Of the query.
+    samples : sequence of SurfaceSample
+        Of the query; several, if it has several examples.
     matches : sequence of Match
         Best first.
+    views : mapping of int to int
+        Which of the samples a match is laid over, by its shape id; the first one, where it is not named. With
+        one for each match, several examples take no longer than one.
 
     Returns
     -------
@@ -65,7 +77,11 @@ def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequ
         replace(match, similarity=float(similarity))
         for match, similarity in zip(matches, similarities, strict=True)
     ]
-    query = Placed(sample)
+    placed = [Placed(sample) for sample in samples]
+
+    def query(match: Match) -> Placed:
+        return placed[views.get(match.shape_id, 0)]
+
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         verified = [_verified(model, query, *pair) for pair in _placed(store, model, matches[:_FIRST])]
@@ -78,11 +94,15 @@ def verify(store: Store, model: ShapeModel, sample: SurfaceSample, matches: Sequ
     return sorted([*verified, *rest], key=lambda match: match.rank_key)
 
 
-def _worth_a_look(store: Store, model: ShapeModel, query: Placed, candidates: Sequence[Match]) -> list[Match]:
+def _worth_a_look(
+    store: Store, model: ShapeModel, query: QueryOf, candidates: Sequence[Match]
+) -> list[Match]:
     """Choose the best by their bags and their support in space."""
 
     def promise(match: Match, placed: Placed | None) -> float:
-        return match.distance * math.exp(-_SUPPORT_GAIN * (0.0 if placed is None else support(query, placed)))
+        return match.distance * math.exp(
+            -_SUPPORT_GAIN * (0.0 if placed is None else support(query(match), placed))
+        )
 
     promises = [(promise(match, placed), match) for match, placed in _placed(store, model, candidates)]
     promises.sort(key=lambda pair: (pair[0], pair[1].rank_key))
@@ -115,10 +135,10 @@ def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -
     return sample
 
 
-def _verified(model: ShapeModel, query: Placed, match: Match, candidate: Placed | None) -> Match:
+def _verified(model: ShapeModel, query: QueryOf, match: Match, candidate: Placed | None) -> Match:
     if candidate is None:
         return match
-    distance = model.verified_distance(match.distance, align(query, candidate).agreement)
+    distance = model.verified_distance(match.distance, align(query(match), candidate).agreement)
     distance = round(distance, DISTANCE_DECIMALS)
     return replace(
         match, distance=distance, similarity=float(model.similarity(np.array(distance), verified=True))

@@ -46,6 +46,9 @@ def blender(addon: ModuleType, tmp_path: Path) -> ModuleType:
     session = bpy.context.window_manager.shape_google
     for name in (
         "matches",
+        "examples",
+        "several",
+        "asked",
         "errors",
         "least_similarity",
         "use_size",

@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import os
+import shutil
 from pathlib import Path
 
 import bpy
@@ -158,6 +159,106 @@ def test_the_selected_part_and_several_objects(indexed: Path, preferences, sessi
     assert session.query in ("Query and 1 more", "Other and 1 more")
 
 
+def test_selected_objects_as_examples(indexed: Path, preferences, session) -> None:
+    """Both are found: joined they would be a third shape, which the library does not have."""
+    for seed, name in ((2, "Second"), (0, "First")):
+        lumpy(name, seed)
+    bpy.data.objects["Second"].select_set(True)
+    session.several = "EXAMPLES"
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert session.query == "First and 1 more"
+    assert session.asked == 2
+    copies = [match for match in session.matches if match.distance == 0]
+    assert {match.name for match in copies} == {"Apple", "Plum", "nut.obj"}
+    assert {match.kind for match in copies if match.name == "Apple"} == {"Same mesh"}
+    assert [match.name for match in session.matches][-1] == "Pear"
+    session.several = "JOINED"
+    bpy.ops.shape_google.find_similar()
+    assert session.asked == 1
+    assert all(match.distance > 0 for match in session.matches)
+
+
+def test_copies_of_two_examples_are_not_taken_for_one_shape(
+    addon, indexed: Path, preferences, session
+) -> None:
+    """All have distance 0, and as poses of one mesh as many vertices; Plum and nut.obj are one shape."""
+    shown_matches = importlib.import_module(f"{addon.__name__}.properties").shown_matches
+    lumpy("Second", 2)
+    lumpy("First", 0).select_set(True)
+    bpy.data.objects["Second"].select_set(True)
+    session.several = "EXAMPLES"
+    bpy.ops.shape_google.find_similar()
+    names = {match.name for _, match in shown_matches(session)}
+    assert names in ({"Apple", "Pear", "Plum"}, {"Apple", "Pear", "nut.obj"})
+
+
+def test_more_and_not_like_a_match(indexed: Path, preferences, session) -> None:
+    lumpy("Query", 1)
+    bpy.ops.shape_google.find_similar()
+    second = session.matches[1]
+    name, shape_id = second.name, second.shape_id
+    bpy.ops.shape_google.choose_match(index=1)
+    assert bpy.ops.shape_google.mark_example(unlike=True) == {"FINISHED"}
+    assert [(example.name, example.shape_id, example.unlike) for example in session.examples] == [
+        (name, shape_id, True)
+    ]
+    # Nothing is asked before the user says so.
+    assert session.matches[1].name == name
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert session.query == f"Query, not like {name}"
+    assert session.matches[0].name == "Pear"
+    assert session.matches[-1].distance == 2
+    assert shape_id in [match.shape_id for match in session.matches if match.distance == 2]
+
+    # The other button makes it an example of what is looked for.
+    session.active_match = [match.shape_id for match in session.matches].index(shape_id)
+    bpy.ops.shape_google.mark_example(unlike=False)
+    assert [example.unlike for example in session.examples] == [False]
+    bpy.ops.shape_google.find_similar()
+    assert session.query == "Query and 1 more"
+    assert {match.shape_id for match in session.matches if match.distance == 0} >= {shape_id}
+    # Once more takes it back.
+    session.active_match = [match.shape_id for match in session.matches].index(shape_id)
+    bpy.ops.shape_google.mark_example(unlike=False)
+    assert not session.examples
+    assert not bpy.ops.shape_google.clear_examples.poll()
+
+
+def test_examples_of_the_library_alone(indexed: Path, preferences, session) -> None:
+    lumpy("Query", 1)
+    bpy.ops.shape_google.find_similar()
+    best = session.matches[0].shape_id
+    bpy.ops.shape_google.mark_example()
+    bpy.data.objects.remove(bpy.data.objects["Query"])
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert (session.query, session.matches[0].shape_id) == ("Pear", best)
+    session.examples[0].unlike = True
+    assert not bpy.ops.shape_google.find_similar.poll()
+    assert bpy.ops.shape_google.remove_example(index=1) == {"CANCELLED"}
+    assert bpy.ops.shape_google.remove_example(index=0) == {"FINISHED"}
+    assert not session.examples
+
+
+def test_examples_belong_to_their_library(indexed: Path, preferences, session, tmp_path: Path) -> None:
+    """In another one their numbers are those of other shapes; and what is gone is said by its name."""
+    lumpy("Query", 1)
+    bpy.ops.shape_google.find_similar()
+    bpy.ops.shape_google.mark_example(unlike=True)
+    first = preferences.library
+    shutil.copy(first, tmp_path / "other.sglib")
+    preferences.library = str(tmp_path / "other.sglib")
+    bpy.ops.shape_google.find_similar()
+    assert session.query == "Query"
+    assert not bpy.ops.shape_google.clear_examples.poll()
+    preferences.library = first
+    with Library.open(first) as library:
+        library.remove_shape(session.examples[0].shape_id)
+    with pytest.raises(RuntimeError, match=r"example 'Pear' cannot be used: .*take it off the list"):
+        bpy.ops.shape_google.find_similar()
+    assert bpy.ops.shape_google.clear_examples() == {"FINISHED"}
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+
+
 def test_the_scene_itself(preferences, session) -> None:
     lumpy("First", 0)
     lumpy("Second", 1)
@@ -286,6 +387,7 @@ def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, sessi
     bpy.ops.shape_google.find_similar()
     names = [match.name for match in session.matches]
     session.least_similarity = 0.25
+    bpy.ops.shape_google.mark_example(unlike=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"), copy=True)
     for load_ui in (True, False):
         bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "other.blend"), load_ui=load_ui)
@@ -294,6 +396,7 @@ def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, sessi
         assert [error.name for error in kept.errors] == ["broken.blend"]
         assert (kept.active_match, kept.query) == (0, "Query")
         assert kept.least_similarity == pytest.approx(0.25)
+        assert [(example.name, example.unlike) for example in kept.examples] == [("Pear", True)]
     # The file of the best match is open now: it can be selected there.
     bpy.ops.shape_google.open_match()
     kept = bpy.context.window_manager.shape_google

@@ -89,13 +89,13 @@ def test_the_selected_faces_of_all_objects_in_edit_mode(scene) -> None:
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
     with pytest.raises(MeshError, match=r"'First'.* have no selected faces"):
-        scene.query_mesh(bpy.context)
+        scene.query_meshes(bpy.context)
     select_faces(items[1], 2)
-    part = scene.query_mesh(bpy.context)
+    (part,) = scene.query_meshes(bpy.context)
     assert (part.name, len(part.faces)) == ("Second, selected part", 4)
     assert part.vertices[:, 0].min() >= 8
     select_faces(items[0], 1)
-    part = scene.query_mesh(bpy.context)
+    (part,) = scene.query_meshes(bpy.context)
     # The twin is not counted once more: it is the same mesh, edited once.
     assert (part.name, len(part.faces)) == ("First and 1 more, selected part", 6)
     bpy.ops.object.mode_set(mode="OBJECT")

@@ -59,6 +59,8 @@ def test_help_and_version(run) -> None:
         ["index", "folder", "--library", "x", "--time-limit", "nan"],
         ["query", "--library", "x"],
         ["query", "mesh.obj", "--library", "x", "--top", "0"],
+        ["query", "mesh.obj", "--library", "x", "--unlike"],
+        ["query", "--together", "--library", "x"],
         ["info"],
         ["train", "folder"],
     ],
@@ -153,6 +155,62 @@ def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Pat
     assert first.index(str(query)) == second.index(str(folder)) == head.index("source")
     assert blank == ""
     assert [line.split(":")[0] for line in legend] == ["similarity", "distance"]
+
+
+def test_meshes_together_are_one_question(run, indexed: Library, library_file: Path, folder: Path) -> None:
+    meshes = [folder / "pear.obj", folder / "apple.off"]
+    unlike = folder / "more" / "plum.stl"
+    code, stdout, stderr = run(
+        "query", *meshes, "--together", "--unlike", unlike, "--library", library_file, "--json"
+    )
+    assert (code, stderr) == (0, "")
+    record = json.loads(stdout)
+    assert list(record) == ["query", "unlike", "matches"]
+    assert (record["query"], record["unlike"]) == (list(map(str, meshes)), [str(unlike)])
+    assert [match["name"] for match in record["matches"]] == ["apple.off", "pear.obj", "plum.stl"]
+    assert record["matches"][-1]["distance"] == 2
+    code, stdout, _ = run("query", *meshes, "--together", "--library", library_file, "--json")
+    record = json.loads(stdout)
+    assert (record["unlike"], len(record["matches"])) == ([], 3)
+    _, stdout, _ = run("query", *meshes, "--together", "--unlike", unlike, "--library", library_file)
+    title = stdout.splitlines()[0]
+    assert title == f"{meshes[0]} and {meshes[1]}, not like {unlike}: the best 3 of 3 shapes"
+    assert stdout.splitlines()[-1].startswith("distance:")
+
+
+def test_what_is_not_looked_for_goes_with_every_query(
+    run, indexed: Library, library_file: Path, folder: Path
+) -> None:
+    meshes = [folder / "pear.obj", folder / "apple.off"]
+    unlike = folder / "more" / "plum.stl"
+    _, stdout, _ = run("query", *meshes, "--library", library_file, "--json", "--unlike", unlike)
+    records = [json.loads(line) for line in stdout.splitlines()]
+    assert [record["query"] for record in records] == list(map(str, meshes))
+    for record in records:
+        assert list(record) == ["query", "unlike", "matches"]
+        assert record["matches"][0]["source"] == record["query"]
+        assert record["matches"][-1]["source"] == str(unlike)
+
+
+def test_examples_that_cannot_be_read(run, indexed: Library, library_file: Path, folder: Path) -> None:
+    """Without one of its examples it would be another question; each is named."""
+    pear, gone, broken = folder / "pear.obj", folder / "gone.obj", folder / "broken.off"
+    broken.write_text("OFF\n")
+    options = ("--library", library_file, "--json")
+    code, stdout, stderr = run("query", pear, gone, "--together", "--unlike", broken, *options)
+    record = json.loads(stdout)
+    assert (code, record["matches"]) == (1, [])
+    assert record["query"] == [str(pear), str(gone)]
+    assert "gone.obj' does not exist" in record["error"]
+    assert "'broken.off'" in record["error"]
+    assert stderr.startswith("2 inputs failed:\n")
+    code, stdout, stderr = run("query", pear, pear, "--unlike", gone, *options)
+    records = [json.loads(line) for line in stdout.splitlines()]
+    assert (code, len(records)) == (1, 2)
+    assert all("gone.obj' does not exist" in record["error"] for record in records)
+    assert stderr.startswith("1 input failed:\n")
+    code, stdout, _ = run("query", pear, "--unlike", gone, "--library", library_file)
+    assert (code, stdout) == (1, "")
 
 
 def test_query_of_an_empty_library(run, library: Library, library_file: Path, folder: Path) -> None:
