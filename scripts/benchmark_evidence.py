@@ -73,10 +73,10 @@ def measure(job: tuple[str, int]) -> list[Outcome]:
         assert found.sample is not None
         stored = SurfaceSample.from_bytes(found.sample.to_bytes())
         started = time.process_time()
-        said = Explainer(query).explain(match, stored)
+        said = Explainer(query).explain(match, stored, match.distance)
         seconds = time.process_time() - started
         isometry = functional_map(query.sample, stored)
-        pose = isometry.spectral_difference, isometry.orthogonality, isometry.unlikeness
+        pose = isometry.spectral_difference, isometry.orthogonality, match.distance
         outcomes.append(Outcome(pair.kind, pair.detail, said, pair.factor, pair.share, pose, seconds))
     return outcomes
 

@@ -17,6 +17,7 @@ from shapegoogle_core.commands import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing import ExternalReader
 from shapegoogle_core.launching import orderly_end
+from shapegoogle_core.library.evidence import EXPLAINED
 
 __all__ = ["main"]
 
@@ -154,7 +155,13 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "What all of them are near to comes first; an example that cannot be read fails the question. With\n"
         "--unlike, also without --together, what is near to one of its meshes falls behind.\n"
         "similarity, 0 to 1: how likely it is the same shape transformed rather than the nearest of many\n"
-        "others. distance orders the list, from 0 for the very same to 2. evidence is always null so far.\n\n"
+        'others. distance orders the list, from 0 for the very same to 2. evidence: {"kind": …} and its\n'
+        "figures, lengths as shares of √area of the query, found by comparing the surfaces:\n"
+        "  identical, moved, scaled, mirrored   a copy; factor: its size, deviation of 95 % of its surface\n"
+        "  re-meshed                            the same surface, another mesh\n"
+        "  re-posed                             bent; displacement: how far, probability that it is so\n"
+        "  part of, contains                    the query is a part of it, or it of the query; share of it\n"
+        "  similar                              none of these; null where nothing could be compared\n\n"
         "examples:\n"
         "  shapegoogle query horse.obj --library shapes.sglib\n"
         "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n"
@@ -169,6 +176,13 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "--exact",
         action="store_true",
         help="compare all shapes in full: slower in a large library, misses nothing",
+    )
+    query.add_argument(
+        "--evidence",
+        type=number_from(0),
+        default=EXPLAINED,
+        metavar="N",
+        help="of how many of the best to say what kind of match they are (%(default)s)",
     )
     query.add_argument(
         "--together", action="store_true", help="the meshes are examples of one thing: ask once, for all"

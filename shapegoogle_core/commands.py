@@ -26,6 +26,7 @@ from shapegoogle_core.indexing import (
     readable_suffixes,
 )
 from shapegoogle_core.library import Library, Match
+from shapegoogle_core.library.evidence import evidence_text
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature, load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
@@ -140,6 +141,7 @@ def query(options: Namespace) -> int:
                 _answer(options, options.meshes, None, "; ".join(reasons))
             else:
                 matches = library.query_signatures(like, options.top, options.exact, unlike=unlike)
+                matches = library.explain(like, matches, options.evidence)
                 _answer(options, options.meshes, None, matches, shapes)
                 answered = True
         for path in () if options.together else options.meshes:
@@ -153,8 +155,9 @@ def query(options: Namespace) -> int:
                 continue
             for shape in found:
                 try:
-                    signature = library.model.describe(shape.mesh)
+                    signature = library.model.describe(shape.mesh, keep_surface=options.evidence > 0)
                     matches = library.query_signatures([signature], options.top, options.exact, unlike=unlike)
+                    matches = library.explain([signature], matches, options.evidence)
                 except (MeshError, MemoryError) as error:
                     _answer(options, path, shape, _query_failure(path, error, options, failed))
                 else:
@@ -164,7 +167,8 @@ def query(options: Namespace) -> int:
     if answered and not options.json:
         print(
             "similarity: how likely it is the same shape transformed rather than the nearest of many others\n"
-            "distance:   what orders the list, from 0 for the very same to 2"
+            "distance:   what orders the list, from 0 for the very same to 2\n"
+            "evidence:   what comparing the surfaces found; ×2 is twice the query's size"
         )
     _list_failures(failed)
     return SOME_FAILED if failed else DONE
@@ -179,7 +183,7 @@ def _examples(
     for path in paths:
         try:
             found = _read_queries(path, options, failed)
-            signatures += [library.model.describe(shape.mesh) for shape in found]
+            signatures += [library.model.describe(shape.mesh, keep_surface=True) for shape in found]
         except (MeshError, MemoryError) as error:
             reasons.append(_query_failure(path, error, options, failed))
     return "; ".join(reasons) if reasons else signatures
@@ -235,15 +239,25 @@ def _answer(
 
 
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:
-    rows = [("", "similarity", "distance", "name", "source")]
+    rows = [("", "similarity", "distance", "evidence", "name", "source")]
     rows += [
-        (str(rank), _shown(match), f"{match.distance:.4f}", match.name, match.source)
+        (
+            str(rank),
+            _shown(match),
+            f"{match.distance:.4f}",
+            evidence_text(match.evidence),
+            match.name,
+            match.source,
+        )
         for rank, match in enumerate(matches, start=1)
     ]
-    ranks, similarities, distances, names, _ = (max(map(len, column)) for column in zip(*rows, strict=True))
+    ranks, similarities, distances, kinds, names, _ = (
+        max(map(len, column)) for column in zip(*rows, strict=True)
+    )
     lines = [
-        f"{rank:>{ranks}}  {similarity:>{similarities}}  {distance:>{distances}}  {name:<{names}}  {source}"
-        for rank, similarity, distance, name, source in rows
+        f"{rank:>{ranks}}  {similarity:>{similarities}}  {distance:>{distances}}  {kind:<{kinds}}  "
+        f"{name:<{names}}  {source}"
+        for rank, similarity, distance, kind, name, source in rows
     ]
     return "\n".join(
         [f"{query}: the best {len(matches)} of {_count(shapes, 'shape')}", *map(str.rstrip, lines)]

@@ -172,7 +172,7 @@ def similarity_text(match: Any) -> str:
 
 def _short_kind(kind: str) -> str:
     """Shorten what kind a match is for a picture's width: "Same mesh, re-posed" to "Re-posed"."""
-    short = kind.rpartition(", ")[2]
+    short = kind.rpartition(", ")[2].replace("The query is ", "")
     return short[:1].upper() + short[1:]
 
 

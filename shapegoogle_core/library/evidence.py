@@ -22,9 +22,9 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.registration import Placed, SurfaceSample, align
 from shapegoogle_core.registration.fit import Fit, Frame, Surface, fit, frame_between, mirrored
-from shapegoogle_core.registration.isometry import functional_map
+from shapegoogle_core.registration.isometry import functional_map, spectral_difference
 
-__all__ = ["EXPLAINED", "KINDS", "Explainer", "explain_matches"]
+__all__ = ["EXPLAINED", "KINDS", "Explainer", "evidence_text", "explain_matches", "pose_features"]
 
 KINDS = (
     "identical",
@@ -62,6 +62,10 @@ _SAME_SIZE = 2e-3
 _PROMISING = 0.45
 # Matches this far down are not worth a second look from the other side, or for a mirror image.
 _UNLIKELY = 0.05
+# Beyond this difference of the lowest eigenvalues (see `Isometry`) no pose is looked for: poses reach 0.15.
+_OTHER_SPECTRUM = 0.35
+# Two shapes that far from the same size or place, relative to their own, are not in the same place.
+_FAR = 0.1
 # Probability that a shape is another pose: logistic regression on generated pairs, made by
 # `scripts/benchmark_evidence.py --calibrate`.
 _POSE_WEIGHTS = (-6.0, -2.0, -1.0)
@@ -85,7 +89,7 @@ class Explainer:
         self._placed = Placed(query.sample)
         self._surface = Surface(query.surface, query.sample)
 
-    def explain(self, match: Match, sample: SurfaceSample) -> dict[str, object]:
+    def explain(self, match: Match, sample: SurfaceSample, distance: float) -> dict[str, object]:
         """Say what kind of match a shape is.
 
         Parameters
@@ -93,6 +97,8 @@ class Explainer:
         match : Match
         sample : SurfaceSample
             Of the matching shape.
+        distance : float
+            Between the bags of both.
 
         Returns
         -------
@@ -101,10 +107,12 @@ class Explainer:
         """
         query = self._query
         same_counts = (query.vertex_count, query.face_count) == (match.vertex_count, match.face_count)
-        in_place = fit(self._surface, self._sample, sample, frame_between(self._sample, sample), steps=False)
-        if _is_same(in_place, CLOSE):
-            kind = "identical" if same_counts and _is_same(in_place, EXACT) else "re-meshed"
-            return self._congruent(kind, in_place, sample)
+        frame = frame_between(self._sample, sample)
+        if abs(frame.scale - 1) < _FAR and np.abs(frame.translation).max() < _FAR:
+            in_place = fit(self._surface, self._sample, sample, frame, steps=False)
+            if _is_same(in_place, CLOSE):
+                kind = "identical" if same_counts and _is_same(in_place, EXACT) else "re-meshed"
+                return self._congruent(kind, in_place, sample)
         laid = self._laid(match, sample)
         if laid is not None and _is_same(laid, CLOSE):
             kind = "re-meshed"
@@ -115,9 +123,9 @@ class Explainer:
             reflected = self._laid(match, mirrored(sample))
             if reflected is not None and _is_same(reflected, CLOSE):
                 return self._congruent("mirrored", reflected, sample)
-        if laid is not None and (part := self._part(laid, sample)) is not None:
+        if laid is not None and (part := self._part(laid, match, sample)) is not None:
             return part
-        return self._posed(match, sample)
+        return self._posed(match, sample, distance)
 
     def _laid(self, match: Match, sample: SurfaceSample) -> Fit | None:
         """Lay a sample over the query and fit it, if that promises anything."""
@@ -144,26 +152,30 @@ class Explainer:
             factor = 1.0
         return {"kind": kind, "factor": _digits(factor), "deviation": _digits(laid.deviation)}
 
-    def _part(self, laid: Fit, sample: SurfaceSample) -> dict[str, object] | None:
+    def _part(self, laid: Fit, match: Match, sample: SurfaceSample) -> dict[str, object] | None:
         """Whether most of one surface lies on the other, and not the reverse."""
         covered = laid.covered(NEAR)
         on_query, on_match = covered >= _PART, laid.query_covered >= _PART
         if on_query == on_match:
             return None
-        kind = "contains" if on_query else "part of"
-        # Areas tell the share more exactly than counted points: those at a cut lie on neither.
-        larger, smaller = (1.0, laid.frame.scale**2) if on_query else (laid.frame.scale**2, 1.0)
+        factor = self._factor(laid, sample)
+        # Of the meshes as they were read: mending has put lids on cuts.
+        share = match.area / (self._query.area * factor**2)
         near = laid.distances[laid.distances <= NEAR]
         return {
-            "kind": kind,
-            "share": _digits(min(1.0, smaller / larger)),
-            "factor": _digits(self._factor(laid, sample)),
+            "kind": "contains" if on_query else "part of",
+            "share": _digits(min(1.0, share if on_query else 1 / share)),
+            "factor": _digits(factor),
             "deviation": _digits(float(np.quantile(near, 0.95))) if len(near) else NEAR,
         }
 
-    def _posed(self, match: Match, sample: SurfaceSample) -> dict[str, object]:
+    def _posed(self, match: Match, sample: SurfaceSample, distance: float) -> dict[str, object]:
+        difference = spectral_difference(self._sample, sample)
+        factor = _digits(math.sqrt(match.area / self._query.area))
+        if difference > _OTHER_SPECTRUM:
+            return {"kind": "similar", "spectral_difference": _digits(difference), "factor": factor}
         found = functional_map(self._sample, sample)
-        features = pose_features(found.spectral_difference, found.orthogonality, found.unlikeness)
+        features = pose_features(found.spectral_difference, found.orthogonality, distance)
         odds = float(features @ np.array(_POSE_WEIGHTS)) + _POSE_OFFSET
         probability = 1 / (1 + math.exp(-max(-50.0, min(50.0, odds))))
         return {
@@ -172,17 +184,60 @@ class Explainer:
             "displacement": _digits(found.displacement),
             "spectral_difference": _digits(found.spectral_difference),
             "residual": _digits(found.orthogonality),
-            "factor": _digits(math.sqrt(match.area / self._query.area)),
+            "factor": factor,
         }
 
 
-def pose_features(spectral_difference: float, orthogonality: float, unlikeness: float) -> FloatArray:
-    """Take logarithms of the figures of an `Isometry` that the probability of another pose is made of."""
-    return np.log(np.maximum([spectral_difference, orthogonality, unlikeness], 1e-3))
+def pose_features(spectral_difference: float, orthogonality: float, distance: float) -> FloatArray:
+    """Take logarithms of the figures that the probability of another pose is made of.
+
+    Parameters
+    ----------
+    spectral_difference, orthogonality : float
+        See `Isometry`.
+    distance : float
+        Between the bags.
+
+    Returns
+    -------
+    features : (3,) array
+    """
+    return np.log(np.maximum([spectral_difference, orthogonality, distance], 1e-3))
+
+
+def evidence_text(evidence: Mapping[str, object] | None) -> str:
+    """Say in a few words what evidence says, for people.
+
+    Parameters
+    ----------
+    evidence : mapping or None
+        See `Explainer.explain`.
+
+    Returns
+    -------
+    text : str
+        Such as "scaled ×2.54" or "49 % of the query"; empty without evidence.
+    """
+    if evidence is None:
+        return ""
+    kind = str(evidence["kind"])
+    if kind in ("part of", "contains"):
+        share = f"{100 * float(str(evidence['share'])):.0f} %"
+        text = f"the query is {share} of it" if kind == "part of" else f"{share} of the query"
+    else:
+        text = kind
+    factor = float(str(evidence.get("factor", 1.0)))
+    if kind != "similar" and abs(factor - 1) > 0.02:
+        text += f" ×{factor:.3g}"
+    return text
 
 
 def explain_matches(
-    store: Store, model: ShapeModel, query: ShapeSignature, matches: Sequence[Match], count: int = EXPLAINED
+    store: Store,
+    model: ShapeModel,
+    queries: Sequence[ShapeSignature],
+    matches: Sequence[Match],
+    count: int = EXPLAINED,
 ) -> list[Match]:
     """Add evidence to the best matches.
 
@@ -190,8 +245,9 @@ def explain_matches(
     ----------
     store : Store
     model : ShapeModel
-    query : ShapeSignature
-        With its sample and surface; without them nothing can be checked.
+    queries : sequence of ShapeSignature
+        Examples of what was asked for; each match is compared with the one that is nearest to it by its bags.
+        Those without a sample and a surface are left out.
     matches : sequence of Match
         Best first.
     count : int, optional
@@ -202,18 +258,26 @@ def explain_matches(
     matches : list of Match
         All of them, in their order.
     """
-    if query.sample is None or query.surface is None or count < 1:
+    usable = [query for query in queries if query.sample is not None and query.surface is not None]
+    best = matches[:count]
+    if not usable or not best:
         return list(matches)
-    samples = store.samples([match.shape_id for match in matches[:count]])
+    shape_ids = [match.shape_id for match in best]
+    samples = store.samples(shape_ids)
+    found, bags = store.bags(shape_ids, model.bag_size)
+    distances = np.stack([model.distances(query.bags, bags) for query in usable])
+    nearest = dict(zip(found, zip(distances.argmin(axis=0), distances.min(axis=0), strict=True), strict=True))
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        explainer = Explainer(query)
+        explainers = [Explainer(query) for query in usable]
         explained = []
-        for match in matches[:count]:
+        for match in best:
             data = samples.get(match.shape_id)
             evidence: Mapping[str, object] | None = None
-            if data is not None:
-                evidence = explainer.explain(match, unpack_sample(store, model, match.shape_id, data))
+            if data is not None and match.shape_id in nearest:  # else it was removed meanwhile
+                sample = unpack_sample(store, model, match.shape_id, data)
+                example, distance = nearest[match.shape_id]
+                evidence = explainers[example].explain(match, sample, float(distance))
             explained.append(replace(match, evidence=evidence))
     return [*explained, *matches[count:]]
 

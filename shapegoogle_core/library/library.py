@@ -14,6 +14,7 @@ import numpy as np
 
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
+from shapegoogle_core.library.evidence import EXPLAINED, explain_matches
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.question import Question
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
@@ -412,6 +413,7 @@ class Library:
         exact: bool = False,
         *,
         unlike: Sequence[Mesh] = (),
+        explained: int = EXPLAINED,
     ) -> list[Match]:
         """Find the shapes most like a mesh, or like several examples of what is looked for.
 
@@ -432,6 +434,8 @@ class Library:
             size of the library.
         unlike : sequence of Mesh, optional
             Examples of what is not looked for: shapes near to one of them fall behind, its copies to the end.
+        explained : int, optional
+            So many of the best come with evidence of what kind of match they are; see `explain`.
 
         Returns
         -------
@@ -446,12 +450,31 @@ class Library:
             If there is no mesh, or `top` is below 1.
         """
         meshes = [mesh] if isinstance(mesh, Mesh) else mesh
-        return self.query_signatures(
-            [self._model.describe(example) for example in meshes],
-            top,
-            exact,
-            unlike=[self._model.describe(example) for example in unlike],
-        )
+        signatures = [self._model.describe(example, keep_surface=explained > 0) for example in meshes]
+        others = [self._model.describe(example) for example in unlike]
+        matches = self.query_signatures(signatures, top, exact, unlike=others)
+        return self.explain(signatures, matches, explained)
+
+    def explain(
+        self, signatures: Sequence[ShapeSignature], matches: Sequence[Match], count: int = EXPLAINED
+    ) -> list[Match]:
+        """Say of the best matches what kind of match they are, by checks of geometry.
+
+        Parameters
+        ----------
+        signatures : sequence of ShapeSignature
+            What was asked for, described with `keep_surface`: without their surface nothing is explained.
+        matches : sequence of Match
+        count : int, optional
+            How many of them.
+
+        Returns
+        -------
+        matches : list of Match
+            All of them; the first `count` with `Match.evidence`. A shape that was removed meanwhile, and one
+            of a library whose model keeps no samples, has none.
+        """
+        return explain_matches(self._store, self._model, signatures, matches, count)
 
     def query_signature(self, signature: ShapeSignature, top: int = 10, exact: bool = False) -> list[Match]:
         """Find the shapes most like one that is described already; else as `query`.

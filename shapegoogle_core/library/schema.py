@@ -7,7 +7,7 @@ neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 
 import numpy as np
 
-__all__ = ["APPLICATION_ID", "BAG_TYPE", "SCHEMA", "SCHEMA_VERSION"]
+__all__ = ["APPLICATION_ID", "BAG_TYPE", "SCHEMA", "SCHEMA_VERSION", "UNREADABLE_VERSION"]
 
 # Half floats, little-endian. On 70 PSB shapes (2,448 entries, square-rooted, L1) they move
 # distances by less than 0.05 % and leave the order of the ten nearest as it is, for half the room.
@@ -15,8 +15,9 @@ BAG_TYPE = np.dtype("<f2")
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-# 2: with samples. A library of version 1 stays as it is: its model makes none.
-SCHEMA_VERSION = 2
+# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. One of version 1
+# stays as it is: its model makes no samples.
+SCHEMA_VERSION, UNREADABLE_VERSION = 3, 2
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);

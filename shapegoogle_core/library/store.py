@@ -33,7 +33,13 @@ from numpy.typing import NDArray
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.failures import damaged, library_error, read_only_error
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.schema import APPLICATION_ID, BAG_TYPE, SCHEMA, SCHEMA_VERSION
+from shapegoogle_core.library.schema import (
+    APPLICATION_ID,
+    BAG_TYPE,
+    SCHEMA,
+    SCHEMA_VERSION,
+    UNREADABLE_VERSION,
+)
 
 __all__ = ["Store", "round_bags"]
 
@@ -123,7 +129,7 @@ class Store:
         Raises
         ------
         LibraryError
-            If the file is something else, damaged, or made by a newer version.
+            If the file is something else, damaged, or of a version that this one cannot read.
         """
         if self._value("PRAGMA application_id") != APPLICATION_ID:
             raise LibraryError(
@@ -137,6 +143,11 @@ class Store:
             raise LibraryError(
                 f"'{self.path}' was made by a newer version of Shape Google (format {version}, this one "
                 f"knows up to {SCHEMA_VERSION}); update Shape Google, or index your folders anew"
+            )
+        if int(version) == UNREADABLE_VERSION:
+            raise LibraryError(
+                f"'{self.path}' has format {version}, which was in use for a short time and can no longer be "
+                "read; index your folders into a new library"
             )
 
     def model(self) -> tuple[str, bytes]:

@@ -22,6 +22,7 @@ from shapegoogle_core.library.duplicates import (
     member_positions,
     vector_distances,
 )
+from shapegoogle_core.library.evidence import evidence_text
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.stars import choose_banding, group_stars
@@ -68,7 +69,8 @@ class Answer:
     matches : list of Match
         Best first.
     kinds : dict of int to str
-        What kind of match each shape is, by its id; see `kind_of_match`.
+        What kind of match each shape is, by its id: see `evidence_text`, and where there is no evidence
+        `kind_of_match`.
     thumbnails : dict of int to bytes
         Pictures as PNG by shape id, of those matches that have one.
     shape_count : int
@@ -122,16 +124,17 @@ def query(
         If there is no example of what is looked for.
     """
     library = _library(path)
-    signatures = [library.model.describe(mesh) for mesh in meshes]
+    signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
     signatures += [_stored_signature(library, example) for example in like]
     matches = library.query_signatures(
         signatures, top, unlike=[_stored_signature(library, example) for example in unlike]
     )
+    matches = library.explain(signatures, matches)
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
     return Answer(
         library=path,
         matches=matches,
-        kinds={match.shape_id: kind_of_match(_like_counts(signatures, match), match) for match in matches},
+        kinds={match.shape_id: _kind(signatures, match) for match in matches},
         thumbnails={shape_id: png for shape_id, png in pictures if png is not None},
         shape_count=len(library),
         area=signatures[0].area,
@@ -147,6 +150,13 @@ def _stored_signature(library: Library, example: StoredExample) -> ShapeSignatur
         raise LibraryError(
             f"the example {name!r} cannot be used: {error}; take it off the list of examples"
         ) from error
+
+
+def _kind(signatures: Sequence[ShapeSignature], match: Match) -> str:
+    if match.evidence is None:
+        return kind_of_match(_like_counts(signatures, match), match)
+    text = evidence_text(match.evidence)
+    return text[0].upper() + text[1:]
 
 
 def _like_counts(signatures: Sequence[ShapeSignature], match: Match) -> ShapeSignature:

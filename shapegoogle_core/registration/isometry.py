@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 from shapegoogle_core.registration.alignment import similarity_transformations
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Isometry", "functional_map"]
+__all__ = ["Isometry", "functional_map", "spectral_difference"]
 
 # Signs of so many eigenfunctions are guessed, in all ways.
 _GUESSED = 4
 _STEP = 2
+# Smaller ones are those of parts that hang together by nothing.
+_LEAST_EIGENVALUE = 1e-3
 # What a point looks like tells which guess is right.
 _HEAT_COLUMNS = 5
 
@@ -40,8 +42,6 @@ class Isometry:
         ‖CᵀC - I‖ / √k with C the functional map: 0 if the map keeps areas.
     commutativity : float
         ‖C M - Λ C‖ / ‖Λ C‖ with the eigenvalues on the diagonals of Λ and M: 0 if it keeps lengths.
-    unlikeness : float
-        Mean difference of log(t·K_t(x, x)) at counterparts.
     displacement : float
         Root mean square distance of counterparts in space, in units of √area, once one shape is moved onto
         the other as well as can be: how far the pose differs.
@@ -51,7 +51,6 @@ class Isometry:
     spectral_difference: float
     orthogonality: float
     commutativity: float
-    unlikeness: float
     displacement: float
 
 
@@ -91,6 +90,25 @@ def functional_map(first: SurfaceSample, second: SurfaceSample) -> Isometry:
     return _measure(first, second, counterparts, image)
 
 
+def spectral_difference(first: SurfaceSample, second: SurfaceSample) -> float:
+    """Compare the lowest eigenvalues of two shapes (Shape-DNA, Reuter et al. 2006).
+
+    Parameters
+    ----------
+    first, second : SurfaceSample
+
+    Returns
+    -------
+    difference : float
+        See `Isometry`; 0 for shapes that have none in common.
+    """
+    size = min(len(first.eigenvalues), len(second.eigenvalues))
+    values, others = first.eigenvalues[:size], second.eigenvalues[:size]
+    positive = (values > _LEAST_EIGENVALUE) & (others > _LEAST_EIGENVALUE)
+    ratios = np.log(values[positive] / others[positive])
+    return float(np.sqrt((ratios**2).mean())) if len(ratios) else 0.0
+
+
 def _nearest(rows: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.intp]:
     return np.asarray(((others**2).sum(axis=1) / 2 - rows @ others.T).argmin(axis=1))
 
@@ -109,9 +127,6 @@ def _measure(
     values, others = first.eigenvalues[: len(image)], second.eigenvalues[: len(image)]
     scaled = values[:, None] * image
     commutativity = float(np.linalg.norm(image * others - scaled)) / max(float(np.linalg.norm(scaled)), 1e-9)
-    positive = (values > 1e-3) & (others > 1e-3)
-    ratios = np.log(values[positive] / others[positive])
-    looks = first.descriptors[:, :_HEAT_COLUMNS] - second.descriptors[counterparts, :_HEAT_COLUMNS]
     keys = len(counterparts)
     scales, rotations, translations = similarity_transformations(
         first.points[None, :keys], second.points[None, counterparts], np.ones((1, keys))
@@ -120,9 +135,8 @@ def _measure(
     gaps = ((moved - second.points[counterparts]) ** 2).sum(axis=1)
     return Isometry(
         counterparts=counterparts,
-        spectral_difference=float(np.sqrt((ratios**2).mean())) if len(ratios) else 0.0,
+        spectral_difference=spectral_difference(first, second),
         orthogonality=_orthogonality(image),
         commutativity=commutativity,
-        unlikeness=float(np.abs(looks).mean()),
         displacement=float(np.sqrt(gaps.mean())),
     )

@@ -147,14 +147,14 @@ def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Pat
     assert (code, stderr) == (0, "")
     title, head, first, second, blank, *legend = stdout.splitlines()
     assert title == f"{query}: the best 2 of 3 shapes"
-    assert head.split() == ["similarity", "distance", "name", "source"]
+    assert head.split() == ["similarity", "distance", "evidence", "name", "source"]
     assert first.split() == ["1", "1.000", "0.0000", "pear.obj", str(query)]
     assert second.split()[0] == "2"
     # Columns stand under their heads, and no path is cut off.
     assert first.index("pear.obj") == head.index("name")
     assert first.index(str(query)) == second.index(str(folder)) == head.index("source")
     assert blank == ""
-    assert [line.split(":")[0] for line in legend] == ["similarity", "distance"]
+    assert [line.split(":")[0] for line in legend] == ["similarity", "distance", "evidence"]
 
 
 def test_meshes_together_are_one_question(run, indexed: Library, library_file: Path, folder: Path) -> None:
@@ -175,7 +175,7 @@ def test_meshes_together_are_one_question(run, indexed: Library, library_file: P
     _, stdout, _ = run("query", *meshes, "--together", "--unlike", unlike, "--library", library_file)
     title = stdout.splitlines()[0]
     assert title == f"{meshes[0]} and {meshes[1]}, not like {unlike}: the best 3 of 3 shapes"
-    assert stdout.splitlines()[-1].startswith("distance:")
+    assert stdout.splitlines()[-1].startswith("evidence:")
 
 
 def test_what_is_not_looked_for_goes_with_every_query(

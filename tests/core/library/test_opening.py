@@ -115,9 +115,15 @@ def test_an_empty_file_becomes_a_library_but_is_none_to_read(path, model):
         assert len(library) == 0
 
 
+def test_the_format_that_was_given_up(filled, model):
+    change(filled, "UPDATE meta SET value = '2' WHERE key = 'schema'")
+    with pytest.raises(LibraryError, match=r"format 2.* index your folders into a new library"):
+        Library.open(filled, model)
+
+
 def test_newer_schema(filled, model):
     change(filled, "UPDATE meta SET value = '7' WHERE key = 'schema'")
-    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 2\); update"):
+    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 3\); update"):
         Library.open(filled, model)
 
 
