@@ -28,6 +28,12 @@ KINDS = {
     "SIMILAR": ("Similar", "SHADERFX"),
     "COPIES": ("Copied Files", "DUPLICATE"),
     "SAME": ("Same Shape", "MESH_DATA"),
+    "MOVED": ("Moved", "EMPTY_ARROWS"),
+    "MIRRORED": ("Mirrored", "MOD_MIRROR"),
+    "RE_MESHED": ("Other Mesh", "MOD_REMESH"),
+    "RE_POSED": ("Other Pose", "ARMATURE_DATA"),
+    "PART_OF": ("Whole of It", "SELECT_EXTEND"),
+    "CONTAINS": ("Part of It", "SELECT_INTERSECT"),
 }
 """What each kind of group is called, and its icon."""
 

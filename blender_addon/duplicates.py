@@ -67,8 +67,8 @@ class Group:
 
     Attributes
     ----------
-    kind : {"IDENTICAL", "SCALED", "OTHER_DATA", "SIMILAR", "COPIES", "SAME"}
-        The last two of a library only.
+    kind : str
+        One of `duplicate_properties.KINDS`.
     members : tuple of Member
     meshes : int
         How many meshes (in a library: files or shapes) it has.
@@ -266,6 +266,9 @@ def similar_groups(solids: Sequence[Solid], groups: Sequence[Sequence[tuple[int,
     return sorted(result, key=lambda group: -group.saved_faces)
 
 
+_UNDERSCORES = str.maketrans("- ", "__")
+
+
 def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
     """Turn the groups of a library into what the panel shows.
 
@@ -280,7 +283,7 @@ def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
     """
     return [
         Group(
-            group.kind.upper(),
+            group.kind.upper().translate(_UNDERSCORES),
             tuple(
                 Member(
                     member.object_name or member.name,

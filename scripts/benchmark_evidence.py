@@ -15,6 +15,7 @@ import argparse
 import sys
 import time
 from collections import Counter, defaultdict
+from functools import partial
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,14 +39,13 @@ class Outcome(NamedTuple):
     seconds: float
 
 
-def measure(job: tuple[str, int]) -> list[Outcome]:
+def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
     """Explain all pairs of one creature, each as if it were a match of a search."""
     from threadpoolctl import threadpool_limits
 
     from shapegoogle_core import load_model
     from shapegoogle_core.evaluation.evidence_pairs import make_pairs
-    from shapegoogle_core.library import Match
-    from shapegoogle_core.library.evidence import Explainer
+    from shapegoogle_core.library.evidence import Compared, Explainer
     from shapegoogle_core.registration import SurfaceSample
     from shapegoogle_core.registration.isometry import functional_map
 
@@ -55,28 +55,21 @@ def measure(job: tuple[str, int]) -> list[Outcome]:
     pairs = make_pairs(*job)
     meshes = {id(mesh): mesh for pair in pairs for mesh in (pair.query, pair.candidate)}
     signatures = {key: model.describe(mesh, keep_surface=True) for key, mesh in meshes.items()}
-    for number, pair in enumerate(pairs):
+    for pair in pairs:
         query, found = signatures[id(pair.query)], signatures[id(pair.candidate)]
         distances = model.distances(query.bags, found.bags[None])
-        match = Match(
-            name=pair.detail,
-            source="",
-            object_name="",
-            distance=float(distances[0]),
-            similarity=float(model.similarity(distances)[0]),
-            shape_id=number,
-            vertex_count=found.vertex_count,
-            face_count=found.face_count,
-            area=found.area,
-        )
         assert query.sample is not None
         assert found.sample is not None
         stored = SurfaceSample.from_bytes(found.sample.to_bytes())
+        compared = Compared(stored, found.vertex_count, found.face_count, found.area)
+        asked = Compared(query.sample, query.vertex_count, query.face_count, query.area)
+        distance, similarity = float(distances[0]), float(model.similarity(distances)[0])
         started = time.process_time()
-        said = Explainer(query).explain(match, stored, match.distance)
+        explainer = Explainer(asked, query.surface if exact else None)
+        said = explainer.explain(compared, similarity, distance)
         seconds = time.process_time() - started
         isometry = functional_map(query.sample, stored)
-        pose = isometry.spectral_difference, isometry.orthogonality, match.distance
+        pose = isometry.spectral_difference, isometry.orthogonality, distance
         outcomes.append(Outcome(pair.kind, pair.detail, said, pair.factor, pair.share, pose, seconds))
     return outcomes
 
@@ -134,6 +127,9 @@ def main() -> int:
     )
     parser.add_argument("--individuals", type=int, default=2, help="of each of 31 kinds, 14 pairs each (2)")
     parser.add_argument("--calibrate", action="store_true", help="fit the probability of another pose")
+    parser.add_argument(
+        "--samples", action="store_true", help="as for duplicates: of the query, too, only a sample is known"
+    )
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
     options = parser.parse_args()
 
@@ -143,7 +139,9 @@ def main() -> int:
     first = CALIBRATION_SEED if options.calibrate else TEST_SEED
     jobs = [(kind, first + number) for kind in CREATURE_KINDS for number in range(options.individuals)]
     with get_context("spawn").Pool(options.jobs) as pool:
-        results = progress_bar(pool.imap(measure, jobs), "creatures", len(jobs))
+        results = progress_bar(
+            pool.imap(partial(measure, exact=not options.samples), jobs), "creatures", len(jobs)
+        )
         outcomes = [outcome for result in results for outcome in result]
     if options.calibrate:
         print_weights(outcomes)

@@ -6,17 +6,22 @@ from __future__ import annotations
 import argparse
 import json
 
-from shapegoogle_core.arguments import DONE
+from shapegoogle_core.arguments import DONE, number_from
 from shapegoogle_core.library import DuplicateGroup, Library
+from shapegoogle_core.library.duplicate_evidence import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY
 from shapegoogle_core.progress import progress_bar
 
 __all__ = ["DETAILS", "add_options", "duplicates"]
 
 DETAILS = """\
-copies   files that are equal byte for byte
-same     the same shape again: same signature, vertex and face count; moved, scaled or mirrored
-similar  at least --min-similarity to the first of the group, such as another pose or mesh
+copies     files that are equal byte for byte
+identical  the same geometry in the same place; other kinds are seen from the first of their group:
+moved, scaled, mirrored   the same geometry elsewhere, at another size, or reflected
+re-meshed  the same surface, of other vertices
+re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
+similar    at least --min-similarity to the first of the group, and none of these
+same       the same signature and counts; where surfaces were not compared
 
 Every shape is compared with the first of its group, never through a chain of others. A saving is what all
 members but the first have: faces, and for copies the bytes of the files. Nothing is changed or deleted.
@@ -28,6 +33,10 @@ examples:
   shapegoogle duplicates --library shapes.sglib
   shapegoogle duplicates --library shapes.sglib --json | jq -r 'select(.kind == "copies") | .members[].source'
 """
+
+
+# One of them would do. A mirror image is another shape to most who use it.
+_EXACT = {"copies", "same", "identical", "moved", "scaled"}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -44,6 +53,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="least similarity to the first of a group, above 0 and at most 1 (%(default)s)",
     )
+    parser.add_argument(
+        "--evidence",
+        type=number_from(0),
+        default=EXPLAINED_MEMBERS,
+        metavar="N",
+        help="of how many shapes that are no exact copies to find out what they are (%(default)s)",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object for each group")
 
 
@@ -53,7 +69,7 @@ def duplicates(options: argparse.Namespace) -> int:
     Parameters
     ----------
     options : argparse.Namespace
-        ``library``, ``min_similarity`` and ``json``.
+        ``library``, ``min_similarity``, ``evidence`` and ``json``.
 
     Returns
     -------
@@ -61,7 +77,9 @@ def duplicates(options: argparse.Namespace) -> int:
     """
     with Library.open(options.library, read_only=True) as library:
         groups = library.duplicates(
-            options.min_similarity, lambda positions: progress_bar(positions, "comparing", len(positions))
+            options.min_similarity,
+            lambda positions: progress_bar(positions, "comparing", len(positions)),
+            explained=options.evidence,
         )
         shapes = len(library)
     if options.json:
@@ -70,10 +88,10 @@ def duplicates(options: argparse.Namespace) -> int:
         return DONE
     for group in groups:
         print(_group_table(group), end="\n\n")
-    saved_faces = sum(group.saved_faces for group in groups if group.kind != "similar")
+    saved_faces = sum(group.saved_faces for group in groups if group.kind in _EXACT)
     saved_bytes = sum(group.saved_bytes for group in groups)
     print(
-        f"{_plural(len(groups), 'group')} among {_plural(shapes, 'shape')}; copies and same shapes repeat "
+        f"{_plural(len(groups), 'group')} among {_plural(shapes, 'shape')}; exact copies repeat "
         f"{saved_faces:,} faces, copied files {saved_bytes:,} bytes"
     )
     return DONE

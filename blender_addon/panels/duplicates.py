@@ -16,8 +16,6 @@ __all__ = ["register", "unregister"]
 # More lines than these would push the rest of the sidebar out of sight.
 MOST_MEMBERS = 12
 
-_SAVINGS = {"IDENTICAL": "Linking saves", "SCALED": "Linking saves", "COPIES": "Copies take"}
-
 
 class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
     """Groups of duplicates."""
@@ -91,7 +89,10 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
             column.label(
                 text=f"{KINDS[group.kind][0]}: {group.meshes} × {group.name}", icon=KINDS[group.kind][1]
             )
-            column.label(text=f"{_SAVINGS.get(group.kind, 'One instead of all saves')} {group.saving}")
+            saving = "Copies take" if group.kind == "COPIES" else "One instead of all saves"
+            if group.linkable:
+                saving = "Linking saves"
+            column.label(text=f"{saving} {group.saving}")
             self._draw_members(layout, group)
 
     def _draw_members(self, layout: Any, group: Any) -> None:

@@ -31,6 +31,7 @@ __all__ = [
     "differing_bits",
     "distance_at",
     "find_duplicates",
+    "largest_saving_first",
     "member_positions",
     "vector_distances",
 ]
@@ -85,10 +86,11 @@ class DuplicateGroup:
 
     Attributes
     ----------
-    kind : {"copies", "same", "similar"}
+    kind : str
         "copies": files that are equal byte for byte. "same": the same bag to rounding, vertex and face count;
         position, size and mirroring are not looked at. "similar": at least as similar to the first member as
-        was asked for.
+        was asked for. Where geometry was compared it is, in place of the latter two, what the members are,
+        seen from the first: one of `evidence.KINDS`.
     members : tuple of DuplicateMember
         The first one represents the group: the others are compared with it, and come by falling similarity.
     similarity : float
@@ -210,6 +212,11 @@ def find_duplicates(
             positions = positions[stars.leader == np.arange(len(positions))]
     groups = [group for sources in copied if (group := _copy_group(table, sources)) is not None]
     groups += _shape_groups(store, model, table, chosen)
+    return largest_saving_first(groups)
+
+
+def largest_saving_first(groups: Sequence[DuplicateGroup]) -> list[DuplicateGroup]:
+    """Sort groups by the faces that all members but the first have, then by their bytes."""
     return sorted(
         groups,
         key=lambda group: (-group.saved_faces, -group.saved_bytes, group.kind, group.members[0].shape_id),

@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.library.duplicate_evidence import EXPLAINED_MEMBERS, by_evidence
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.evidence import EXPLAINED, explain_matches
 from shapegoogle_core.library.match import Match
@@ -463,7 +464,7 @@ class Library:
         Parameters
         ----------
         signatures : sequence of ShapeSignature
-            What was asked for, described with `keep_surface`: without their surface nothing is explained.
+            What was asked for, described with `keep_surface`: without it the figures are coarser.
         matches : sequence of Match
         count : int, optional
             How many of them.
@@ -513,7 +514,11 @@ class Library:
         return self._search.among_nearest_codes(question, top)
 
     def duplicates(
-        self, min_similarity: float = MIN_SIMILARITY, progress: Wrapper = iter
+        self,
+        min_similarity: float = MIN_SIMILARITY,
+        progress: Wrapper = iter,
+        *,
+        explained: int = EXPLAINED_MEMBERS,
     ) -> list[DuplicateGroup]:
         """Find copied files, shapes that are the same, and shapes that are hard to tell apart.
 
@@ -521,6 +526,8 @@ class Library:
         ----------
         min_similarity : float, optional
             From which similarity to the first of its group a shape is "similar"; above 0, at most 1.
+        explained : int, optional
+            Of how many members that are no exact copies it is found out what they are; see `by_evidence`.
         progress : callable, optional
             Wraps the loop over the shapes, as tqdm does.
 
@@ -534,7 +541,8 @@ class Library:
         ValueError
             If `min_similarity` is out of range.
         """
-        return find_duplicates(self._store, self._model, min_similarity, progress)
+        groups = find_duplicates(self._store, self._model, min_similarity, progress)
+        return by_evidence(self._store, self._model, groups, explained)
 
     def _check_signature(self, signature: ShapeSignature, name: str) -> None:
         expected = (self._model.bag_size,), (self._model.code_bits // 8,)

@@ -15,9 +15,10 @@ from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.registration.alignment import similarity_transformations
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Fit", "Frame", "Surface", "fit", "frame_between", "mirrored"]
+__all__ = ["Fit", "Frame", "Surface", "TangentPlanes", "fit", "frame_between", "matched", "mirrored"]
 
 # Lengths are in units of √area of the surface that points are fitted to.
 # So many faces with the nearest centres are asked for the nearest point.
@@ -72,6 +73,26 @@ class Surface:
         best = ((closest - points[:, None]) ** 2).sum(axis=2).argmin(axis=1)
         rows = np.arange(len(points))
         return closest[rows, best], self._normals[faces[rows, best]]
+
+
+class TangentPlanes:
+    """Stands for a surface of which only a sample is known: the tangent planes at its points.
+
+    Parameters
+    ----------
+    sample : SurfaceSample
+    """
+
+    def __init__(self, sample: SurfaceSample) -> None:
+        self._points, self._normals = sample.points, sample.normals
+        self._tree = cKDTree(sample.points)
+
+    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Nearest points of the planes at the nearest points; else as `Surface.nearest`."""
+        _, places = self._tree.query(points)
+        normals = self._normals[places]
+        heights = ((points - self._points[places]) * normals).sum(axis=1)
+        return points - heights[:, None] * normals, normals
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +191,12 @@ def mirrored(sample: SurfaceSample) -> SurfaceSample:
 
 
 def fit(
-    surface: Surface, query: SurfaceSample, candidate: SurfaceSample, frame: Frame, *, steps: bool = True
+    surface: Surface | TangentPlanes,
+    query: SurfaceSample,
+    candidate: SurfaceSample,
+    frame: Frame,
+    *,
+    steps: bool = True,
 ) -> Fit:
     """Fit the points of a candidate to the surface of the query.
 
@@ -179,7 +205,7 @@ def fit(
 
     Parameters
     ----------
-    surface : Surface
+    surface : Surface or TangentPlanes
         Of the query.
     query, candidate : SurfaceSample
     frame : Frame
@@ -199,6 +225,30 @@ def fit(
     nearest, _ = surface.nearest(points)
     distances = np.linalg.norm(points - nearest, axis=1)
     return Fit(frame, distances, _covered(query.points, points, candidate.normals @ frame.rotation.T))
+
+
+def matched(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
+    """Lay points of the same number over one another.
+
+    A copy of a mesh, its vertices in the same order, is sampled at the same places. So this finds moved and
+    scaled copies, and nothing else, at once.
+
+    Parameters
+    ----------
+    query, candidate : SurfaceSample
+        With as many points.
+
+    Returns
+    -------
+    fit : Fit
+        Distances are those of points of the same number.
+    """
+    scales, rotations, translations = similarity_transformations(
+        candidate.points[None], query.points[None], np.ones((1, len(query.points)))
+    )
+    frame = Frame(float(scales[0]), rotations[0], translations[0])
+    distances = np.linalg.norm(frame.of(candidate.points) - query.points, axis=1)
+    return Fit(frame, distances, float((distances <= _HEIGHT).mean()))
 
 
 def _step(

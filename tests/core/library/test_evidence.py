@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from shapegoogle_core import Library, load_model
+from shapegoogle_core import Library
 from shapegoogle_core.evaluation.evidence_pairs import EvidencePair, make_pairs
-from shapegoogle_core.library.evidence import KINDS, Explainer, evidence_text
+from shapegoogle_core.library.evidence import KINDS, evidence_text
 
 
 @pytest.fixture(scope="module")
@@ -108,10 +108,38 @@ def test_what_was_removed_meanwhile_has_no_evidence(tmp_path, pairs):
         assert library.explain([signature], matches)[0].evidence is None
 
 
-def test_a_query_without_its_surface_cannot_be_compared(pairs):
-    signature = load_model().describe(pairs[0].query)
-    with pytest.raises(ValueError, match="surface"):
-        Explainer(signature)
+def test_samples_alone_tell_the_same(answers, pairs):
+    """As for duplicates: of neither shape the surface is at hand."""
+    library, exact = answers
+    signature = replace(library.model.describe(pairs[0].query), surface=None)
+    matches = library.explain([signature], library.query_signature(signature, top=20))
+    assert {match.name: (match.evidence or {})["kind"] for match in matches} == {
+        name: said["kind"] for name, said in exact.items()
+    }
+
+
+def test_duplicates_are_grouped_by_what_they_are(answers):
+    library, _ = answers
+    groups = {group.kind: [member.name for member in group.members] for group in library.duplicates(0.5)}
+    first = "a copy"
+    assert groups["identical"] == [first, "other order of vertices and faces"]
+    assert groups["moved"] == [first, "moved"]
+    assert groups["scaled"] == [first, "moved and scaled"]
+    assert groups["mirrored"] == [first, "reflected and moved"]
+    assert set(groups["re-meshed"]) == {first, "other mesh, moved", "other mesh in place"}
+    assert set(groups["re-posed"]) >= {first, "other pose"}
+
+
+def test_exact_copies_are_told_without_laying_anything_over(answers, pairs):
+    library, _ = answers
+    groups = library.duplicates(0.5, explained=0)
+    kinds = {group.kind: group for group in groups}
+    assert {"moved", "scaled"} <= set(kinds)
+    assert not {"re-meshed", "re-posed"} & set(kinds)
+    scaled = next(pair for pair in pairs if pair.kind == "scaled")
+    assert kinds["scaled"].members[1].scale == pytest.approx(scaled.factor, rel=1e-3)
+    savings = [group.saved_faces for group in groups]
+    assert savings == sorted(savings, reverse=True)
 
 
 @pytest.mark.parametrize(
