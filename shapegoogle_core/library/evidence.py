@@ -22,6 +22,7 @@ from shapegoogle_core.library.verification import unpack_sample
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.registration import Placed, SurfaceSample, align
+from shapegoogle_core.registration.alignment import PART_SCALES
 from shapegoogle_core.registration.fit import (
     Fit,
     Frame,
@@ -62,17 +63,19 @@ CLOSE = 5e-3
 NEAR = 1e-2
 """How near a point lies to a surface that covers it."""
 
-COARSE = 1.2e-2
-"""Instead of all three, where only a sample of the query is known: 600 tangent planes tell no more."""
+COARSE, COARSE_NEAR = 1.2e-2, 2e-2
+"""Instead of these, where only a sample of the query is known: 600 tangent planes tell no more."""
 
 # Share of either surface that must lie on the other one if they are the same.
 _WHOLE = 0.97
 # Share of the smaller surface that must lie on the larger one if it is a part of it: cuts are mended.
 _PART = 0.85
+# More of a surface than this is no part of it: something else is the matter.
+_LARGEST_PART = 0.95
 # Relative difference of sizes that is none.
 _SAME_SIZE = 2e-3
-# Agreement from which on it pays to look closer.
-_PROMISING = 0.45
+# Agreement from which on it pays to look closer, and up to which a better one is looked for.
+_PROMISING, _SURE = 0.45, 0.7
 # Matches this far down are not worth a second look from the other side, or for a mirror image.
 _UNLIKELY = 0.05
 # Beyond this difference of the lowest eigenvalues (see `Isometry`) no pose is looked for: poses reach 0.15.
@@ -120,14 +123,14 @@ class Explainer:
         self._surface: Surface | TangentPlanes
         if surface is None:
             self._surface = TangentPlanes(query.sample)
-            self._exact = self._close = self._near = COARSE
+            self._exact, self._close, self._near = COARSE, COARSE, COARSE_NEAR
         else:
             self._surface = Surface(surface, query.sample)
             self._exact, self._close, self._near = EXACT, CLOSE, NEAR
 
     @cached_property
     def _placed(self) -> Placed:
-        return Placed(self._sample)
+        return Placed(self._sample, PART_SCALES)
 
     def explain(self, match: Compared, similarity: float, distance: float) -> dict[str, object]:
         """Say what kind of match a shape is.
@@ -212,15 +215,15 @@ class Explainer:
 
     def _laid(self, sample: SurfaceSample, similarity: float) -> Fit | None:
         """Lay a sample over the query and fit it, if that promises anything."""
-        candidate = Placed(sample)
+        candidate = Placed(sample, PART_SCALES)
         alignment = align(self._placed, candidate)
         frame = Frame(alignment.scale, alignment.rotation, alignment.translation).inverse()
         agreement = alignment.agreement
-        if agreement < _PROMISING and similarity >= _UNLIKELY:
-            # A part finds its whole more easily than the whole its part.
-            alignment = align(candidate, self._placed)
-            frame = Frame(alignment.scale, alignment.rotation, alignment.translation)
-            agreement = alignment.agreement
+        if agreement < _SURE and similarity >= _UNLIKELY:
+            # Only a part is tried at other sizes than its whole, so try it the other way round too.
+            back = align(candidate, self._placed)
+            if back.agreement > agreement:
+                frame, agreement = Frame(back.scale, back.rotation, back.translation), back.agreement
         if agreement < _PROMISING:
             return None
         return fit(self._surface, self._sample, sample, frame)
@@ -236,18 +239,19 @@ class Explainer:
         return {"kind": kind, "factor": _digits(factor), "deviation": _digits(laid.deviation)}
 
     def _part(self, laid: Fit, match: Compared) -> dict[str, object] | None:
-        """Whether most of one surface lies on the other, and not the reverse."""
-        covered = laid.covered(self._near)
-        on_query, on_match = covered >= _PART, laid.query_covered >= _PART
-        if on_query == on_match:
-            return None
+        """Say whether the smaller surface lies on the larger one."""
         factor = self._factor(laid, match.sample)
         # Of the meshes as they were read: mending has put lids on cuts.
         share = match.area / (self._query.area * factor**2)
+        on_query = share < 1
+        share = share if on_query else 1 / share
+        covered = laid.covered(self._near) if on_query else laid.query_covered
+        if share > _LARGEST_PART or covered < _PART:
+            return None
         near = laid.distances[laid.distances <= self._near]
         return {
             "kind": "contains" if on_query else "part of",
-            "share": _digits(min(1.0, share if on_query else 1 / share)),
+            "share": _digits(share),
             "factor": _digits(factor),
             "deviation": _digits(float(np.quantile(near, 0.95))) if len(near) else self._near,
         }

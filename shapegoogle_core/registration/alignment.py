@@ -18,7 +18,16 @@ from scipy.spatial import cKDTree
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["COMMON_AGREEMENT", "TOLERANCES", "Alignment", "Placed", "align", "support"]
+__all__ = [
+    "COMMON_AGREEMENT",
+    "PART_SCALES",
+    "SCALES",
+    "TOLERANCES",
+    "Alignment",
+    "Placed",
+    "align",
+    "support",
+]
 
 TOLERANCES = (0.01, 0.02, 0.05)
 """At which the coverage is measured, in units of the candidate's √area."""
@@ -34,7 +43,12 @@ COMMON_AGREEMENT = 0.25
 _QUERY_KEYPOINTS = 128
 # Scales of the query that are tried. When both are scaled to unit area, a part is larger than in its whole,
 # and what is not swollen of a swollen shape is smaller.
-_SCALES = (1.0, 0.85, 1.2, 0.7)
+SCALES = (1.0, 0.85, 1.2, 0.7)
+"""Of the query, tried in a search."""
+
+PART_SCALES = (1.0, 0.85, 0.7, 0.6)
+"""Tried where the query may be a part of the candidate, down to a third of it."""
+
 _LEAST_SCALE, _LARGEST_SCALE = 0.55, 1.8
 # How well two correspondences must agree on the distance of their points, and of their balls' centres.
 _AGREEMENT = 0.05
@@ -102,10 +116,18 @@ class _Motion:
 
 
 class Placed:
-    """A sample made ready to be aligned with many others."""
+    """A sample made ready to be aligned with many others.
 
-    def __init__(self, sample: SurfaceSample) -> None:
+    Parameters
+    ----------
+    sample : SurfaceSample
+    scales : tuple of float, optional
+        As a query it is tried at these.
+    """
+
+    def __init__(self, sample: SurfaceSample, scales: tuple[float, ...] = SCALES) -> None:
         self.sample = sample
+        self.scales = scales
         self.points = sample.points
         self.normals = sample.normals
         self.centers = sample.centers
@@ -134,7 +156,7 @@ class Placed:
                 np.float32(scale) * points,
                 np.float32(scale) * centers,
             )
-            for scale in _SCALES
+            for scale in self.scales
         )
 
     @cached_property
@@ -163,7 +185,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     alignment : Alignment
         The best one found, which need not be a good one.
     """
-    motions = [_motions(query, candidate, scale) for scale in range(len(_SCALES))]
+    motions = [_motions(query, candidate, scale) for scale in range(len(query.scales))]
     scales, rotations, translations = (np.concatenate(parts) for parts in zip(*motions, strict=True))
     possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
     if not possible.any():
@@ -191,7 +213,7 @@ def support(query: Placed, candidate: Placed) -> float:
         it and with one of its `_GROUP_SIZE` strongest supporters, on average.
     """
     best = 0.0
-    for scale in range(len(_SCALES)):
+    for scale in range(len(query.scales)):
         second_order = _correspondences(query, candidate, scale)[1]
         leader = second_order[second_order.sum(axis=1).argmax()]
         strongest = np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:]

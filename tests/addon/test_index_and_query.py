@@ -112,7 +112,7 @@ def test_find_similar(indexed: Path, preferences, session) -> None:
     bpy.context.view_layer.update()
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
     best = session.matches[0]
-    assert (best.name, best.kind) == ("Pear", "Same mesh, ×0.333")
+    assert (best.name, best.kind) == ("Pear", "Scaled ×0.333")
     assert best.similarity > 0.9
     assert Path(best.source) == indexed / "pear.blend"
     assert best.size == pytest.approx(1 / 3, rel=1e-3)
@@ -170,7 +170,7 @@ def test_selected_objects_as_examples(indexed: Path, preferences, session) -> No
     assert session.asked == 2
     copies = [match for match in session.matches if match.distance == 0]
     assert {match.name for match in copies} == {"Apple", "Plum", "nut.obj"}
-    assert {match.kind for match in copies if match.name == "Apple"} == {"Same mesh"}
+    assert {match.kind for match in copies if match.name == "Apple"} == {"Identical"}
     assert [match.name for match in session.matches][-1] == "Pear"
     session.several = "JOINED"
     bpy.ops.shape_google.find_similar()

@@ -16,7 +16,7 @@ from shapegoogle_core.library.evidence import KINDS, evidence_text
 
 @pytest.fixture(scope="module")
 def pairs() -> list[EvidencePair]:
-    return make_pairs("kangaroo", 1234)
+    return make_pairs("deer", 1234)
 
 
 @pytest.fixture(scope="module")
