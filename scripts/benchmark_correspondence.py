@@ -185,7 +185,8 @@ def geodesic_errors(mesh: Mesh, found: Array, truth: Array) -> Array:
     straight = np.linalg.norm(found - truth, axis=1)
     # Vertices are only near the points; and parts that are not joined have no way between them.
     close = ~np.isfinite(along) | (along <= 3 * np.linalg.norm(mesh.vertices[start] - truth, axis=1))
-    return np.where(close, straight, np.maximum(along, straight)) / mesh.area**0.5
+    errors: Array = np.where(close, straight, np.maximum(along, straight)) / float(mesh.area) ** 0.5
+    return errors
 
 
 def measure(pair: Pair) -> dict[str, Any]:

@@ -51,7 +51,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
             return
         shown = shown_matches(session)
         if any(index == session.active_match for index, _ in shown):
-            _draw_match(layout, session.matches[session.active_match])
+            _draw_match(layout, session, session.matches[session.active_match])
         _draw_gallery(layout, session, shown, context)
         hidden = len(session.matches) - len(shown)
         if hidden:
@@ -81,7 +81,7 @@ def _draw_filters(layout: Any, session: Any) -> None:
     body.prop(session, "collapse")
 
 
-def _draw_match(layout: Any, match: Any) -> None:
+def _draw_match(layout: Any, session: Any, match: Any) -> None:
     box = layout.box()
     column = box.column(align=True)
     column.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
@@ -100,6 +100,23 @@ def _draw_match(layout: Any, match: Any) -> None:
         grid.operator("shape_google.link_match", icon="LINK_BLEND")
         grid.operator("shape_google.open_match", icon="FILE_BLEND")
     grid.operator("shape_google.mark_match", icon="COLOR")
+    grid.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
+    # Only at full width, so not in the box.
+    _draw_transfer(layout, session)
+
+
+def _draw_transfer(layout: Any, session: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_transfer", default_closed=True)
+    header.label(text="Transfer")
+    if body is None:
+        return
+    body.use_property_split = True
+    body.use_property_decorate = False
+    column = body.column(heading="Carry Over")
+    column.prop(session, "transfer_groups")
+    column.prop(session, "transfer_colors")
+    column.prop(session, "transfer_uvs")
+    body.prop(session, "transfer_replace")
 
 
 def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:

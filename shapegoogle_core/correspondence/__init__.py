@@ -7,6 +7,7 @@ from shapegoogle_core.correspondence.matching import (
     VertexMatch,
     find_map,
     match_vertices,
+    match_with_points,
     vertex_match,
 )
 from shapegoogle_core.correspondence.surface import SurfaceSettings
@@ -18,5 +19,6 @@ __all__ = [
     "VertexMatch",
     "find_map",
     "match_vertices",
+    "match_with_points",
     "vertex_match",
 ]

@@ -55,7 +55,7 @@ class Candidate:
 
     @property
     def cost(self) -> float:
-        """What the candidates are ordered by."""
+        """What the refined candidates are ordered by."""
         return self.distortion * (1 + _ORIENTATION_WEIGHT * (1 - self.orientation) / 2)
 
 
@@ -78,11 +78,18 @@ def best_maps(a: WorkingSurface, b: WorkingSurface) -> list[Candidate]:
         refined = zoom_out(compared_a, compared_b, maps, _COARSE)
         fitted = project(compared_a, compared_b, refined, _largest(a, b, _COARSE[-1]))
         coarse.append(_candidate(a, b, fitted, refined))
-    best = _different(coarse, b.apart)
+    best = _different(sorted(coarse, key=_distortion), b.apart)
     for candidate in best[:_VARIED]:
         coarse += _variations(a, b, candidate)
-    fine = [_refined(a, b, candidate) for candidate in _different(coarse, b.apart)[:_KEPT]]
-    return _different(fine, b.apart)
+    fine = [
+        _refined(a, b, candidate)
+        for candidate in _different(sorted(coarse, key=_distortion), b.apart)[:_KEPT]
+    ]
+    return _different(sorted(fine, key=lambda candidate: candidate.cost), b.apart)
+
+
+def _distortion(candidate: Candidate) -> float:
+    return candidate.distortion
 
 
 def _variations(a: WorkingSurface, b: WorkingSurface, candidate: Candidate) -> list[Candidate]:
@@ -199,9 +206,9 @@ def _largest(a: WorkingSurface, b: WorkingSurface, k: int) -> int:
 
 
 def _different(candidates: list[Candidate], distances: FloatArray) -> list[Candidate]:
-    """Keep the best of each group that are the same map, the best first."""
+    """Keep the first of each group that are the same map."""
     kept: list[Candidate] = []
-    for candidate in sorted(candidates, key=lambda each: each.cost):
+    for candidate in candidates:
         alike = (
             abs(candidate.orientation - other.orientation) < _SAME_ORIENTATION
             and distances[candidate.compared.forth, other.compared.forth].mean() < _SAME

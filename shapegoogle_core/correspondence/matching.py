@@ -19,13 +19,20 @@ from shapegoogle_core.correspondence.surface import SurfaceSettings, WorkingSurf
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas
 from shapegoogle_core.prolongation import nearest_faces
 
-__all__ = ["ShapeMap", "SurfacePoints", "VertexMatch", "find_map", "match_vertices", "vertex_match"]
+__all__ = [
+    "ShapeMap",
+    "SurfacePoints",
+    "VertexMatch",
+    "find_map",
+    "match_vertices",
+    "match_with_points",
+    "vertex_match",
+]
 
 Indices = NDArray[np.int64]
 
-# Another map that distorts at most so many times as much is as good: the shape is symmetric.
-# What a shape meshed anew is distorted by at least counts for nothing.
-_AS_GOOD, _LEAST_DISTORTION = 1.15, 0.025
+# Another map that distorts at most so much more is as good: the shape is symmetric.
+_AS_GOOD = 0.012
 # Logarithmic odds of the confidence: what speaks against a match, in units of √area; see `VertexMatch`.
 _CONSTANT, _RETURN_WEIGHT, _DISTANCE_WEIGHT = 5.0, 40.0, 40.0
 
@@ -79,8 +86,8 @@ class VertexMatch:
         is the distortion, twice that for a map that turns the surface inside out. Near 1 the choice was a
         close one; infinity if there is no other map.
     symmetric : bool
-        Whether another map keeps distances as well (up to 1.15 times the distortion, or 0.025): the shape is
-        like its mirror image, or otherwise like itself. Where inside and outside are known the mirror image
+        Whether another map keeps distances as well (a distortion up to 0.012 higher): the shape is like its
+        mirror image, or otherwise like itself. Where inside and outside are known the mirror image
         is told apart all the same, and `runner_up` says by how much.
     """
 
@@ -210,6 +217,35 @@ def match_vertices(a: Mesh, b: Mesh, settings: SurfaceSettings | None = None) ->
     return vertex_match(find_map(a, b, settings), b)
 
 
+def match_with_points(
+    a: Mesh, b: Mesh, faces: Indices, settings: SurfaceSettings | None = None
+) -> tuple[VertexMatch, SurfacePoints]:
+    """Match vertices and the centres of some faces; a worker process can be asked for it.
+
+    Parameters
+    ----------
+    a, b : Mesh
+        As for `match_vertices`.
+    faces : (p,) array of int
+        Of a.
+    settings : SurfaceSettings, optional
+
+    Returns
+    -------
+    match : VertexMatch
+    centers : SurfacePoints
+        The points of b for the centres of these faces.
+
+    Raises
+    ------
+    MeshError
+        If a mesh has no surface, or its eigenproblem cannot be solved.
+    """
+    shape_map = find_map(a, b, settings)
+    centers = shape_map.points(a.faces[faces].astype(np.int64), np.full((len(faces), 3), 1 / 3))
+    return vertex_match(shape_map, b), centers
+
+
 def vertex_match(shape_map: ShapeMap, b: Mesh) -> VertexMatch:
     """Apply a map to the vertices of its first mesh, and say how good it is.
 
@@ -228,7 +264,7 @@ def vertex_match(shape_map: ShapeMap, b: Mesh) -> VertexMatch:
         confidence, area_distortion = _confidence(shape_map)
     corner = b.faces[points.face, points.weights.argmax(axis=1)]
     chosen, runner_up = shape_map.candidate, np.inf
-    as_good = max(_AS_GOOD * chosen.distortion, _LEAST_DISTORTION)
+    as_good = chosen.distortion + _AS_GOOD
     if shape_map.others:
         runner_up = shape_map.others[0].cost / max(chosen.cost, 1e-9)
     eigenvalues = [surface.spectrum.eigenvalues for surface in (shape_map.a, shape_map.b)]
