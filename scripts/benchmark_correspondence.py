@@ -275,7 +275,7 @@ def summary(group: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, nargs="+", default=[110, 111], metavar="N")
+    parser.add_argument("--seeds", type=int, nargs="*", default=[120, 121], metavar="N")
     parser.add_argument(
         "--data", type=Path, metavar="FOLDER", help="with the folders tosca and tosca_remeshed"
     )

@@ -18,7 +18,7 @@ __all__ = ["register", "unregister"]
 SECONDS_BETWEEN_LOOKS = 0.1
 # Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
 # costs less than so many times as much, left and right may be exchanged.
-POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.15
+POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.2
 
 
 class SHAPEGOOGLE_OT_transfer_match(bpy.types.Operator):
@@ -162,8 +162,8 @@ class SHAPEGOOGLE_OT_transfer_match(bpy.types.Operator):
         if done.kept:
             self.report(
                 {"WARNING"},
-                f"Kept as they are: {_listed(done.kept)}; tick Replace Existing to overwrite them, and unlock "
-                "groups that are locked",
+                f"Kept as they are: {_listed(done.kept)}; tick Replace Existing to overwrite them, and "
+                "unlock groups that are locked",
             )
         if done.refused:
             self.report({"WARNING"}, f"No room for the UV maps {_listed(done.refused)}; remove others first")
@@ -188,13 +188,9 @@ class SHAPEGOOGLE_OT_transfer_match(bpy.types.Operator):
             f"mean confidence {confidence:.2f}"
         )
         if confidence < POOR_CONFIDENCE or match.distortion > POOR_DISTORTION:
-            self.report(
-                {"WARNING"}, f"{text}: a poor fit, the two may not be the same shape; look before you keep it"
-            )
+            self.report({"WARNING"}, f"{text}: a poor fit, perhaps not the same shape; look at it closely")
         elif match.runner_up < CLOSE_CHOICE:
-            self.report(
-                {"WARNING"}, f"{text}; the shape is symmetric, so see whether its sides are exchanged"
-            )
+            self.report({"WARNING"}, f"{text}; a close choice: see whether its sides are exchanged")
         else:
             self.report({"INFO"}, text)
 

@@ -128,6 +128,11 @@ class WorkingSurface:
         along: FloatArray = dijkstra(self.graph, directed=False, indices=sources)[place].T
         return along
 
+    @property
+    def waves(self) -> FloatArray:
+        """(n, d) wave kernel signatures among the descriptors."""
+        return self.descriptors[:, len(_HEAT_TIMES) :]
+
     @cached_property
     def apart(self) -> FloatArray:
         """(c, c) distances between them."""
