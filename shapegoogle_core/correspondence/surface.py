@@ -289,6 +289,7 @@ def distance_graph(mesh: Mesh, ties: Indices, tie_lengths: FloatArray) -> sparse
     pairs = np.concatenate([sides, across, ties])
     lengths = np.concatenate([edge_lengths, across_lengths, tie_lengths])
     # Several ways between two vertices: the shortest one counts, and a sparse array would add them up.
+    pairs, lengths = pairs[np.isfinite(lengths)], lengths[np.isfinite(lengths)]
     keys = pairs.min(axis=1) * n + pairs.max(axis=1)
     order = np.lexsort([lengths, keys])
     keys, first = np.unique(keys[order], return_index=True)

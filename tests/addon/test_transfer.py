@@ -209,3 +209,16 @@ def test_a_mirrored_object_keeps_its_corners(pair):
     color = np.empty((len(data.loops), 4), np.float32)
     data.color_attributes["Corners"].data.foreach_get("color", color.ravel())
     assert np.abs(color[:, :3] - (sphere[vertices] + 1) / 2).mean() < 0.03
+
+
+def test_it_is_undone_in_one_step(pair):
+    bpy.context.preferences.edit.use_global_undo = True
+    choose("Source", "(unsaved scene)", in_scene=True)
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Transfer")
+    bpy.ops.ed.undo()
+    target = bpy.data.objects["Target"]
+    assert not target.vertex_groups
+    assert not target.data.color_attributes
+    assert not target.data.uv_layers
