@@ -31,8 +31,9 @@ __all__ = [
 
 Indices = NDArray[np.int64]
 
-# Another map that distorts at most so much more is as good: the shape is symmetric.
-_AS_GOOD = 0.012
+# Another map that distorts at most so much more is as good: the shape is symmetric. A shape meshed anew is
+# distorted a little even by the right map, the very same mesh is not.
+_AS_GOOD, _REMESHED = 0.012, 0.01
 # Logarithmic odds of the confidence: what speaks against a match, in units of √area. Logistic regression on
 # procedural creatures (seeds 101 and 104): 59 with themselves in another pose, 9 of which a fifth is missing,
 # and 16 with a creature of another kind, where every match is wrong.
@@ -266,7 +267,7 @@ def vertex_match(shape_map: ShapeMap, b: Mesh) -> VertexMatch:
         confidence, area_distortion = _confidence(shape_map)
     corner = b.faces[points.face, points.weights.argmax(axis=1)]
     chosen, runner_up = shape_map.candidate, np.inf
-    as_good = chosen.distortion + _AS_GOOD
+    as_good = max(chosen.distortion, _REMESHED) + _AS_GOOD
     if shape_map.others:
         runner_up = shape_map.others[0].cost / chosen.cost
     eigenvalues = [surface.spectrum.eigenvalues for surface in (shape_map.a, shape_map.b)]
