@@ -126,6 +126,18 @@ class SHAPEGOOGLE_PG_session(bpy.types.PropertyGroup):
         name="Collapse Duplicates", description="Show equal shapes only once", default=True
     )
 
+    # -- transfer
+    transfer_groups: BoolProperty(
+        name="Vertex Groups", description="Transfer vertex groups with their weights", default=True
+    )
+    transfer_colors: BoolProperty(name="Colors", description="Transfer color attributes", default=True)
+    transfer_uvs: BoolProperty(name="UVs", description="Transfer UV maps", default=True)
+    transfer_replace: BoolProperty(
+        name="Replace Existing",
+        description="Overwrite vertex groups, color attributes and UV maps of the same name",
+        default=False,
+    )
+
 
 def session_of(context: Any) -> SHAPEGOOGLE_PG_session:
     """Return the state of this Blender session."""

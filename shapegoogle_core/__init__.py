@@ -8,6 +8,7 @@
 """
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
+from shapegoogle_core.correspondence import VertexMatch, match_vertices
 from shapegoogle_core.descriptors import (
     heat_kernel,
     heat_kernel_signature,
@@ -37,6 +38,7 @@ __all__ = [
     "ShapeModel",
     "ShapeSignature",
     "Spectrum",
+    "VertexMatch",
     "VertexSpectrum",
     "VertexWords",
     "bag_of_features",
@@ -46,6 +48,7 @@ __all__ = [
     "heat_kernel",
     "heat_kernel_signature",
     "load_model",
+    "match_vertices",
     "mend",
     "read_mesh",
     "scale_invariant_hks",

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
-__all__ = ["prolongation"]
+__all__ = ["nearest_faces", "prolongation", "vertex_prolongation"]
 
 # The nearest point of a surface lies in a face at one of that many nearest vertices if faces are even.
 NEAREST_VERTICES = 3
@@ -35,6 +35,28 @@ def prolongation(mesh: Mesh, points: FloatArray) -> csr_array:
     matrix : (p, n) sparse array
         Barycentric weights: rows are ≥ 0 and sum to 1. ``matrix @ values`` carries values over.
     """
+    face, weights = nearest_faces(mesh, points)
+    rows = np.arange(3 * len(points) + 1, step=3)
+    return csr_array(
+        (weights.ravel(), mesh.faces[face].ravel(), rows), shape=(len(points), len(mesh.vertices))
+    )
+
+
+def nearest_faces(mesh: Mesh, points: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+    """Nearest point of a surface to each of some points on or close to it, as `prolongation` finds it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Every vertex must belong to a face.
+    points : (p, 3) array
+
+    Returns
+    -------
+    face : (p,) array of int
+    weights : (p, 3) array
+        Barycentric coordinates there: rows are ≥ 0 and sum to 1.
+    """
     corner_order = np.argsort(mesh.faces.ravel(), kind="stable")
     valence = np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices))
     first = np.cumsum(valence) - valence
@@ -52,10 +74,39 @@ def prolongation(mesh: Mesh, points: FloatArray) -> csr_array:
         candidate = faces_at_vertices[place + np.arange(len(place))]
         pairs = valence[vertex].reshape(-1, nearest_vertices).sum(axis=1)
         face[part], weights[part] = _nearest(mesh, duals, points[part], candidate, pairs)
-    rows = np.arange(3 * len(points) + 1, step=3)
-    return csr_array(
-        (weights.ravel(), mesh.faces[face].ravel(), rows), shape=(len(points), len(mesh.vertices))
-    )
+    return face, weights
+
+
+def vertex_prolongation(copy: Mesh, mesh: Mesh, points: FloatArray, place: NDArray[np.int64]) -> csr_array:
+    """Carry from a clean copy: one entry where a vertex has a place there, interpolation elsewhere.
+
+    Parameters
+    ----------
+    copy : Mesh
+        With m vertices.
+    mesh : Mesh
+        With n vertices; those that no face uses get an empty row.
+    points : (n, 3) array
+        The vertices of `mesh` where `copy` is.
+    place : (n,) array of int
+        Vertex of the copy at the same place, −1 if there is none.
+
+    Returns
+    -------
+    matrix : (n, m) sparse array
+    """
+    used = np.zeros(len(points), bool)
+    used[mesh.faces] = True
+    placed = np.flatnonzero(used & (place >= 0))
+    other = np.flatnonzero(used & (place < 0))
+    rows, columns, weights = placed, place[placed], np.ones(len(placed))
+    if len(other):
+        interpolation = prolongation(copy, points[other]).tocoo()
+        rows = np.concatenate([rows, other[interpolation.row]])
+        columns = np.concatenate([columns, interpolation.col])
+        weights = np.concatenate([weights, interpolation.data])
+    shape = len(points), len(copy.vertices)
+    return csr_array((weights, (rows, columns)), shape=shape)
 
 
 def _nearest(

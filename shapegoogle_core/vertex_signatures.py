@@ -16,7 +16,7 @@ from shapegoogle_core.mesh import Mesh, check_surface, repair_mapped
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.resampling import simplify
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.prolongation import prolongation
+from shapegoogle_core.prolongation import vertex_prolongation
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 
 __all__ = ["VertexSpectrum", "VertexWords", "vertex_spectrum", "vertex_words"]
@@ -140,10 +140,10 @@ def vertex_spectrum(
     if budget is not None and simplified:
         copy = simplify(repaired, budget)
         check_surface(copy)
-        matrix = _prolongation_to_used(copy, mesh, mesh.vertices, np.full(len(mesh.vertices), -1))
+        matrix = vertex_prolongation(copy, mesh, mesh.vertices, np.full(len(mesh.vertices), -1))
     else:
         copy = repaired
-        matrix = _prolongation_to_used(copy, mesh, mesh.vertices, place)
+        matrix = vertex_prolongation(copy, mesh, mesh.vertices, place)
     return VertexSpectrum(compute_spectrum(copy, k, laplacian), matrix, simplified)
 
 
@@ -174,33 +174,5 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
         spectrum = compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
         words = channel_words(settings, channel, model.vocabularies[channel], spectrum)
     points = placement.of(mesh.vertices)
-    matrix = _prolongation_to_used(prepared, mesh, points, np.full(len(points), -1))
+    matrix = vertex_prolongation(prepared, mesh, points, np.full(len(points), -1))
     return VertexWords(words, matrix, bag_of_features(words, spectrum.mass))
-
-
-def _prolongation_to_used(copy: Mesh, mesh: Mesh, points: FloatArray, place: NDArray[np.int64]) -> csr_array:
-    """Carry from a clean copy: one entry where a vertex has a place there, interpolation elsewhere.
-
-    Parameters
-    ----------
-    copy : Mesh
-        With m vertices.
-    mesh : Mesh
-        With n vertices; those that no face uses get an empty row.
-    points : (n, 3) array
-        The vertices of `mesh` where `copy` is.
-    place : (n,) array of int
-        Vertex of the copy at the same place, −1 if there is none.
-    """
-    used = np.zeros(len(points), bool)
-    used[mesh.faces] = True
-    placed = np.flatnonzero(used & (place >= 0))
-    other = np.flatnonzero(used & (place < 0))
-    rows, columns, weights = placed, place[placed], np.ones(len(placed))
-    if len(other):
-        interpolation = prolongation(copy, points[other]).tocoo()
-        rows = np.concatenate([rows, other[interpolation.row]])
-        columns = np.concatenate([columns, interpolation.col])
-        weights = np.concatenate([weights, interpolation.data])
-    shape = len(points), len(copy.vertices)
-    return csr_array((weights, (rows, columns)), shape=shape)

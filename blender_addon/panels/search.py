@@ -117,6 +117,7 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
         grid.operator("shape_google.link_match", icon="LINK_BLEND")
         grid.operator("shape_google.open_match", icon="FILE_BLEND")
     grid.operator("shape_google.mark_match", icon="COLOR")
+    grid.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
     marks = [
         example.unlike
         for example in session.examples
@@ -126,6 +127,22 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
     for unlike, text, icon in ((False, "More Like This", "ADD"), (True, "Not Like This", "REMOVE")):
         button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
         button.unlike = unlike
+    # Only at full width, so not in the box.
+    _draw_transfer(layout, session)
+
+
+def _draw_transfer(layout: Any, session: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_transfer", default_closed=True)
+    header.label(text="Transfer")
+    if body is None:
+        return
+    body.use_property_split = True
+    body.use_property_decorate = False
+    column = body.column(heading="Carry Over")
+    column.prop(session, "transfer_groups")
+    column.prop(session, "transfer_colors")
+    column.prop(session, "transfer_uvs")
+    body.prop(session, "transfer_replace")
 
 
 def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:
