@@ -21,7 +21,6 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration import SurfaceSample, sample_surface
-from shapegoogle_core.registration.alignment import COMMON_AGREEMENT
 from shapegoogle_core.settings import ModelSettings
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
@@ -306,25 +305,25 @@ class ShapeModel:
         """
         return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
 
-    def verified_distance(self, distance: float, agreement: float) -> float:
+    def verified_distance(self, distance: float, excess: float) -> float:
         """Lower the distance of bags by what two surfaces have in common in space.
 
-        d′ = d exp(-k max(0, a - a₀)). The logistic regression behind `similarity` is linear in log d; with
-        the agreement as its second variable, k is the ratio of both coefficients (see `metric.calibrate`).
+        d′ = d exp(-k e). The logistic regression behind `similarity` is linear in log d; with the excess e as
+        its second variable, k is the ratio of both coefficients (see `metric.calibrate`).
 
         Parameters
         ----------
         distance : float
             From `distances`.
-        agreement : float
-            a, see `Alignment.agreement`.
+        excess : float
+            e, see `Alignment.excess`.
 
         Returns
         -------
         distance : float
             d′ ≤ d. No agreement leaves it as it is: bags alone find other poses.
         """
-        return distance * math.exp(-self.agreement_gain * max(0.0, agreement - COMMON_AGREEMENT))
+        return distance * math.exp(-self.agreement_gain * excess)
 
     def similarity(self, distances: FloatArray, *, verified: bool = False) -> FloatArray:
         """Turn distances into a similarity from 0 to 1.

@@ -35,7 +35,6 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_pairs
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.registration import Placed, SurfaceSample, align, sample_surface
-from shapegoogle_core.registration.alignment import COMMON_AGREEMENT
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
@@ -318,11 +317,10 @@ def _learn_code(
 def _agreements(
     samples: Sequence[SurfaceSample], first: NDArray[np.int64], second: NDArray[np.int64]
 ) -> FloatArray:
-    """Align pairs of surfaces: what they have in common in space, beyond what any two have."""
+    """Align pairs of surfaces, for `Alignment.excess`."""
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         agreements = [
-            align(Placed(samples[i]), Placed(samples[j])).agreement
-            for i, j in zip(first, second, strict=True)
+            align(Placed(samples[i]), Placed(samples[j])).excess for i, j in zip(first, second, strict=True)
         ]
-    return np.maximum(np.array(agreements) - COMMON_AGREEMENT, 0)
+    return np.array(agreements)

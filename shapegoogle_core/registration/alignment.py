@@ -99,6 +99,15 @@ class Alignment:
         axis = np.sqrt(self.query_axis_covered * self.candidate_axis_covered)
         return float((surface.mean() + axis.mean()) / 2)
 
+    @property
+    def excess(self) -> float:
+        """What both have in common beyond what any two surfaces have: max(0, agreement - 0.25)².
+
+        Squared, for a middling agreement says little: a pose of the shape reaches it, and so does another
+        individual in a like pose.
+        """
+        return max(0.0, self.agreement - COMMON_AGREEMENT) ** 2
+
 
 @dataclass(frozen=True, eq=False)
 class _Motion:

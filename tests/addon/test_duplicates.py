@@ -472,7 +472,7 @@ def test_a_library_is_listed_and_its_shapes_here_can_be_selected(addon, shown, t
             library.add(scene.base_mesh(item), source=str(blend), object_name=item.name)
     preferences.library = str(path)
     shown.scope = "LIBRARY"
-    assert find(shown) == {"SAME": ["a", "b"]}
+    assert find(shown) == {"IDENTICAL": ["a", "b"]}
     assert not shown.groups[0].linkable
     assert bpy.ops.shape_google.select_duplicates() == {"FINISHED"}
     assert set(bpy.context.selected_objects) == {first, second}

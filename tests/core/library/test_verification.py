@@ -22,7 +22,7 @@ def verifying(make_model):
     """An untrained model: its bags know little, so that geometry must decide."""
     model = make_model()
     settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
-    return replace(model, settings=settings, agreement_gain=8.0, similarity_half=1e-6)
+    return replace(model, settings=settings, agreement_gain=30.0, similarity_half=1e-6)
 
 
 @pytest.fixture(scope="module")

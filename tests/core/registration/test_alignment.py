@@ -71,6 +71,7 @@ def test_a_moved_surface_is_laid_back(bumpy):
     np.testing.assert_allclose(alignment.rotation, turn.T, atol=0.08)
     assert alignment.scale == pytest.approx(1, abs=0.02)
     assert alignment.agreement > 0.9
+    assert alignment.excess == pytest.approx((alignment.agreement - 0.25) ** 2)
 
 
 @pytest.mark.parametrize("kind", ["partial", "noise", "holes", "topology", "sampling"])
@@ -124,6 +125,7 @@ def test_a_handful_of_points_in_one_place():
     nothing = SurfaceSample(zeros, normals, np.zeros(8), looks, np.zeros(0), modes, np.zeros(3), 1.0)
     alignment = align(Placed(nothing), Placed(nothing))
     assert 0 <= alignment.agreement <= 1
+    assert 0 <= alignment.excess <= 0.75**2
 
 
 @pytest.mark.parametrize("points", [8, 100, 240])
