@@ -25,7 +25,6 @@ from shapegoogle_core.registration import Placed, SurfaceSample, align
 from shapegoogle_core.registration.alignment import PART_SCALES
 from shapegoogle_core.registration.fit import (
     Fit,
-    Frame,
     Surface,
     TangentPlanes,
     fit,
@@ -217,13 +216,13 @@ class Explainer:
         """Lay a sample over the query and fit it, if that promises anything."""
         candidate = Placed(sample, PART_SCALES)
         alignment = align(self._placed, candidate)
-        frame = Frame(alignment.scale, alignment.rotation, alignment.translation).inverse()
+        frame = alignment.frame.inverse()
         agreement = alignment.agreement
         if agreement < _SURE and similarity >= _UNLIKELY:
             # Only a part is tried at other sizes than its whole, so try it the other way round too.
             back = align(candidate, self._placed)
             if back.agreement > agreement:
-                frame, agreement = Frame(back.scale, back.rotation, back.translation), back.agreement
+                frame, agreement = back.frame, back.agreement
         if agreement < _PROMISING:
             return None
         return fit(self._surface, self._sample, sample, frame)

@@ -24,6 +24,7 @@ __all__ = [
     "SCALES",
     "TOLERANCES",
     "Alignment",
+    "Frame",
     "Placed",
     "align",
     "support",
@@ -64,6 +65,36 @@ _FARTHEST = 0.07
 
 
 @dataclass(frozen=True, eq=False)
+class Frame:
+    """x ↦ scale · rotation x + translation, from the units of one sample to those of another.
+
+    Attributes
+    ----------
+    scale : float
+    rotation : (3, 3) array
+        With determinant -1 for a reflection.
+    translation : (3,) array
+    """
+
+    scale: float
+    rotation: FloatArray
+    translation: FloatArray
+
+    def of(self, points: FloatArray) -> FloatArray:
+        """Move (n, 3) points."""
+        return np.asarray(self.scale * points @ self.rotation.T + self.translation)
+
+    def back(self, points: FloatArray) -> FloatArray:
+        """Move (n, 3) points the other way."""
+        return np.asarray((points - self.translation) @ self.rotation / self.scale)
+
+    def inverse(self) -> Frame:
+        """Return the frame that undoes this one."""
+        back = self.rotation.T
+        return Frame(1 / self.scale, back, -(back @ self.translation) / self.scale)
+
+
+@dataclass(frozen=True, eq=False)
 class Alignment:
     """A similarity transformation x ↦ scale · rotation x + translation of the query onto the candidate.
 
@@ -90,6 +121,11 @@ class Alignment:
     candidate_axis_covered: FloatArray
 
     @property
+    def frame(self) -> Frame:
+        """The transformation itself."""
+        return Frame(self.scale, self.rotation, self.translation)
+
+    @property
     def agreement(self) -> float:
         """How well two shapes lie on one another, from 0 to 1.
 
@@ -107,21 +143,6 @@ class Alignment:
         individual in a like pose.
         """
         return max(0.0, self.agreement - COMMON_AGREEMENT) ** 2
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    scale: float
-    rotation: FloatArray
-    translation: FloatArray
-
-    def of(self, points: FloatArray) -> FloatArray:
-        moved: FloatArray = self.scale * points @ self.rotation.T + self.translation
-        return moved
-
-    def back(self, points: FloatArray) -> FloatArray:
-        moved: FloatArray = (points - self.translation) @ self.rotation / self.scale
-        return moved
 
 
 class Placed:
@@ -202,7 +223,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     scales, rotations, translations = scales[possible], rotations[possible], translations[possible]
     scores = _scores(query, candidate, scales, rotations, translations)
     refined = [
-        _refine(query, candidate, _Motion(float(scales[best]), rotations[best], translations[best]))
+        _refine(query, candidate, Frame(float(scales[best]), rotations[best], translations[best]))
         for best in np.argsort(-scores)[:_REFINED]
     ]
     return _measure(query, candidate, max(refined, key=lambda pair: pair[0])[1])
@@ -329,7 +350,7 @@ def _scores(
     return scores
 
 
-def _refine(query: Placed, candidate: Placed, motion: _Motion) -> tuple[float, _Motion]:
+def _refine(query: Placed, candidate: Placed, motion: Frame) -> tuple[float, Frame]:
     """Iterate closest points (Besl and McKay 1992) of the surfaces and of the medial axes together.
 
     Pairs are weighted by distance, those of the surfaces by the agreement of their normals too. Returns the
@@ -353,11 +374,11 @@ def _refine(query: Placed, candidate: Placed, motion: _Motion) -> tuple[float, _
         )
         if not _LEAST_SCALE < scales[0] < _LARGEST_SCALE:
             return 0.0, motion
-        motion = _Motion(float(scales[0]), rotations[0], translations[0])
+        motion = Frame(float(scales[0]), rotations[0], translations[0])
     return support, motion
 
 
-def _measure(query: Placed, candidate: Placed, motion: _Motion) -> Alignment:
+def _measure(query: Placed, candidate: Placed, motion: Frame) -> Alignment:
     points, normals = motion.of(query.points), query.normals @ motion.rotation.T
     _, nearest = candidate.tree.query(points)
     forth = _coverage(points, normals, candidate.points[nearest], candidate.normals[nearest])

@@ -7,18 +7,18 @@ fitted to the other's faces, so that copies come to rounding errors.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.registration.alignment import similarity_transformations
+from shapegoogle_core.registration.alignment import Frame, similarity_transformations
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Fit", "Frame", "Surface", "TangentPlanes", "fit", "frame_between", "matched", "mirrored"]
+__all__ = ["Fit", "Surface", "TangentPlanes", "fit", "frame_between", "matched", "mirrored"]
 
 # Lengths are in units of √area of the surface that points are fitted to.
 # So many faces with the nearest centres are asked for the nearest point.
@@ -96,32 +96,6 @@ class TangentPlanes:
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
-    """x ↦ scale · rotation x + translation, from the units of one sample to those of another.
-
-    Attributes
-    ----------
-    scale : float
-    rotation : (3, 3) array
-        With determinant -1 for a reflection.
-    translation : (3,) array
-    """
-
-    scale: float
-    rotation: FloatArray
-    translation: FloatArray
-
-    def of(self, points: FloatArray) -> FloatArray:
-        """Move (n, 3) points."""
-        return np.asarray(self.scale * points @ self.rotation.T + self.translation)
-
-    def inverse(self) -> Frame:
-        """Return the frame that undoes this one."""
-        back = self.rotation.T
-        return Frame(1 / self.scale, back, -(back @ self.translation) / self.scale)
-
-
-@dataclass(frozen=True, eq=False)
 class Fit:
     """A candidate's points where they fit the query's surface best.
 
@@ -178,16 +152,7 @@ def mirrored(sample: SurfaceSample) -> SurfaceSample:
     reflected : SurfaceSample
     """
     flip = np.array([-1.0, 1.0, 1.0])
-    return SurfaceSample(
-        points=sample.points * flip,
-        normals=sample.normals * flip,
-        radii=sample.radii,
-        descriptors=sample.descriptors,
-        eigenvalues=sample.eigenvalues,
-        modes=sample.modes,
-        center=sample.center,
-        unit=sample.unit,
-    )
+    return replace(sample, points=sample.points * flip, normals=sample.normals * flip)
 
 
 def fit(
@@ -265,21 +230,11 @@ def _step(
     heights = (offsets * normals).sum(axis=1)
     # What the surface does not tell, such as a turn of a sphere, stays as it is: the least solution.
     solution, *_ = np.linalg.lstsq(weights[:, None] * columns, weights * heights, rcond=1e-6)
-    turn = _rotation(solution[:3])
+    turn = Rotation.from_rotvec(solution[:3]).as_matrix()
     growth = float(np.clip(1 + solution[6], 0.8, 1.25))
     rotation = turn @ frame.rotation
     translation = growth * turn @ (frame.translation - middle) + middle + solution[3:6]
     return Frame(growth * frame.scale, rotation, translation)
-
-
-def _rotation(vector: NDArray[np.float64]) -> FloatArray:
-    """Rotation by an axis times an angle (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = vector / angle
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
 def _covered(points: FloatArray, sample: FloatArray, normals: FloatArray) -> float:
