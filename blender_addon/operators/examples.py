@@ -10,11 +10,12 @@ from bpy.props import BoolProperty, IntProperty
 
 from ..preferences import preferences
 from ..properties import examples_of, session_of
+from .place import OnMatch, active_match
 
 __all__ = ["register", "unregister"]
 
 
-class SHAPEGOOGLE_OT_mark_example(bpy.types.Operator):
+class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
     """Make the chosen match an example."""
 
     bl_idname = "shape_google.mark_example"
@@ -37,19 +38,10 @@ class SHAPEGOOGLE_OT_mark_example(bpy.types.Operator):
             "takes it back"
         )
 
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        """There is a match."""
-        session = session_of(context)
-        if not 0 <= session.active_match < len(session.matches):
-            cls.poll_message_set("Find something and choose a match first")
-            return False
-        return True
-
     def execute(self, context: Any) -> set[str]:
         """Put it into the list, or take it off if it is there as such already."""
         session = session_of(context)
-        match = session.matches[session.active_match]
+        match = active_match(context)
         for index, example in enumerate(session.examples):
             if (example.library, example.shape_id) == (session.library, match.shape_id):
                 if example.unlike == self.unlike:

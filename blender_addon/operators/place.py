@@ -14,31 +14,31 @@ from ..placing import PlacingError
 from ..properties import session_of
 from .paint import Painter
 
-__all__ = ["register", "unregister"]
+__all__ = ["OnMatch", "active_match", "register", "unregister"]
 
 # Room between the query and what is put beside it, as a share of their widths.
 GAP = 0.2
 
 
-def _active_match(context: Any) -> Any:
+def active_match(context: Any) -> Any:
     """Return the chosen match, or None."""
     session = session_of(context)
     return session.matches[session.active_match] if 0 <= session.active_match < len(session.matches) else None
 
 
-class _OnMatch:
+class OnMatch:
     """What all operators on the chosen match have in common."""
 
     @classmethod
     def poll(cls, context: Any) -> bool:
         """There is a match."""
-        if _active_match(context) is None:
+        if active_match(context) is None:
             cls.poll_message_set("Find something and choose a match first")  # type: ignore[attr-defined]
             return False
         return True
 
 
-class SHAPEGOOGLE_OT_append_match(_OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
     """Append the match."""
 
     bl_idname = "shape_google.append_match"
@@ -51,14 +51,14 @@ class SHAPEGOOGLE_OT_append_match(_OnMatch, bpy.types.Operator):
         """Only what is elsewhere."""
         if not super().poll(context):
             return False
-        if _active_match(context).in_scene:
+        if active_match(context).in_scene:
             cls.poll_message_set("The match is in this scene: select it, or choose another one")
             return False
         return True
 
     def execute(self, context: Any) -> set[str]:
         """Append it."""
-        match = _active_match(context)
+        match = active_match(context)
         try:
             objects = placing.bring_in(context, match.source, match.object_name)
         except PlacingError as error:
@@ -69,7 +69,7 @@ class SHAPEGOOGLE_OT_append_match(_OnMatch, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
     """Link the match."""
 
     bl_idname = "shape_google.link_match"
@@ -80,7 +80,7 @@ class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Only what is in another .blend file."""
-        match = _active_match(context)
+        match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
             cls.poll_message_set("Only objects of .blend files can be linked; append this one")
             return False
@@ -91,7 +91,7 @@ class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Link it."""
-        match = _active_match(context)
+        match = active_match(context)
         linked = placing.find_linked(match.source, match.object_name)
         if linked is not None and linked in set(context.view_layer.objects):
             placing.to_object_mode(context)
@@ -107,7 +107,7 @@ class SHAPEGOOGLE_OT_link_match(_OnMatch, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SHAPEGOOGLE_OT_open_match(_OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
     """Open the file of the match."""
 
     bl_idname = "shape_google.open_match"
@@ -117,7 +117,7 @@ class SHAPEGOOGLE_OT_open_match(_OnMatch, bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Only what is in a .blend file."""
-        match = _active_match(context)
+        match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
             cls.poll_message_set("Only .blend files can be opened; append this match")
             return False
@@ -132,7 +132,7 @@ class SHAPEGOOGLE_OT_open_match(_OnMatch, bpy.types.Operator):
         return self._open(context, "EXEC_DEFAULT")
 
     def _open(self, context: Any, how: str) -> set[str]:
-        source = _active_match(context).source
+        source = active_match(context).source
         try:
             # Scripts in it stay off, whatever the preferences say: it came out of a search.
             bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)
@@ -142,7 +142,7 @@ class SHAPEGOOGLE_OT_open_match(_OnMatch, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
     """Select the match."""
 
     bl_idname = "shape_google.select_match"
@@ -153,7 +153,7 @@ class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Only what is in this scene."""
-        match = _active_match(context)
+        match = active_match(context)
         if match is None or not match.in_scene:
             cls.poll_message_set("The match is not in this scene; append it")
             return False
@@ -161,7 +161,7 @@ class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Select it."""
-        name = _active_match(context).object_name
+        name = active_match(context).object_name
         item = context.view_layer.objects.get(name)
         if item is None:
             self.report({"ERROR"}, f"{name!r} is not in this view layer any more; index the scene again")
@@ -176,7 +176,7 @@ class SHAPEGOOGLE_OT_select_match(_OnMatch, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SHAPEGOOGLE_OT_mark_match(_OnMatch, Painter, bpy.types.Operator):
+class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
     """Mark query and match in the same words."""
 
     bl_idname = "shape_google.mark_match"
@@ -190,8 +190,7 @@ class SHAPEGOOGLE_OT_mark_match(_OnMatch, Painter, bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """There is a match, and an object to compare it with."""
-        if _active_match(context) is None:
-            cls.poll_message_set("Find something and choose a match first")
+        if not super().poll(context):
             return False
         if context.active_object is None or context.active_object.type != "MESH":
             cls.poll_message_set("Select the object that you looked for")
@@ -230,7 +229,7 @@ class SHAPEGOOGLE_OT_mark_match(_OnMatch, Painter, bpy.types.Operator):
 
     def _prepare(self, context: Any) -> list[Any] | None:
         """Select the object and the match, which is brought in if need be; None after a report."""
-        match = _active_match(context)
+        match = active_match(context)
         placing.to_object_mode(context)
         query = context.active_object
         # By number: references do not outlast an undo while a worker computes.

@@ -12,6 +12,7 @@ from .. import jobs, placing, scene, transferring
 from ..placing import PlacingError
 from ..properties import session_of
 from ..transferring import Source, Target, Transferred
+from .place import OnMatch
 
 __all__ = ["register", "unregister"]
 
@@ -21,7 +22,7 @@ SECONDS_BETWEEN_LOOKS = 0.1
 POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.2
 
 
-class SHAPEGOOGLE_OT_transfer_match(bpy.types.Operator):
+class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     """Transfer the match's vertex groups, colours and UVs."""
 
     bl_idname = "shape_google.transfer_match"
@@ -35,10 +36,9 @@ class SHAPEGOOGLE_OT_transfer_match(bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """There is a match, an object to give to, and something to carry over."""
-        session = session_of(context)
-        if not 0 <= session.active_match < len(session.matches):
-            cls.poll_message_set("Find something and choose a match first")
+        if not super().poll(context):
             return False
+        session = session_of(context)
         item = context.active_object
         if item is None or item.type != "MESH":
             cls.poll_message_set("Select the object that you looked for")
