@@ -7,7 +7,7 @@ import hashlib
 import io
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -20,7 +20,7 @@ from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration import SurfaceSample, sample_surface
+from shapegoogle_core.registration import LocalWords, SurfaceSample, sample_surface
 from shapegoogle_core.settings import ModelSettings
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
@@ -48,6 +48,8 @@ class ShapeSignature:
         Of the mesh as given.
     sample : SurfaceSample or None
         Points of the mended mesh, if the model's settings ask for them.
+    local_code : (s/8,) array of uint8 or None
+        The code of the sample's local words, if the model has an index of parts.
     surface : Mesh or None
         The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
     """
@@ -58,6 +60,7 @@ class ShapeSignature:
     vertex_count: int
     face_count: int
     sample: SurfaceSample | None = None
+    local_code: NDArray[np.uint8] | None = None
     surface: Mesh | None = None
 
 
@@ -109,6 +112,8 @@ class ShapeModel:
         How much an agreement in space says, see `verified_distance`.
     verified_half, verified_slope : float
         Calibration of the similarity of verified distances.
+    local_words : LocalWords or None
+        The index of parts, if `settings.local` asks for one.
     """
 
     settings: ModelSettings
@@ -124,6 +129,7 @@ class ShapeModel:
     agreement_gain: float = 0.0
     verified_half: float = 1.0
     verified_slope: float = 1.0
+    local_words: LocalWords | None = None
 
     def __post_init__(self) -> None:
         size, projected, bits = self.bag_size, self.projection.shape[-1], self.code_bits
@@ -152,6 +158,10 @@ class ShapeModel:
             raise ModelError("the model's calibration of similarities is damaged")
         if not 0 <= self.agreement_gain < np.inf:
             raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
+        local = self.settings.local
+        wanted = None if local is None else (local.bits, local.words)
+        if wanted != (None if self.local_words is None else self.local_words.directions.shape):
+            raise ModelError("the model's local words are damaged: they are not of the size in its settings")
 
     def __repr__(self) -> str:
         return f"ShapeModel({self.name!r}, {self.identifier})"
@@ -206,10 +216,12 @@ class ShapeModel:
             shape = working_shape(self.settings, mesh)
             bags = shape_bags(self.settings, self.vocabularies, shape.spectrum) * self.weights
             code = self.codes(bags[None])[0]
-            sample = None
+            sample = local_code = None
             if self.settings.sample is not None:
                 sample = sample_surface(shape.mesh, shape.spectrum, self.settings.sample)
                 sample = sample.moved_back(shape.placement.origin, shape.placement.scale)
+            if sample is not None and self.local_words is not None:
+                local_code = self.local_words.code(sample)
         return ShapeSignature(
             bags=bags,
             code=code,
@@ -217,6 +229,7 @@ class ShapeModel:
             vertex_count=len(mesh.vertices),
             face_count=len(mesh.faces),
             sample=sample,
+            local_code=local_code,
             surface=shape.placement.back(shape.mesh) if keep_surface else None,
         )
 
@@ -378,6 +391,10 @@ class ShapeModel:
         }
         for index, words in enumerate(self.vocabularies):
             arrays[f"centers_{index}"] = words.centers
+        if self.local_words is not None:
+            arrays |= {
+                f"local_{entry.name}": getattr(self.local_words, entry.name) for entry in fields(LocalWords)
+            }
         return arrays
 
     def to_bytes(self) -> bytes:
@@ -433,6 +450,7 @@ class ShapeModel:
                 agreement_gain=float(header.get("agreement_gain", 0.0)),
                 verified_half=float(header.get("verified_half", 1.0)),
                 verified_slope=float(header.get("verified_slope", 1.0)),
+                local_words=None if settings.local is None else _local_words(arrays),
             )
         except ModelError:
             raise
@@ -458,6 +476,15 @@ class ShapeModel:
             Path(path).write_bytes(self.to_bytes())
         except OSError as error:
             raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
+
+
+def _local_words(arrays: dict[str, NDArray[np.generic]]) -> LocalWords:
+    return LocalWords(
+        centers=arrays["local_centers"].astype(np.float32),
+        weights=arrays["local_weights"].astype(np.float32),
+        mean=arrays["local_mean"].astype(np.float32),
+        directions=arrays["local_directions"].astype(np.int8),
+    )
 
 
 def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:

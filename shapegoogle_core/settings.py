@@ -20,6 +20,7 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.laplacian import LAPLACIANS
 from shapegoogle_core.mending import Mending
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration.local_words import LocalSettings
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectrum import Spectrum
 
@@ -156,6 +157,8 @@ class ModelSettings:
     sample : SampleSettings or None
         How many points of a surface are kept, to lay the best candidates of a search over the query. None:
         candidates are compared by their bags alone.
+    local : LocalSettings or None
+        The index of parts, which is made from the samples; None: candidates come from the bags' codes alone.
     """
 
     name: str
@@ -172,6 +175,7 @@ class ModelSettings:
     code_bits: int = 256
     code_directions: str = "eigenvectors"
     sample: SampleSettings | None = None
+    local: LocalSettings | None = None
 
     def __post_init__(self) -> None:
         if not self.channels:
@@ -189,6 +193,8 @@ class ModelSettings:
         _check(0 < self.area < math.inf, "area", "positive", self.area)
         _check(self.projected >= 1, "projected", "at least 1", self.projected)
         _check(0 <= self.shrinkage <= 1, "shrinkage", "from 0 to 1", self.shrinkage)
+        if self.local is not None and self.sample is None:
+            raise ModelError("local words are of samples: a model with them needs sample settings")
 
     @property
     def bag_size(self) -> int:
@@ -201,11 +207,13 @@ class ModelSettings:
         Returns
         -------
         values : dict
-            Without `sample` where it is None: models from before it existed keep their identifier.
+            Without `sample` and `local` where they are None: models from before they existed keep their
+            identifier.
         """
         values = asdict(self)
-        if values["sample"] is None:
-            del values["sample"]
+        for name in ("sample", "local"):
+            if values[name] is None:
+                del values[name]
         return values
 
     @classmethod
@@ -237,6 +245,8 @@ class ModelSettings:
             known["mending"] = None if known["mending"] is None else Mending(**known["mending"])
             if known.get("sample") is not None:
                 known["sample"] = SampleSettings(**known["sample"])
+            if known.get("local") is not None:
+                known["local"] = LocalSettings(**known["local"])
             return cls(**known)
         except (KeyError, TypeError, ValueError) as error:
             raise ModelError(f"the settings of the model are damaged ({error!r})") from error
@@ -276,6 +286,7 @@ PRESETS: dict[str, ModelSettings] = {
         ),
         code_directions="rotated",
         sample=SampleSettings(),
+        local=LocalSettings(),
     ),
     "paper": ModelSettings(
         name="paper",

@@ -34,7 +34,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.metric import calibrate, choose_pairs, learn_projection, rival_pairs
 from shapegoogle_core.model import ShapeModel, row_distances
-from shapegoogle_core.registration import Placed, SurfaceSample, align, sample_surface
+from shapegoogle_core.registration import Placed, SurfaceSample, align, fit_local_words, sample_surface
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.vocabulary import Vocabulary
 from shapegoogle_core.weighting import InverseDocumentFrequency
@@ -248,7 +248,7 @@ def fit_metric(
     labels : (n,) array of int
         Which shape each is a version of.
     samples : sequence of SurfaceSample, optional
-        Of all versions; left out, an agreement in space will say nothing.
+        Of all versions; left out, an agreement in space will say nothing, and parts have no index.
     seed : int
     trained_on : str
         A sentence that `shapegoogle info` shows.
@@ -267,8 +267,11 @@ def fit_metric(
         weights = InverseDocumentFrequency().fit(occurrences).weights_.astype(np.float32)
     bags = bags * weights
     mean, projection = learn_projection(bags, labels, settings.projected, settings.shrinkage)
+    local_words = None
+    if settings.local is not None and samples:
+        local_words = fit_local_words(samples, settings.local, seed)
     untrained = ShapeModel(
-        settings=settings,
+        settings=settings if local_words is not None else replace(settings, local=None),
         vocabularies=vocabularies,
         weights=weights,
         mean=mean,
@@ -278,6 +281,7 @@ def fit_metric(
         similarity_half=1.0,
         similarity_slope=1.0,
         trained_on=trained_on,
+        local_words=local_words,
     )
     directions, thresholds = _learn_code(settings, untrained.embed(bags).astype(np.float64), labels, seed)
     compared = untrained.comparable(bags)

@@ -374,6 +374,8 @@ class Library:
             _, bags = self._store.bags([shape_id], self._model.bag_size)
             samples = self._store.samples([shape_id]) if self._model.settings.sample else {}
             code = self._store.code(shape_id, self._model.code_bits // 8)
+            local = self._model.settings.local
+            local_code = None if local is None else self._store.local_code(shape_id, local.bits // 8)
         if code is None or len(bags) == 0:
             raise LibraryError(
                 f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
@@ -382,7 +384,9 @@ class Library:
         sample = None
         if shape_id in samples:
             sample = unpack_sample(self._store, self._model, shape_id, samples[shape_id])
-        return ShapeSignature(bags[0], code, record.area, record.vertex_count, record.face_count, sample)
+        return ShapeSignature(
+            bags[0], code, record.area, record.vertex_count, record.face_count, sample, local_code
+        )
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Picture of a shape as PNG, or None when it has none.
@@ -558,6 +562,14 @@ class Library:
                 f"{name!r} was described with another model than that of '{self.path}' "
                 f"({self._model.identifier}), which takes no samples of surfaces; describe it with "
                 "library.model"
+            )
+        local = self._model.settings.local
+        if signature.local_code is not None and signature.local_code.size != (
+            local.bits // 8 if local else 0
+        ):
+            raise LibraryError(
+                f"{name!r} was described with another model than that of '{self.path}' "
+                f"({self._model.identifier}): its local code does not fit; describe it with library.model"
             )
         if not np.isfinite(round_bags(signature.bags)).all():
             raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The tables of a library file.
 
-A shape's row is spread over five tables, so that loading all codes touches about 40 bytes for each shape and
+A shape's row is spread over six tables, so that loading all codes touches about 40 bytes for each shape and
 neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
@@ -15,9 +15,9 @@ BAG_TYPE = np.dtype("<f2")
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. One of version 1
-# stays as it is: its model makes no samples.
-SCHEMA_VERSION, UNREADABLE_VERSION = 3, 2
+# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. 4: with local codes.
+# One of version 1 or 3 stays as it is: its model makes no samples, or no local codes.
+SCHEMA_VERSION, UNREADABLE_VERSION = 4, 2
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -51,6 +51,10 @@ CREATE TABLE bags (
 CREATE TABLE samples (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     content BLOB NOT NULL
+);
+CREATE TABLE local_codes (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    code BLOB NOT NULL
 );
 CREATE TABLE thumbnails (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,

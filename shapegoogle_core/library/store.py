@@ -290,6 +290,10 @@ class Store:
             self._connection.execute(
                 "INSERT INTO samples VALUES (?, ?)", (shape_id, signature.sample.to_bytes())
             )
+        if signature.local_code is not None:
+            self._connection.execute(
+                "INSERT INTO local_codes VALUES (?, ?)", (shape_id, signature.local_code.tobytes())
+            )
         if shape.thumbnail is not None:
             self._connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         return shape_id
@@ -333,10 +337,17 @@ class Store:
         shape_ids : (n,) array of int64
         codes : (n, code_bytes) array of uint8
         """
+        return self._all_codes("codes", code_bytes)
+
+    def local_codes(self, code_bytes: int) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+        """Return ids and local codes of all shapes that have one; else as `codes`."""
+        return self._all_codes("local_codes", code_bytes)
+
+    def _all_codes(self, table: str, code_bytes: int) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
         shape_ids: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
         codes = [np.empty((0, code_bytes), np.uint8)]
         with self._explained():
-            cursor = self._connection.execute("SELECT shape_id, code FROM codes ORDER BY shape_id")
+            cursor = self._connection.execute(f"SELECT shape_id, code FROM {table} ORDER BY shape_id")
             # In portions: a million Python objects would take ten times the room of the codes.
             while rows := cursor.fetchmany(50_000):
                 shape_ids.append(np.array([row[0] for row in rows], np.int64))
@@ -363,7 +374,14 @@ class Store:
 
     def code(self, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
         """Return the code of one shape, or None when there is no such shape."""
-        rows = self._rows("SELECT code FROM codes WHERE shape_id = ?", shape_id)
+        return self._code("codes", shape_id, code_bytes)
+
+    def local_code(self, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
+        """Return the local code of one shape, or None when it has none."""
+        return self._code("local_codes", shape_id, code_bytes)
+
+    def _code(self, table: str, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
+        rows = self._rows(f"SELECT code FROM {table} WHERE shape_id = ?", shape_id)
         return self._matrix([rows[0][0]], np.dtype(np.uint8), code_bytes)[0] if rows else None
 
     def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:

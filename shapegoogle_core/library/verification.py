@@ -23,7 +23,7 @@ from shapegoogle_core.library.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Placed, SurfaceSample, align, support
 
-__all__ = ["SCREENED", "unpack_sample", "verify"]
+__all__ = ["CERTAIN", "SCREENED", "unpack_sample", "verify"]
 
 # The sample that a match is laid over.
 QueryOf = Callable[[Match], Placed]
@@ -33,7 +33,7 @@ SCREENED = 300
 
 # Where bags alone are so sure of the first match, geometry is not asked: of a shape in another pose they know
 # more than it does. 0.7 is the best compromise on the development set, with damaged poses added to it.
-_CERTAIN = 0.7
+CERTAIN = 0.7
 # So many are laid over the query at first. If one of them is likely enough, the others are not looked at:
 # what stands behind it would have to fit far better in space although its words are far less alike.
 _FIRST = 12
@@ -48,6 +48,7 @@ def verify(
     model: ShapeModel,
     samples: Sequence[SurfaceSample],
     matches: Sequence[Match],
+    relatives: Sequence[Match],
     views: Mapping[int, int],
 ) -> list[Match]:
     """Lay the best matches over the query, and lower the distances of those that fit.
@@ -59,7 +60,9 @@ def verify(
     samples : sequence of SurfaceSample
         Of the query; several, if it has several examples.
     matches : sequence of Match
-        Best first.
+        The best by their bags, best first; at least one.
+    relatives : sequence of Match
+        Other shapes that share parts with the query.
     views : mapping of int to int
         Which of the samples a match is laid over, by its shape id; the first one, where it is not named. With
         one for each match, several examples take no longer than one.
@@ -67,16 +70,10 @@ def verify(
     Returns
     -------
     matches : list of Match
-        All of them, best first. As they are, if the first one is certain by its bags.
+        All of both, best first.
     """
-    if not matches or matches[0].similarity >= _CERTAIN:
-        return list(matches)
     # Bags where geometry has found nothing say less than bags alone.
-    similarities = model.similarity(np.array([match.distance for match in matches]), verified=True)
-    matches = [
-        replace(match, similarity=float(similarity))
-        for match, similarity in zip(matches, similarities, strict=True)
-    ]
+    matches, relatives = _doubted(model, matches), _doubted(model, relatives)
     placed = [Placed(sample) for sample in samples]
 
     def query(match: Match) -> Placed:
@@ -85,13 +82,21 @@ def verify(
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         verified = [_verified(model, query, *pair) for pair in _placed(store, model, matches[:_FIRST])]
-        rest = list(matches[_FIRST:])
+        rest = [*matches[_FIRST:], *relatives]
         if rest and max(match.similarity for match in verified) < _LIKELY:
-            chosen = _worth_a_look(store, model, query, rest[: SCREENED - _FIRST])
+            chosen = _worth_a_look(store, model, query, [*matches[_FIRST:SCREENED], *relatives])
             verified += [_verified(model, query, *pair) for pair in _placed(store, model, chosen)]
             taken = {match.shape_id for match in chosen}
             rest = [match for match in rest if match.shape_id not in taken]
     return sorted([*verified, *rest], key=lambda match: match.rank_key)
+
+
+def _doubted(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
+    similarities = model.similarity(np.array([match.distance for match in matches]), verified=True)
+    return [
+        replace(match, similarity=float(similarity))
+        for match, similarity in zip(matches, similarities, strict=True)
+    ]
 
 
 def _worth_a_look(

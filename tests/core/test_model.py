@@ -160,7 +160,7 @@ def test_what_has_no_surface_is_refused_by_name(vertices, faces, message, model)
 @pytest.mark.parametrize("name", ["default", "paper"])
 def test_shipped_models_are_small_and_round_trip(name):
     shipped = resources.files("shapegoogle_core") / "models" / f"{name}.npz"
-    assert len(shipped.read_bytes()) <= 3_000_000
+    assert len(shipped.read_bytes()) <= 4_000_000
     model = load_model(name)
     current = json.loads(json.dumps(PRESETS[name].to_dict()))
     assert json.loads(json.dumps(model.settings.to_dict())) == current, "train the shipped models again"

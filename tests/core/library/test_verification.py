@@ -12,9 +12,9 @@ from shapegoogle_core import Library, Mesh, compute_spectrum
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.evaluation.transformations import transform
-from shapegoogle_core.library import verification
+from shapegoogle_core.library import search, verification
 from shapegoogle_core.mending import Mending
-from shapegoogle_core.registration import SampleSettings, sample_surface
+from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
 
 
 @pytest.fixture(scope="module")
@@ -144,3 +144,58 @@ def test_a_library_without_samples_still_answers(path, make_model, shapes_in_it)
         assert library.query(shapes_in_it[1], top=1)[0].name == "shape 1"
         assert library.signature(1).sample is None
         assert library.info()["schema"] == 1
+
+
+@pytest.fixture(scope="module")
+def indexing(verifying, shapes_in_it):
+    local = LocalSettings(words=256, bits=128)
+    words = fit_local_words([verifying.describe(mesh).sample for mesh in shapes_in_it], local)
+    return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
+
+
+class TestPartsIndex:
+    """What bags do not find, local words bring before geometry."""
+
+    @pytest.fixture
+    def library(self, path, indexing, shapes_in_it):
+        with Library.open(path, indexing) as library:
+            for mesh in shapes_in_it:
+                library.add(mesh)
+            yield library
+
+    @pytest.mark.parametrize("exact", [False, True])
+    def test_a_shape_far_by_its_bags_is_found(self, library, shapes_in_it, monkeypatch, exact):
+        query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
+        strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
+        monkeypatch.setattr(search, "CANDIDATES", 3)
+        monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
+        monkeypatch.setattr(search, "SCREENED", 3)
+        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 0)
+        assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
+        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 4)
+        assert library.query_signature(strange, top=1, exact=exact)[0].name == "shape 8"
+
+    def test_local_codes_come_back_and_go_with_their_shape(self, library, shapes_in_it):
+        code = library.model.describe(shapes_in_it[4]).local_code
+        np.testing.assert_array_equal(library.signature(5).local_code, code)
+        assert library._store.local_codes(16)[0].size == 24
+        library.remove_shape(5)
+        assert library._store.local_code(5, 16) is None
+        assert library._store.local_codes(16)[0].size == 23
+
+    def test_a_library_of_a_model_without_them_still_answers(self, path, verifying, shapes_in_it):
+        """Format 3: no such table."""
+        with Library.open(path, verifying) as library:
+            library.add(shapes_in_it[0])
+            library._store._connection.execute("DROP TABLE local_codes")
+            library._store._connection.execute("UPDATE meta SET value = '3' WHERE key = 'schema'")
+        with Library.open(path) as library:
+            library.add(shapes_in_it[1])
+            query = transform(shapes_in_it[1], "partial", 2, seed=0)
+            assert library.query(query, top=1)[0].name == "shape 1"
+            assert library.signature(1).local_code is None
+
+    def test_a_signature_with_another_local_code(self, path, library, verifying, shapes_in_it):
+        signature = library.model.describe(shapes_in_it[0])
+        with pytest.raises(LibraryError, match="its local code does not fit"):
+            library.add_signature(replace(signature, local_code=np.zeros(3, np.uint8)), "shape")
