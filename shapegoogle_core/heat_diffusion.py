@@ -35,13 +35,10 @@ from shapegoogle_core.spectrum import Spectrum
 
 __all__ = ["full_heat_kernel", "full_heat_kernel_signature"]
 
-# A time t takes the z from 2^-1/t to 2^7/t. With so many of them in an octave, ε is at most 1.6e-2, 1.5e-3
-# and 1.4e-4; with more, rounding sets the limit.
+# A time t takes the z from 2^-1/t to 2^7/t, so many in an octave. ε is then at most 1.4e-4; with more of
+# them rounding sets the limit, and with 2 it would be ten times that.
 OCTAVES = (-1, 7)
-DENSITIES = (1.5, 2.0, 2.5)
-LEAST_TOLERANCE = 1e-3
-# What the bound on the error of K_t(x, x) usually is, as a multiple of ε K_t(x, x).
-USUAL_BOUND = 3
+POLES_PER_OCTAVE = 2.5
 # Later, W + zA is so nearly singular that rounding would count.
 LATEST = 10.0
 
@@ -80,7 +77,7 @@ class _Ladder:
             lower, lower_part = pole, part
 
 
-def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance: float = 1e-3) -> FloatArray:
+def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance: float = 0.01) -> FloatArray:
     """Heat at every vertex, a time after a unit of it was put on one vertex (paper, equation 5).
 
     K_t(x, y) = Σ_l exp(-λ_l t) φ_l(x) φ_l(y) over all eigenpairs, of which none are computed.
@@ -94,19 +91,19 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     time : float
         t > 0, in squared mesh units, at most ten times the area; `heat_kernel` serves all later ones.
     tolerance : float
-        Largest error as a share of √(K_t(x, x) K_t(y, y)), which the kernel itself nowhere exceeds; ≥ 1e-3.
-        Checked at y = x.
+        Largest error as a share of √(K_t(x, x) K_t(y, y)), which the kernel itself nowhere exceeds. Proved at
+        y = x; usually it is a hundred times less.
 
     Returns
     -------
     heat : (n,) array
         K_t(x, y) for all y, in 1 / squared mesh units. Its integral is 1. Where there is next to no heat it
-        is 0 only to within the tolerance, and may be negative.
+        is 0 only to within the tolerance, and may be negative; with "fem1" the discrete kernel itself is.
 
     Raises
     ------
     ValueError
-        If a parameter is out of range, or the tolerance cannot be guaranteed.
+        If a parameter is out of range, or the tolerance cannot be proved.
     """
     t = _checked_times(operator, [time])
     _check_tolerance(tolerance)
@@ -131,23 +128,20 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
         solution: FloatArray = factor.solve(unit)
         return solution
 
-    proved = math.inf
-    for ladder in _ladders(t, tolerance):
-        heat, bound = np.zeros(n), np.zeros(1)
-        for index, pair in enumerate(ladder.pairs(column)):
-            heat += ladder.weights[index, 0] * pair
-            if index == ladder.bounding[0]:
-                bound = ladder.errors * pair[place]
-        proved = _largest_share(bound, heat[[place]])
-        if proved <= tolerance:
-            values = np.empty(n)
-            values[order] = heat
-            return values
-    raise _unproved(proved, tolerance)
+    ladder = _ladder(t)
+    heat, bound = np.zeros(n), np.empty(1)
+    for index, pair in enumerate(ladder.pairs(column)):
+        heat += ladder.weights[index, 0] * pair
+        if index == ladder.bounding[0]:
+            bound = ladder.errors * pair[place]
+    _check_proof(bound, heat[[place]], tolerance)
+    values = np.empty(n)
+    values[order] = heat
+    return values
 
 
 def full_heat_kernel_signature(
-    operator: Operator, times: ArrayLike, *, spectrum: Spectrum | None = None, tolerance: float = 1e-3
+    operator: Operator, times: ArrayLike, *, spectrum: Spectrum | None = None, tolerance: float = 0.01
 ) -> FloatArray:
     """Heat kernel signature of every vertex at any times, however small (paper, equation 2 without c).
 
@@ -163,7 +157,8 @@ def full_heat_kernel_signature(
         The operator's, of any size. Times that it reaches are taken from it, as `heat_kernel_signature` does:
         those at which what it leaves out is proved to be within the tolerance.
     tolerance : float
-        Largest error, as a share of K_t(x, x); ≥ 1e-3. It is guaranteed at every vertex, rounding aside.
+        Largest error, as a share of K_t(x, x). It is proved at every vertex and time, rounding aside; usually
+        it is a hundred times less.
 
     Returns
     -------
@@ -174,15 +169,18 @@ def full_heat_kernel_signature(
     ------
     ValueError
         If a parameter is out of range, the spectrum is of another operator, or the tolerance cannot be
-        guaranteed.
+        proved, which happens on meshes that are very uneven.
     numpy.linalg.LinAlgError
         If the stiffness has negative eigenvalues.
     """
     _check_tolerance(tolerance)
-    n = len(operator.lumped_mass)
-    if spectrum is not None and spectrum.eigenvectors.shape[0] != n:
-        vertices = spectrum.eigenvectors.shape[0]
-        raise ValueError(f"the spectrum has {vertices} vertices, the operator {n}; take the operator's own")
+    mass = operator.lumped_mass
+    if spectrum is not None and not (
+        len(spectrum.mass) == len(mass) and np.allclose(spectrum.mass, mass, rtol=1e-6, atol=0)
+    ):
+        raise ValueError(
+            "the spectrum is of another mesh or Laplacian than the operator; take the operator's own"
+        )
     levels = level_structure(_pattern(operator))
     if spectrum is None:
         return _by_resolvents(operator, levels, _checked_times(operator, times), tolerance)
@@ -198,23 +196,20 @@ def full_heat_kernel_signature(
 def _by_resolvents(operator: Operator, levels: Levels, times: FloatArray, tolerance: float) -> FloatArray:
     """K_t(x, x), (n, d), from the diagonals of the resolvents."""
     shape = len(levels.order), len(times)
+    values, bounds, above = np.zeros(shape), np.empty(shape), np.empty(shape)
+    ladder = _ladder(times)
+    for index, pair in enumerate(ladder.pairs(lambda pole: _resolvent_diagonal(operator, levels, pole))):
+        values += np.outer(pair, ladder.weights[index])
+        bounded = ladder.bounding == index
+        bounds[:, bounded] = np.outer(pair, ladder.errors[bounded])
+        above[:, ladder.above == index] = pair[:, None]
     # Heat never falls below its mean. That and the bound from above hold to the last digits also where a
     # component is so small, for the time, that the sum of resolvents has rounding in it.
     _, component = connected_components(operator.stiffness, directed=False)
     mean = 1 / np.bincount(component, operator.lumped_mass)[component]
-    proved = math.inf
-    for ladder in _ladders(times, tolerance):
-        values, bounds, above = np.zeros(shape), np.empty(shape), np.empty(shape)
-        for index, pair in enumerate(ladder.pairs(lambda pole: _resolvent_diagonal(operator, levels, pole))):
-            values += np.outer(pair, ladder.weights[index])
-            bounded = ladder.bounding == index
-            bounds[:, bounded] = np.outer(pair, ladder.errors[bounded])
-            above[:, ladder.above == index] = pair[:, None]
-        values = np.maximum(np.minimum(values, above), mean[:, None])
-        proved = _largest_share(bounds, values)
-        if proved <= tolerance:
-            return values
-    raise _unproved(proved, tolerance)
+    values = np.maximum(np.minimum(values, above), mean[:, None])
+    _check_proof(bounds, values, tolerance)
+    return values
 
 
 def _left_out(operator: Operator, levels: Levels, spectrum: Spectrum, times: FloatArray) -> FloatArray:
@@ -241,20 +236,14 @@ def _resolvent_diagonal(operator: Operator, levels: Levels, pole: float) -> Floa
     return inverse_diagonal(sparse.csr_array(operator.stiffness + pole * operator.mass), levels)
 
 
-def _ladders(times: FloatArray, tolerance: float) -> Iterator[_Ladder]:
-    """Ladders that should meet the tolerance, the shortest first."""
-    for density in DENSITIES:
-        ladder = _ladder(times, density)
-        if density == DENSITIES[-1] or USUAL_BOUND * ladder.errors.max() <= tolerance:
-            yield ladder
-
-
-def _ladder(times: FloatArray, density: float) -> _Ladder:
-    """Fit exp(-tλ) with `density` poles in the octave."""
+def _ladder(times: FloatArray) -> _Ladder:
+    """Fit exp(-tλ) for each of some times."""
     low, high = OCTAVES
     shortest, longest = times.min(), times.max()
-    steps = np.arange(np.ceil((low - np.log2(longest / shortest)) * density), high * density + 1)
-    poles = 2 ** (steps / density) / shortest
+    steps = np.arange(
+        np.ceil((low - np.log2(longest / shortest)) * POLES_PER_OCTAVE), high * POLES_PER_OCTAVE + 1
+    )
+    poles = 2 ** (steps / POLES_PER_OCTAVE) / shortest
     near = (poles[:, None] * times >= 2.0**low) & (poles[:, None] * times <= 2.0**high)
     poles, near = poles[near.any(axis=1)], near[near.any(axis=1)]
     # λt from where exp(-λt) is flat to where all fractions have the same slope; and points between them.
@@ -299,22 +288,23 @@ def _checked_times(operator: Operator, times: ArrayLike) -> FloatArray:
 
 
 def _check_tolerance(tolerance: float) -> None:
-    if not LEAST_TOLERANCE <= tolerance < 1:
-        raise ValueError(f"tolerance must be from {LEAST_TOLERANCE:g} to below 1, not {tolerance}")
+    if not 0 < tolerance < 1:
+        raise ValueError(f"tolerance must be between 0 and 1, not {tolerance}")
 
 
-def _largest_share(bounds: FloatArray, values: FloatArray) -> float:
-    """Largest share of a true value that an error of at most `bounds` can be; inf if nothing limits it."""
+def _check_proof(bounds: FloatArray, values: FloatArray, tolerance: float) -> None:
+    """Make sure that errors of at most `bounds` are within the tolerance, as shares of the true values.
+
+    Hard are vertices that have far less area than their neighbours: their heat falls to a small share of
+    what it was as fast as exp(-tλ), which the bound does not.
+    """
     least = values - bounds
-    return float((bounds / least).max()) if least.min() > 0 else math.inf
-
-
-def _unproved(proved: float, tolerance: float) -> ValueError:
-    """Say how far the proof goes: what is hard are vertices with far less area than their neighbours."""
-    advice = f"allow {1.1 * proved:.2g}, or" if proved < 0.5 else "first"
-    return ValueError(
-        f"a tolerance of {tolerance:g} cannot be guaranteed on so uneven a mesh; {advice} re-mesh it"
-    )
+    proved = float((bounds / least).max()) if least.min() > 0 else math.inf
+    if proved > tolerance:
+        advice = f"allow {1.1 * proved:.2g}, or" if proved < 0.5 else "first"
+        raise ValueError(
+            f"a tolerance of {tolerance:g} cannot be proved on so uneven a mesh; {advice} re-mesh it"
+        )
 
 
 def _pattern(operator: Operator) -> sparse.csr_array:
