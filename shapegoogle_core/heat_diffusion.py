@@ -35,7 +35,7 @@ from shapegoogle_core.spectrum import Spectrum
 
 __all__ = ["full_heat_kernel", "full_heat_kernel_signature"]
 
-# A time t takes the z from 2^-1/t to 2^7/t, so many in an octave. ε is then at most 1.4e-4; with more of
+# A time t takes the z from 2^-1/t to 2^7/t, so many in an octave. ε is then at most 1.5e-4; with more of
 # them rounding sets the limit, and with 2 it would be ten times that.
 OCTAVES = (-1, 7)
 POLES_PER_OCTAVE = 2.5

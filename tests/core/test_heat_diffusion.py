@@ -9,10 +9,12 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.evaluation.creatures import make_creature
-from shapegoogle_core.heat_diffusion import full_heat_kernel, full_heat_kernel_signature
+from shapegoogle_core.heat_diffusion import _ladder, full_heat_kernel, full_heat_kernel_signature
 from shapegoogle_core.laplacian import LAPLACIANS, Operator, build_operator
 from shapegoogle_core.mesh import Mesh, repair
 from shapegoogle_core.spectrum import Spectrum, operator_spectrum
@@ -173,6 +175,22 @@ def test_all_eigenpairs_reach_everything(decomposed):
     times = [1e-6, 1.0]
     values = full_heat_kernel_signature(operator, times, spectrum=full)
     np.testing.assert_array_equal(values, heat_kernel_signature(full, times))
+
+
+@given(exponents=st.lists(st.floats(-15, 15), min_size=1, max_size=6))
+@settings(max_examples=40, deadline=None)
+def test_fractions_fit_the_exponential_at_any_times(exponents):
+    times = 10.0 ** np.array(exponents)
+    ladder = _ladder(times)
+    assert ladder.errors.max() < 1.5e-4
+    for column, time in enumerate(times):
+        values = np.concatenate([[0], np.geomspace(1e-5, 1e5, 3000)]) / time
+        single = ladder.poles / (values[:, None] + ladder.poles)
+        pairs = single[:, :-1] * single[:, 1:]
+        error = np.abs(pairs @ ladder.weights[:, column] - np.exp(-time * values))
+        allowed = ladder.errors[column] * pairs[:, ladder.bounding[column]]
+        assert (error <= 1.01 * allowed).all()  # 1 %: the largest error was found on other points
+        assert (np.exp(-time * values) <= pairs[:, ladder.above[column]]).all()
 
 
 def uneven_mesh(shapes) -> Mesh:
