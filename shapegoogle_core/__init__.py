@@ -16,6 +16,7 @@ from shapegoogle_core.descriptors import (
     wave_kernel_signature,
 )
 from shapegoogle_core.errors import LibraryError, MeshError, ModelError, ShapeGoogleError
+from shapegoogle_core.heat_diffusion import full_heat_kernel, full_heat_kernel_signature
 from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.library import Library, Match
 from shapegoogle_core.mending import Mending, mend
@@ -44,6 +45,8 @@ __all__ = [
     "bag_of_features",
     "build_operator",
     "compute_spectrum",
+    "full_heat_kernel",
+    "full_heat_kernel_signature",
     "hard_words",
     "heat_kernel",
     "heat_kernel_signature",
