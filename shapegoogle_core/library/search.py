@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.hamming import Words, nearest_codes, pack_words
+from shapegoogle_core.library.code_index import CodeIndex, best_table
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.question import FARTHEST, Question
 from shapegoogle_core.library.store import Store
@@ -28,19 +28,12 @@ CANDIDATES_PER_MATCH = 4
 CERTAIN_OF_SEVERAL = 0.5
 # Bags in memory at once, in entries: 32 MB as float32.
 BAG_ENTRIES_AT_ONCE = 8_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class _Codes:
-    """All codes of a library as they were at one version of its file."""
-
-    version: int
-    shape_ids: NDArray[np.int64]
-    words: Words
+# Codes of removed shapes that are kept in memory and skipped, before all are read again.
+MAX_GONE = 1_000
 
 
 class Search:
-    """Finds shapes in a store; keeps all codes in memory from the first search on.
+    """Finds shapes in a store; keeps all codes in memory from the first search on, and reads only new ones.
 
     Parameters
     ----------
@@ -52,12 +45,8 @@ class Search:
     def __init__(self, store: Store, model: ShapeModel) -> None:
         self._store = store
         self._model = model
-        self._cached_codes: _Codes | None = None
+        self._codes: CodeIndex | None = None
         self._bags_at_once = max(1, BAG_ENTRIES_AT_ONCE // model.bag_size)
-
-    def forget_codes(self) -> None:
-        """Read the codes again at the next search: this program changed the store."""
-        self._cached_codes = None
 
     def among_nearest_codes(self, question: Question, top: int) -> list[Match]:
         """Compare the full bags of the shapes with the nearest codes, and lay the best over the query.
@@ -77,17 +66,16 @@ class Search:
         compared = _compared(question, top)
         # In one snapshot: a candidate must not vanish between its code and its bags.
         with self._store.snapshot():
-            codes = self._codes()
-            positions = [
-                nearest_codes(codes.words, pack_words(code[None])[:, 0], wanted) for code in question.codes
-            ]
-            # Each once, however many examples it is near to.
-            candidates = list(dict.fromkeys(codes.shape_ids[np.concatenate(positions)].tolist()))
-            best: list[Match] = []
-            for start in range(0, len(candidates), self._bags_at_once):
-                portion = candidates[start : start + self._bags_at_once]
-                shape_ids, bags = self._store.bags(portion, self._model.bag_size)
-                best = self._merge(best, question, shape_ids, bags, compared)
+            codes = self._current_codes()
+            best, gone = self._best_of_nearest(codes, question, wanted, compared)
+            if gone:
+                # Removed since their codes were read, by whomever; others come in for them.
+                codes.discard(gone)
+                best, gone = self._best_of_nearest(codes, question, wanted, compared)
+            if gone:
+                # More were removed than just these, so read all again.
+                self._codes = None
+                best, _ = self._best_of_nearest(self._current_codes(), question, wanted, compared)
         return self._verified(question, best)[:top]
 
     def among_all(self, question: Question, top: int) -> list[Match]:
@@ -97,6 +85,22 @@ class Search:
             if len(self._store.shapes([match.shape_id for match in best])) == len(best):
                 return self._verified(question, best)[:top]
             # A writer removed one of the best meanwhile: what it had displaced must come in, so look again.
+
+    def _best_of_nearest(
+        self, codes: CodeIndex, question: Question, wanted: int, top: int
+    ) -> tuple[list[Match], set[int]]:
+        """Compare the bags of the shapes with the nearest codes. Second: the ids of those that are gone."""
+        nearest = [codes.nearest(code, wanted) for code in question.codes]
+        # Each once, however many examples it is near to.
+        candidates = list(dict.fromkeys(np.concatenate(nearest).tolist()))
+        best: list[Match] = []
+        gone: set[int] = set()
+        for start in range(0, len(candidates), self._bags_at_once):
+            portion = candidates[start : start + self._bags_at_once]
+            shape_ids, bags = self._store.bags(portion, self._model.bag_size)
+            gone |= set(portion).difference(shape_ids)
+            best = self._merge(best, question, shape_ids, bags, top)
+        return best, gone
 
     def _verified(self, question: Question, matches: list[Match]) -> list[Match]:
         if question.samples:
@@ -164,13 +168,14 @@ class Search:
         ]
         return heapq.nsmallest(top, [*best, *matches], key=lambda match: match.rank_key)
 
-    def _codes(self) -> _Codes:
-        """All codes, read again only when the file changed."""
-        version = self._store.version()
-        if self._cached_codes is None or self._cached_codes.version != version:
-            shape_ids, codes = self._store.codes(self._model.code_bits // 8)
-            self._cached_codes = _Codes(version, shape_ids, pack_words(codes))
-        return self._cached_codes
+    def _current_codes(self) -> CodeIndex:
+        """All codes, with those that were added since they were read; some may be of shapes that are gone."""
+        code_bytes = self._model.code_bits // 8
+        if self._codes is None or self._codes.gone > MAX_GONE:
+            self._codes = CodeIndex(code_bytes, best_table(self._store.last_id()))
+        for shape_ids, codes in self._store.code_pages(self._codes.last_id, code_bytes):
+            self._codes.add(shape_ids, codes)
+        return self._codes
 
 
 def _compared(question: Question, top: int) -> int:

@@ -13,6 +13,7 @@ from shapegoogle_core.library.hamming import (
     count_bits_portable,
     hamming_distances,
     nearest_codes,
+    nearest_in_blocks,
     pack_words,
 )
 
@@ -49,13 +50,23 @@ def test_codes_longer_than_255_bits_do_not_overflow():
     assert hamming_distances(words, words[:, 0]).tolist() == [0, 512]
 
 
+@counters
 @settings(deadline=None, max_examples=60)
-@given(codes=code_sets, count=st.integers(1, 50), data=st.data())
-def test_nearest_are_the_first_of_a_stable_sort(codes, count, data):
+@given(codes=code_sets, wanted=st.integers(1, 50), data=st.data())
+def test_nearest_are_the_first_of_a_stable_sort(count, codes, wanted, data):
     query = data.draw(arrays(np.uint8, codes.shape[1]))
-    positions = nearest_codes(pack_words(codes), pack_words(query[None])[:, 0], count)
-    expected = np.argsort(brute_force(codes, query), kind="stable")[:count]
+    positions = nearest_codes(pack_words(codes), pack_words(query[None])[:, 0], wanted, count)
+    expected = np.argsort(brute_force(codes, query), kind="stable")[:wanted]
     np.testing.assert_array_equal(positions, expected)
+
+
+@settings(deadline=None, max_examples=60)
+@given(codes=code_sets, wanted=st.integers(1, 50), cuts=st.lists(st.integers(0, 40)), data=st.data())
+def test_blocks_do_not_show(codes, wanted, cuts, data):
+    words = pack_words(codes)
+    query = pack_words(data.draw(arrays(np.uint8, codes.shape[1]))[None])[:, 0]
+    positions = nearest_in_blocks(np.split(words, sorted(cuts), axis=1), query, wanted)
+    np.testing.assert_array_equal(positions, nearest_codes(words, query, wanted))
 
 
 @settings(deadline=None, max_examples=60)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 
 import numpy as np
 import pytest
@@ -157,13 +158,70 @@ def test_changes_of_others_show_at_once(path, filled, make_signature):
     assert filled.query_signature(query, 1)[0].name == "new"
 
 
-def test_codes_are_read_once(filled, make_signature, monkeypatch):
-    reads = []
-    read = filled._store.codes
-    monkeypatch.setattr(filled._store, "codes", lambda size: reads.append(size) or read(size))
+@pytest.fixture
+def codes_read(filled, monkeypatch):
+    """Ids of the shapes whose codes were read, in the order of reading."""
+    read: list[int] = []
+    pages = filled._store.code_pages
+
+    def watched(last_id, code_bytes):
+        for shape_ids, codes in pages(last_id, code_bytes):
+            read.extend(shape_ids.tolist())
+            yield shape_ids, codes
+
+    monkeypatch.setattr(filled._store, "code_pages", watched)
+    return read
+
+
+def test_codes_are_read_once(path, filled, make_signature, codes_read):
     for seed in range(4):
         filled.query_signature(make_signature(seed))
-    assert reads == [9]
+    assert codes_read == list(range(1, 61))
+    codes_read.clear()
+    new_id = filled.add_signature(make_signature(100), "own")
+    filled.query_signature(make_signature(1))
+    with Library.open(path) as other:
+        other_id = other.add_signature(make_signature(101), "another's")
+        replaced_id = other.add_signature(make_signature(102), "shape 5", source="5.obj")
+        other.remove_shape(new_id)
+    names = [match.name for match in filled.query_signature(make_signature(1), 100)]
+    assert codes_read == [new_id, other_id, replaced_id]
+    assert sorted(names) == sorted([f"shape {seed}" for seed in range(60)] + ["another's"])
+
+
+def test_removed_shapes_make_room_for_the_next_candidates(path, filled, make_signature, few_candidates):
+    """Three at first, which are skipped from then on; then so many that all codes are read again."""
+    query = make_signature(1_000)
+    filled.query_signature(query, 3)
+    for removed in (3, 10, 30):
+        with Library.open(path) as other:
+            for match in other.query_signature(query, removed):
+                other.remove_shape(match.shape_id)
+            expected = other.query_signature(query, 3)
+        with Library.open(path) as fresh:
+            assert filled.query_signature(query, 3) == fresh.query_signature(query, 3) == expected
+        assert len(expected) == 3
+
+
+def test_too_many_removed_shapes_are_forgotten(filled, make_signature, codes_read, monkeypatch):
+    monkeypatch.setattr(search, "MAX_GONE", 2)
+    query = make_signature(1_000)
+    for left in (60, 59, 58, 57, 56):
+        matches = filled.query_signature(query, 60)
+        assert len(matches) == left
+        filled.remove_shape(matches[0].shape_id)
+    # With three removed, one more than are kept, the fifth search read the 56 that are left.
+    assert len(codes_read) == 60 + 56
+
+
+def test_a_code_without_bags_is_left_out(path, filled, make_signature):
+    """Only in a damaged library; it must not be looked for for ever."""
+    connection = sqlite3.connect(path)
+    connection.execute("DELETE FROM bags WHERE shape_id = 8")
+    connection.commit()
+    connection.close()
+    for _ in range(2):
+        assert len(filled.query_signature(make_signature(7), 100)) == 59
 
 
 @pytest.mark.parametrize("top", [0, -1])
