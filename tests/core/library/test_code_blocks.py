@@ -141,9 +141,7 @@ def test_a_block_cut_short_is_damage(path, model, make_signature):
 @settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     changes=st.lists(
-        st.tuples(
-            st.sampled_from(["add", "replace", "remove", "remove shape"]), st.integers(0, 6), st.booleans()
-        ),
+        st.tuples(st.sampled_from(CHANGES), st.integers(0, 6), st.booleans()),
         max_size=12,
     )
 )

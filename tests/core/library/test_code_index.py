@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import sys
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -93,7 +96,9 @@ def test_an_empty_index_has_nothing_near(table):
 
 
 def test_faiss_only_where_it_gains(monkeypatch):
-    assert best_table(1_000) == "numpy"
-    for installed, name in ((None, "numpy"), (object(), "faiss")):
-        monkeypatch.setattr(code_index, "find_spec", lambda _name, spec=installed: spec)
+    """Also not if it cannot be imported, or if it is a folder that happens to be called so."""
+    named = SimpleNamespace(IndexBinaryFlat=object)
+    for module, name in ((None, "numpy"), (SimpleNamespace(), "numpy"), (named, "faiss")):
+        monkeypatch.setitem(sys.modules, "faiss", module)
+        assert best_table(1_000) == "numpy"
         assert best_table(1_000_000) == name
