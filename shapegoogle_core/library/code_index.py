@@ -87,6 +87,7 @@ class FaissTable:
     def __init__(self, code_bytes: int) -> None:
         import faiss
 
+        self._faiss = faiss
         self._index = faiss.IndexBinaryFlat(8 * code_bytes)
 
     def add(self, codes: NDArray[np.uint8]) -> None:
@@ -100,7 +101,13 @@ class FaissTable:
             return np.empty(0, np.intp)
         # Of equals at the end faiss keeps those that were added first, for its heap orders by distance and
         # position; in which order they come it does not promise.
-        distances, positions = self._index.search(np.ascontiguousarray(code[None]), count)
+        threads = self._faiss.omp_get_max_threads()
+        # One query is work for one thread; others would only wait for it, busily, for 20 ms.
+        self._faiss.omp_set_num_threads(1)
+        try:
+            distances, positions = self._index.search(np.ascontiguousarray(code[None]), count)
+        finally:
+            self._faiss.omp_set_num_threads(threads)
         return np.asarray(positions[0][np.lexsort((positions[0], distances[0]))], np.intp)
 
 
