@@ -22,12 +22,15 @@ class ProcessFigures:
         What it holds in memory, now and at most since its program began: unlike ``ru_maxrss`` it does not
         include what the process held that started it.
     threads : int
+    cpu_seconds : float
+        Processor time so far, without that of processes it started.
     """
 
     parent: int
     memory_mb: float
     peak_mb: float
     threads: int
+    cpu_seconds: float
 
 
 def figures_of(process: int | None = None) -> ProcessFigures | None:
@@ -44,7 +47,10 @@ def figures_of(process: int | None = None) -> ProcessFigures | None:
         None if it has ended, and where there is no ``/proc``.
     """
     try:
-        lines = Path("/proc", str(process or os.getpid()), "status").read_text().splitlines()
+        folder = Path("/proc", str(process or os.getpid()))
+        lines = (folder / "status").read_text().splitlines()
+        # Behind the program's name, which may have spaces and brackets.
+        user_ticks, system_ticks = (folder / "stat").read_text().rpartition(")")[2].split()[11:13]
     except OSError:
         return None
     values = dict(line.split(":", 1) for line in lines if ":" in line)
@@ -55,6 +61,7 @@ def figures_of(process: int | None = None) -> ProcessFigures | None:
         memory_mb=int(values["VmRSS"].split()[0]) / 1024,
         peak_mb=int(values["VmHWM"].split()[0]) / 1024,
         threads=int(values["Threads"]),
+        cpu_seconds=(int(user_ticks) + int(system_ticks)) / os.sysconf("SC_CLK_TCK"),
     )
 
 
