@@ -284,7 +284,20 @@ class ShapeModel:
         codes : (n, s/8) array of uint8
             Packed as by `numpy.packbits`.
         """
-        return np.packbits(self.embed(bags) @ self.directions.T + self.thresholds > 0, axis=1)
+        return np.packbits(self.code_projections(bags) > 0, axis=1)
+
+    def code_projections(self, bags: FloatBags) -> FloatBags:
+        """Projections A f + b, whose signs are the codes.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        projections : (n, s) array of float32
+        """
+        return np.asarray(self.embed(bags) @ self.directions.T + self.thresholds, np.float32)
 
     def comparable(self, bags: FloatBags) -> FloatBags:
         """Vectors between which `row_distances` is this model's distance.

@@ -6,12 +6,23 @@ Codes are kept as columns of 64-bit words, so that each pass over the collection
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["count_bits", "count_bits_portable", "hamming_distances", "nearest_codes", "pack_words"]
+__all__ = [
+    "BLOCK",
+    "BitCounter",
+    "Words",
+    "asymmetric_distances",
+    "count_bits",
+    "count_bits_portable",
+    "hamming_distances",
+    "nearest_codes",
+    "nearest_in_blocks",
+    "pack_words",
+]
 
 Words = NDArray[np.uint64]
 BitCounter = Callable[[Words], NDArray[np.uint8]]
@@ -39,10 +50,20 @@ def count_bits_portable(words: Words) -> NDArray[np.uint8]:
     counts : array of uint8
         Of the same shape; 0 to 64.
     """
-    counts: Words = words - ((words >> np.uint64(1)) & _PAIRS)
-    counts = (counts & _NIBBLES) + ((counts >> np.uint64(2)) & _NIBBLES)
-    counts = (counts + (counts >> np.uint64(4))) & _BYTES
-    totals: NDArray[np.uint8] = ((counts * _ONES) >> np.uint64(56)).astype(np.uint8)
+    # In two arrays, over and over: making new ones for each step takes as long as the steps.
+    shifted: Words = words >> np.uint64(1)
+    shifted &= _PAIRS
+    counts: Words = words - shifted
+    np.right_shift(counts, np.uint64(2), out=shifted)
+    shifted &= _NIBBLES
+    counts &= _NIBBLES
+    counts += shifted
+    np.right_shift(counts, np.uint64(4), out=shifted)
+    counts += shifted
+    counts &= _BYTES
+    counts *= _ONES
+    counts >>= np.uint64(56)
+    totals: NDArray[np.uint8] = counts.astype(np.uint8)
     return totals
 
 
@@ -70,7 +91,7 @@ def pack_words(codes: NDArray[np.uint8]) -> Words:
     return np.ascontiguousarray(padded.view(np.uint64).T)
 
 
-def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits) -> NDArray[np.uint32]:
+def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits) -> NDArray[np.uint16]:
     """Hamming distance of one code to each of many (equation 19).
 
     Parameters
@@ -84,10 +105,10 @@ def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits
 
     Returns
     -------
-    distances : (n,) array of uint32
+    distances : (n,) array of uint16
         Number of differing bits.
     """
-    distances = np.zeros(words.shape[1], np.uint32)
+    distances = np.zeros(words.shape[1], np.uint16)
     for start in range(0, words.shape[1], BLOCK):
         block = slice(start, start + BLOCK)
         for row, word in zip(words, query, strict=True):
@@ -95,7 +116,36 @@ def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits
     return distances
 
 
-def nearest_codes(words: Words, query: Words, count: int) -> NDArray[np.intp]:
+def asymmetric_distances(codes: NDArray[np.uint8], projection: NDArray[np.float32]) -> NDArray[np.float32]:
+    """How far a query is on the wrong side of the thresholds of codes (Gordo et al. 2014).
+
+    d = Σ |p_i| over the bits i in which the signs of the query's projections p differ from the code; with
+    |p_i| = 1 it is the Hamming distance.
+
+    Parameters
+    ----------
+    codes : (n, bytes) array of uint8
+        Packed bits.
+    projection : (s,) array
+        p = A f + b of the query (equation 19), not yet cut to bits.
+
+    Returns
+    -------
+    distances : (n,) array of float32
+
+    References
+    ----------
+    A. Gordo, F. Perronnin, Y. Gong, S. Lazebnik: Asymmetric Distances for Binary Embeddings. IEEE
+    Transactions on Pattern Analysis and Machine Intelligence 36(1), 2014.
+    """
+    bits = np.unpackbits(codes, axis=1, count=len(projection)).astype(np.float32)
+    # All positive p_i, less those where the bit is set too, and what p_i < 0 adds where it is set.
+    return np.asarray(np.maximum(projection, 0).sum() - bits @ projection, np.float32)
+
+
+def nearest_codes(
+    words: Words, query: Words, count: int, counter: BitCounter = count_bits
+) -> NDArray[np.intp]:
     """Positions of the codes nearest to a query, nearest first; among equals the one that comes first.
 
     Parameters
@@ -106,15 +156,51 @@ def nearest_codes(words: Words, query: Words, count: int) -> NDArray[np.intp]:
         The code that is looked for.
     count : int
         How many are wanted; fewer come back when there are fewer codes.
+    counter : callable, optional
+        What counts the set bits of an array of words.
 
     Returns
     -------
     positions : (min(count, n),) array of int
     """
-    distances = hamming_distances(words, query)
-    # Distances are small integers: counting how often each occurs finds the largest one still wanted in one
-    # pass, and only the codes up to it have to be sorted.
-    within = np.cumsum(np.bincount(distances))
-    largest = np.searchsorted(within, count)
-    positions = np.flatnonzero(distances <= largest)
-    return positions[np.argsort(distances[positions], kind="stable")[:count]]
+    blocks = (words[:, start : start + BLOCK] for start in range(0, words.shape[1], BLOCK))
+    return nearest_in_blocks(blocks, query, count, counter)
+
+
+def nearest_in_blocks(
+    blocks: Iterable[Words], query: Words, count: int, counter: BitCounter = count_bits
+) -> NDArray[np.intp]:
+    """Positions of the nearest of codes that lie in several arrays, counted through all of them.
+
+    Parameters
+    ----------
+    blocks : iterable of (w, n_i) array of uint64
+        As `pack_words` returns them; best `BLOCK` codes in each.
+    query, count, counter
+        As for `nearest_codes`.
+
+    Returns
+    -------
+    positions : (min(count, Σ n_i),) array of int
+        As those of `nearest_codes`.
+    """
+    best = np.empty(0, np.intp)
+    best_distances = np.empty(0, np.uint16)
+    start = 0
+    for block in blocks:
+        distances = hamming_distances(block, query, counter)
+        if len(best) == count:
+            # A later code of the same distance stands behind. Few pass: of random codes the first block's
+            # `count`, then half as many, a third as many, and so on.
+            near = np.flatnonzero(distances < best_distances[-1])
+        elif len(distances) > count:
+            near = np.flatnonzero(distances <= np.partition(distances, count - 1)[count - 1])
+        else:
+            near = np.arange(len(distances))
+        if len(near):
+            best = np.concatenate([best, start + near])
+            best_distances = np.concatenate([best_distances, distances[near]])
+            order = np.argsort(best_distances, kind="stable")[:count]
+            best, best_distances = best[order], best_distances[order]
+        start += block.shape[1]
+    return best

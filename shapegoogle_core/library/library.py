@@ -199,9 +199,7 @@ class Library:
         """
         shape = NewShape(signature, name, object_name, thumbnail)
         self._check_signature(signature, name)
-        shape_id = self._store.add(source, shape)
-        self._search.forget_codes()
-        return shape_id
+        return self._store.add(source, shape)
 
     def replace_source(
         self,
@@ -236,9 +234,7 @@ class Library:
         for shape in shapes:
             self._check_signature(shape.signature, shape.name)
         source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
-        shape_ids = self._store.replace_source(source, shapes)
-        self._search.forget_codes()
-        return shape_ids
+        return self._store.replace_source(source, shapes)
 
     def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
         """Note the new time of a file whose content is still the same; returns whether it is known."""
@@ -246,15 +242,11 @@ class Library:
 
     def remove(self, source: PathLike) -> bool:
         """Remove a source with all its shapes; returns whether it was known."""
-        removed = self._store.remove_sources([os.fspath(source)])
-        self._search.forget_codes()
-        return removed > 0
+        return self._store.remove_sources([os.fspath(source)]) > 0
 
     def remove_shape(self, shape_id: int) -> bool:
         """Remove one shape; returns whether it was there."""
-        removed = self._store.remove_shapes([shape_id])
-        self._search.forget_codes()
-        return removed > 0
+        return self._store.remove_shapes([shape_id]) > 0
 
     def remove_missing(self, folders: Iterable[PathLike]) -> list[str]:
         """Remove the indexed files that are no longer there. Nothing does this by itself.
@@ -278,7 +270,6 @@ class Library:
         missing = self.missing(folders)
         if missing:
             self._store.remove_sources(missing)
-            self._search.forget_codes()
         return missing
 
     def missing(self, folders: Iterable[PathLike]) -> list[str]:

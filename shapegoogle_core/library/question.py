@@ -64,6 +64,9 @@ class Question:
         self._like = [model.comparable(round_bags(signature.bags)[None]) for signature in like]
         self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
+        self.projections: list[NDArray[np.float32]] = [
+            model.code_projections(round_bags(signature.bags)[None])[0] for signature in like
+        ]
         self._sampled = [index for index, signature in enumerate(like) if signature.sample is not None]
         self.samples: list[SurfaceSample] = [
             signature.sample for signature in like if signature.sample is not None

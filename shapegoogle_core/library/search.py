@@ -8,12 +8,15 @@ are nearest, see `LocalWords`.
 from __future__ import annotations
 
 import heapq
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.hamming import Words, hamming_distances, nearest_codes, pack_words
+from shapegoogle_core.library.code_index import CodeIndex, best_table
+from shapegoogle_core.library.hamming import asymmetric_distances
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.question import FARTHEST, Question
 from shapegoogle_core.library.store import Store
@@ -26,29 +29,24 @@ __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]
 CANDIDATES = 300
 # Where more matches are asked for, so many candidates for each of them: codes order shapes only roughly.
 CANDIDATES_PER_MATCH = 4
-# How many of the shapes with the nearest local codes geometry looks at beside them. Among 4,200 shapes, of 47
-# creatures with up to a third cut off, 10 were not among the 300 with the nearest codes of bags, and all of
-# these among the 200 with the nearest local codes.
-LOCAL_CANDIDATES = 200
+# So many times as many codes are read, and then chosen from by more than their distance.
+ROUGH_PER_CANDIDATE = 4
+# How many of the shapes with the nearest local codes geometry looks at too, for each size that the query may
+# have beside a match. Among 4,200 shapes, of 47 creatures with up to a third cut off, 10 were
+# not among the 300 with the nearest codes of bags, all but one of them among these.
+LOCAL_CANDIDATES = 100
 # Geometry is not asked where several examples find their best match, other than a copy, so similar by bags.
 # They say in which ways a shape varies, geometry knows each in one pose: on pairs of creatures damaged by
 # noise, holes and moderate cuts it only did harm there; of large cuts, which need it, bags are never so sure.
 CERTAIN_OF_SEVERAL = 0.5
 # Bags in memory at once, in entries: 32 MB as float32.
 BAG_ENTRIES_AT_ONCE = 8_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class _Codes:
-    """All codes of a library as they were at one version of its file."""
-
-    version: int
-    shape_ids: NDArray[np.int64]
-    words: Words
+# Codes of removed shapes that are kept in memory and skipped, before all are read again.
+MAX_GONE = 1_000
 
 
 class Search:
-    """Finds shapes in a store; keeps all codes in memory from the first search on.
+    """Finds shapes in a store; keeps all codes in memory from the first search on, and reads only new ones.
 
     Parameters
     ----------
@@ -60,13 +58,10 @@ class Search:
     def __init__(self, store: Store, model: ShapeModel) -> None:
         self._store = store
         self._model = model
-        self._cached_codes: _Codes | None = None
-        self._cached_local_codes: _Codes | None = None
+        self._codes = _Codes(store, "codes", model.code_bits // 8)
+        local = model.settings.local
+        self._local_codes = None if local is None else _Codes(store, "local_codes", local.bits // 8)
         self._bags_at_once = max(1, BAG_ENTRIES_AT_ONCE // model.bag_size)
-
-    def forget_codes(self) -> None:
-        """Read the codes again at the next search: this program changed the store."""
-        self._cached_codes = self._cached_local_codes = None
 
     def among_nearest_codes(self, question: Question, top: int) -> list[Match]:
         """Compare the full bags of the shapes with the nearest codes, and lay the best over the query.
@@ -86,13 +81,7 @@ class Search:
         compared = _compared(question, top)
         # In one snapshot: a candidate must not vanish between its code and its bags.
         with self._store.snapshot():
-            codes = self._codes()
-            positions = [
-                nearest_codes(codes.words, pack_words(code[None])[:, 0], wanted) for code in question.codes
-            ]
-            # Each once, however many examples it is near to.
-            candidates = list(dict.fromkeys(codes.shape_ids[np.concatenate(positions)].tolist()))
-            best = self._compare(question, candidates, compared)
+            best = self._best_of(question, self._codes, partial(self._nearest, question, wanted), compared)
         return self._verified(question, best)[:top]
 
     def among_all(self, question: Question, top: int) -> list[Match]:
@@ -102,6 +91,47 @@ class Search:
             if len(self._store.shapes([match.shape_id for match in best])) == len(best):
                 return self._verified(question, best)[:top]
             # A writer removed one of the best meanwhile: what it had displaced must come in, so look again.
+
+    def _nearest(self, question: Question, count: int, codes: CodeIndex) -> list[int]:
+        """Ids of the shapes with the codes nearest to one of the examples.
+
+        Bits say on which side of a threshold a projection lies. Of the query it is also known how far: among
+        those with the nearest codes, the bits count by that (see `asymmetric_distances`).
+        """
+        nearest: list[int] = []
+        for code, projection in zip(question.codes, question.projections, strict=True):
+            rough = codes.nearest(code, ROUGH_PER_CANDIDATE * count).tolist()
+            shape_ids, known = self._store.codes_of(rough, self._model.code_bits // 8)
+            order = np.argsort(asymmetric_distances(known, projection), kind="stable")[:count]
+            nearest += np.array(shape_ids, np.int64)[order].tolist()
+            nearest += set(rough).difference(shape_ids)  # they have no bags either: found gone there
+        # Each once, however many examples it is near to.
+        return list(dict.fromkeys(nearest))
+
+    def _best_of(
+        self, question: Question, codes: _Codes, nearest: Callable[[CodeIndex], list[int]], top: int
+    ) -> list[Match]:
+        """Compare the bags of the shapes that `nearest` finds in an index of codes."""
+        for _ in range(2):
+            best, gone = self._compare(question, nearest(codes.current()), top)
+            if not gone:
+                return best
+            # Removed since their codes were read, by whomever; others come in for them.
+            codes.current().discard(gone)
+        # More were removed than just these, so read all again.
+        codes.forget()
+        return self._compare(question, nearest(codes.current()), top)[0]
+
+    def _compare(self, question: Question, candidates: list[int], top: int) -> tuple[list[Match], set[int]]:
+        """Compare the full bags of some shapes with the question. Second: the ids of those that are gone."""
+        best: list[Match] = []
+        gone: set[int] = set()
+        for start in range(0, len(candidates), self._bags_at_once):
+            portion = candidates[start : start + self._bags_at_once]
+            shape_ids, bags = self._store.bags(portion, self._model.bag_size)
+            gone |= set(portion).difference(shape_ids)
+            best = self._merge(best, question, shape_ids, bags, top)
+        return best, gone
 
     def _verified(self, question: Question, matches: list[Match]) -> list[Match]:
         if question.samples:
@@ -118,31 +148,21 @@ class Search:
         # In order by now: the very last ones are farther than a distance can be.
         return [replace(match, distance=min(match.distance, FARTHEST)) for match in matches]
 
-    def _compare(self, question: Question, candidates: list[int], top: int) -> list[Match]:
-        """Compare the full bags of some shapes with the question."""
-        best: list[Match] = []
-        for start in range(0, len(candidates), self._bags_at_once):
-            portion = candidates[start : start + self._bags_at_once]
-            shape_ids, bags = self._store.bags(portion, self._model.bag_size)
-            best = self._merge(best, question, shape_ids, bags, top)
-        return best
-
     def _sharing_parts(self, question: Question, known: set[int]) -> list[Match]:
         """Shapes with the nearest local codes, besides those known already."""
-        if self._model.local_words is None:
+        words = self._model.local_words
+        if words is None or self._local_codes is None:
             return []
+        queries = [code for sample in question.samples for code in words.query_codes(sample)]
+
+        def nearest(codes: CodeIndex) -> list[int]:
+            found = dict.fromkeys(
+                shape_id for code in queries for shape_id in codes.nearest(code, LOCAL_CANDIDATES).tolist()
+            )
+            return [shape_id for shape_id in found if shape_id not in known]
+
         with self._store.snapshot():
-            codes = self._local_codes()
-            if not codes.shape_ids.size:
-                return []
-            queries = [self._model.local_words.query_codes(sample) for sample in question.samples]
-            distances = [
-                hamming_distances(codes.words, pack_words(code[None])[:, 0])
-                for code in np.concatenate(queries)
-            ]
-            order = np.argsort(np.min(distances, axis=0), kind="stable")[:LOCAL_CANDIDATES]
-            candidates = [shape_id for shape_id in codes.shape_ids[order].tolist() if shape_id not in known]
-            return self._compare(question, candidates, LOCAL_CANDIDATES)
+            return self._best_of(question, self._local_codes, nearest, len(queries) * LOCAL_CANDIDATES)
 
     def _views(self, question: Question, matches: list[Match]) -> dict[int, int]:
         """Which of the samples each match is compared with, by shape id; empty if there is but one."""
@@ -196,22 +216,27 @@ class Search:
         ]
         return heapq.nsmallest(top, [*best, *matches], key=lambda match: match.rank_key)
 
-    def _codes(self) -> _Codes:
-        """All codes, read again only when the file changed."""
-        version = self._store.version()
-        if self._cached_codes is None or self._cached_codes.version != version:
-            shape_ids, codes = self._store.codes(self._model.code_bits // 8)
-            self._cached_codes = _Codes(version, shape_ids, pack_words(codes))
-        return self._cached_codes
 
-    def _local_codes(self) -> _Codes:
-        """All local codes, likewise; read only when geometry is first asked."""
-        version = self._store.version()
-        if self._cached_local_codes is None or self._cached_local_codes.version != version:
-            assert self._model.settings.local is not None  # asked for by nobody else
-            shape_ids, codes = self._store.local_codes(self._model.settings.local.bits // 8)
-            self._cached_local_codes = _Codes(version, shape_ids, pack_words(codes))
-        return self._cached_local_codes
+class _Codes:
+    """One kind of codes of a store, read when first wanted; then only those that are new."""
+
+    def __init__(self, store: Store, table: str, code_bytes: int) -> None:
+        self._store = store
+        self._table = table
+        self._code_bytes = code_bytes
+        self._index: CodeIndex | None = None
+
+    def current(self) -> CodeIndex:
+        """All codes, with those that were added since they were read; some may be of shapes that are gone."""
+        if self._index is None or self._index.gone > MAX_GONE:
+            self._index = CodeIndex(self._code_bytes, best_table(self._store.last_id()))
+        for shape_ids, codes in self._store.code_pages(self._table, self._index.last_id, self._code_bytes):
+            self._index.add(shape_ids, codes)
+        return self._index
+
+    def forget(self) -> None:
+        """Read all again next time."""
+        self._index = None
 
 
 def _compared(question: Question, top: int) -> int:

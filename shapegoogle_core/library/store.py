@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The library file: the only place with SQL.
+"""The library file: with its tables (`schema`) and packed codes (`code_blocks`) the only place with SQL.
 
 A shared PostgreSQL library would be another class with the methods of `Store`.
 
@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.code_blocks import CODE_TABLES, CodeBlocks
 from shapegoogle_core.library.failures import damaged, library_error, read_only_error
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.schema import (
@@ -82,6 +83,9 @@ class Store:
             self._connection = sqlite3.connect(
                 _uri(path, "rwc" if create else "rw"), uri=True, timeout=timeout, isolation_level=None
             )
+        self._code_blocks = {table: CodeBlocks(self._connection, table) for table in CODE_TABLES}
+        # Those that lose a shape in the running transaction.
+        self._losing_blocks: dict[str, set[int]] = {table: set() for table in CODE_TABLES}
         self.read_only = read_only or not os.access(path, os.W_OK)
         self._connection.text_factory = _decoded
         try:
@@ -157,10 +161,6 @@ class Store:
             raise damaged(self.path, f"it holds {len(rows)} models instead of one")
         return rows[0]
 
-    def version(self) -> int:
-        """Return a number that changes when another connection changed the file; own changes leave it."""
-        return int(self._value("PRAGMA data_version"))
-
     def summary(self) -> dict[str, int]:
         """Return how many shapes, sources and failed sources there are, and the bytes of the file."""
         names = ("shapes", "sources", "failed", "bytes", "schema")
@@ -200,9 +200,8 @@ class Store:
                     "INSERT OR IGNORE INTO sources (path) VALUES (CAST(? AS TEXT))", (_encoded(source),)
                 )
                 source_id = self._source_id(source)
-                connection.execute(
-                    "DELETE FROM shapes WHERE source_id = ? AND object_name = CAST(? AS TEXT)"
-                    " AND name = CAST(? AS TEXT)",
+                self._remove(
+                    "source_id = ? AND object_name = CAST(? AS TEXT) AND name = CAST(? AS TEXT)",
                     (source_id, _encoded(shape.object_name), _encoded(shape.name)),
                 )
             return self._insert(source_id, shape)
@@ -223,7 +222,7 @@ class Store:
         """
         with self._writing() as connection:
             path = _encoded(source.path)
-            connection.execute("DELETE FROM sources WHERE path = CAST(? AS TEXT)", (path,))
+            self._remove_source(path)
             connection.execute(
                 "INSERT INTO sources (path, size, mtime_ns, sha256, error)"
                 " VALUES (CAST(? AS TEXT), ?, ?, ?, CAST(? AS TEXT))",
@@ -249,21 +248,22 @@ class Store:
 
     def remove_sources(self, paths: Iterable[str]) -> int:
         """Remove sources and all their shapes; returns how many of them were known."""
-        with self._writing() as connection:
-            return sum(
-                connection.execute(
-                    "DELETE FROM sources WHERE path = CAST(? AS TEXT)", (_encoded(path),)
-                ).rowcount
-                for path in paths
-            )
+        with self._writing():
+            return sum(self._remove_source(_encoded(path)) for path in paths)
 
     def remove_shapes(self, shape_ids: Iterable[int]) -> int:
         """Remove single shapes; returns how many of them were there."""
-        with self._writing() as connection:
-            return sum(
-                connection.execute("DELETE FROM shapes WHERE id = ?", (shape_id,)).rowcount
-                for shape_id in shape_ids
-            )
+        with self._writing():
+            return sum(self._remove("id = ?", (shape_id,)) for shape_id in shape_ids)
+
+    def _remove(self, where: str, parameters: tuple[object, ...]) -> int:
+        for table, blocks in self._code_blocks.items():
+            self._losing_blocks[table] |= blocks.holding(where, parameters)
+        return self._connection.execute(f"DELETE FROM shapes WHERE {where}", parameters).rowcount
+
+    def _remove_source(self, path: bytes) -> int:
+        self._remove("source_id = (SELECT id FROM sources WHERE path = CAST(? AS TEXT))", (path,))
+        return self._connection.execute("DELETE FROM sources WHERE path = CAST(? AS TEXT)", (path,)).rowcount
 
     def _source_id(self, path: str) -> int:
         return int(self._value("SELECT id FROM sources WHERE path = CAST(? AS TEXT)", _encoded(path)))
@@ -296,6 +296,9 @@ class Store:
             )
         if shape.thumbnail is not None:
             self._connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
+        self._code_blocks["codes"].complete(shape_id)
+        if signature.local_code is not None:
+            self._code_blocks["local_codes"].complete(shape_id)
         return shape_id
 
     # -- reads ----------------------------------------------------------------------------------------------
@@ -324,6 +327,10 @@ class Store:
             ShapeRecord(*row) for row in self._rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids)
         ]
 
+    def last_id(self) -> int:
+        """Return the greatest id of a shape, 0 if there is none: there are at most so many shapes."""
+        return int(self._value("SELECT coalesce(max(shape_id), 0) FROM codes"))
+
     def codes(self, code_bytes: int) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
         """Ids and codes of all shapes, in the order of the ids.
 
@@ -337,22 +344,39 @@ class Store:
         shape_ids : (n,) array of int64
         codes : (n, code_bytes) array of uint8
         """
-        return self._all_codes("codes", code_bytes)
-
-    def local_codes(self, code_bytes: int) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-        """Return ids and local codes of all shapes that have one; else as `codes`."""
-        return self._all_codes("local_codes", code_bytes)
-
-    def _all_codes(self, table: str, code_bytes: int) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
         shape_ids: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
         codes = [np.empty((0, code_bytes), np.uint8)]
-        with self._explained():
-            cursor = self._connection.execute(f"SELECT shape_id, code FROM {table} ORDER BY shape_id")
-            # In portions: a million Python objects would take ten times the room of the codes.
-            while rows := cursor.fetchmany(50_000):
-                shape_ids.append(np.array([row[0] for row in rows], np.int64))
-                codes.append(self._matrix([row[1] for row in rows], np.dtype(np.uint8), code_bytes))
+        with self.snapshot():
+            for page_ids, page in self.code_pages("codes", 0, code_bytes):
+                shape_ids.append(page_ids)
+                codes.append(page)
         return np.concatenate(shape_ids), np.concatenate(codes)
+
+    def code_pages(
+        self, table: str, last_id: int, code_bytes: int
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint8]]]:
+        """Ids and codes of the shapes after an id, in portions; use them up within one `snapshot`.
+
+        Parameters
+        ----------
+        table : str
+            One of `CODE_TABLES`.
+        last_id : int
+            0: of all shapes. An id is never given twice: those after the last one seen are what is new.
+        code_bytes : int
+            Length of each code.
+
+        Yields
+        ------
+        shape_ids : (n,) array of int64
+        codes : (n, code_bytes) array of uint8
+        """
+        with self._explained():
+            for shape_ids, blobs in self._code_blocks[table].pages(last_id):
+                content = b"".join(blobs)
+                if len(content) != len(shape_ids) * code_bytes:
+                    raise damaged(self.path, "a code has another length than its model's")
+                yield shape_ids, np.frombuffer(content, np.uint8).reshape(len(shape_ids), code_bytes)
 
     def bags(self, shape_ids: Sequence[int], bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
         """Return ids (sorted; unknown ones left out) and bags (n, bag_size) of these shapes."""
@@ -375,6 +399,13 @@ class Store:
     def code(self, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
         """Return the code of one shape, or None when there is no such shape."""
         return self._code("codes", shape_id, code_bytes)
+
+    def codes_of(self, shape_ids: Sequence[int], code_bytes: int) -> tuple[list[int], NDArray[np.uint8]]:
+        """Return ids (sorted; unknown ones left out) and codes (n, code_bytes) of these shapes."""
+        rows = self._rows_with_ids("SELECT shape_id, code FROM codes WHERE shape_id", shape_ids)
+        return [row[0] for row in rows], self._matrix(
+            [row[1] for row in rows], np.dtype(np.uint8), code_bytes
+        )
 
     def local_code(self, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
         """Return the local code of one shape, or None when it has none."""
@@ -431,7 +462,11 @@ class Store:
         time.sleep(max(0.0, self._next_write - time.monotonic()))
         started = time.monotonic()
         with self._explained(), self._transaction("BEGIN IMMEDIATE"):
+            for losing in self._losing_blocks.values():
+                losing.clear()
             yield self._connection
+            for table, losing in self._losing_blocks.items():
+                self._code_blocks[table].pack(losing)
         ended = time.monotonic()
         self._next_write = ended + min(ended - started, LONGEST_PAUSE)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.library import Library, search
+from shapegoogle_core.library.hamming import asymmetric_distances
 from shapegoogle_core.library.store import round_bags
 
 
@@ -103,13 +105,17 @@ def test_codes_and_bags_agree_while_all_shapes_are_candidates(filled, make_signa
         assert filled.query_signature(query, 10) == filled.query_signature(query, 10, exact=True)
 
 
-def test_only_the_nearest_codes_are_candidates(filled, make_signature, few_candidates):
-    """The answer is what comparing the 12 nearest by Hamming distance gives, not the exact one."""
+def test_only_the_nearest_codes_are_candidates(filled, model, make_signature, few_candidates, monkeypatch):
+    """24 by Hamming distance, 12 of these by how far the query's bits are on the wrong side."""
+    monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 2)
+    codes = np.array([make_signature(other).code for other in range(60)])
     differs = False
     for seed in range(1_000, 1_020):
         query = make_signature(seed)
         hamming = [int(np.unpackbits(query.code ^ make_signature(other).code).sum()) for other in range(60)]
-        candidates = {f"shape {other}" for other in np.argsort(hamming, kind="stable")[:12]}
+        rough = np.sort(np.argsort(hamming, kind="stable")[:24])
+        distances = asymmetric_distances(codes[rough], model.code_projections(query.bags[None])[0])
+        candidates = {f"shape {other}" for other in rough[np.argsort(distances, kind="stable")[:12]]}
         every = filled.query_signature(query, 60, exact=True)
         expected = [match for match in every if match.name in candidates][:3]
         answer = filled.query_signature(query, 3)
@@ -157,13 +163,70 @@ def test_changes_of_others_show_at_once(path, filled, make_signature):
     assert filled.query_signature(query, 1)[0].name == "new"
 
 
-def test_codes_are_read_once(filled, make_signature, monkeypatch):
-    reads = []
-    read = filled._store.codes
-    monkeypatch.setattr(filled._store, "codes", lambda size: reads.append(size) or read(size))
+@pytest.fixture
+def codes_read(filled, monkeypatch):
+    """Ids of the shapes whose codes were read, in the order of reading."""
+    read: list[int] = []
+    pages = filled._store.code_pages
+
+    def watched(table, last_id, code_bytes):
+        for shape_ids, codes in pages(table, last_id, code_bytes):
+            read.extend(shape_ids.tolist())
+            yield shape_ids, codes
+
+    monkeypatch.setattr(filled._store, "code_pages", watched)
+    return read
+
+
+def test_codes_are_read_once(path, filled, make_signature, codes_read):
     for seed in range(4):
         filled.query_signature(make_signature(seed))
-    assert reads == [9]
+    assert codes_read == list(range(1, 61))
+    codes_read.clear()
+    new_id = filled.add_signature(make_signature(100), "own")
+    filled.query_signature(make_signature(1))
+    with Library.open(path) as other:
+        other_id = other.add_signature(make_signature(101), "another's")
+        replaced_id = other.add_signature(make_signature(102), "shape 5", source="5.obj")
+        other.remove_shape(new_id)
+    names = [match.name for match in filled.query_signature(make_signature(1), 100)]
+    assert codes_read == [new_id, other_id, replaced_id]
+    assert sorted(names) == sorted([f"shape {seed}" for seed in range(60)] + ["another's"])
+
+
+def test_removed_shapes_make_room_for_the_next_candidates(path, filled, make_signature, few_candidates):
+    """Three at first, which are skipped from then on; then so many that all codes are read again."""
+    query = make_signature(1_000)
+    filled.query_signature(query, 3)
+    for removed in (3, 10, 30):
+        with Library.open(path) as other:
+            for match in other.query_signature(query, removed):
+                other.remove_shape(match.shape_id)
+            expected = other.query_signature(query, 3)
+        with Library.open(path) as fresh:
+            assert filled.query_signature(query, 3) == fresh.query_signature(query, 3) == expected
+        assert len(expected) == 3
+
+
+def test_too_many_removed_shapes_are_forgotten(filled, make_signature, codes_read, monkeypatch):
+    monkeypatch.setattr(search, "MAX_GONE", 2)
+    query = make_signature(1_000)
+    for left in (60, 59, 58, 57, 56):
+        matches = filled.query_signature(query, 60)
+        assert len(matches) == left
+        filled.remove_shape(matches[0].shape_id)
+    # With three removed, one more than are kept, the fifth search read the 56 that are left.
+    assert len(codes_read) == 60 + 56
+
+
+def test_a_code_without_bags_is_left_out(path, filled, make_signature):
+    """Only in a damaged library; it must not be looked for for ever."""
+    connection = sqlite3.connect(path)
+    connection.execute("DELETE FROM bags WHERE shape_id = 8")
+    connection.commit()
+    connection.close()
+    for _ in range(2):
+        assert len(filled.query_signature(make_signature(7), 100)) == 59
 
 
 @pytest.mark.parametrize("top", [0, -1])

@@ -153,6 +153,10 @@ def indexing(verifying, shapes_in_it):
     return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
 
 
+def _local_codes(library: Library) -> list[int]:
+    return [i for ids, _ in library._store.code_pages("local_codes", 0, 16) for i in ids.tolist()]
+
+
 class TestPartsIndex:
     """What bags do not find, local words bring before geometry."""
 
@@ -169,19 +173,21 @@ class TestPartsIndex:
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         monkeypatch.setattr(search, "CANDIDATES", 3)
         monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
+        monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
         monkeypatch.setattr(search, "SCREENED", 3)
-        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 0)
-        assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
-        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 4)
+        with monkeypatch.context() as patch:
+            patch.setattr(library._search, "_local_codes", None)
+            assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
+        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 2)
         assert library.query_signature(strange, top=1, exact=exact)[0].name == "shape 8"
 
     def test_local_codes_come_back_and_go_with_their_shape(self, library, shapes_in_it):
         code = library.model.describe(shapes_in_it[4]).local_code
         np.testing.assert_array_equal(library.signature(5).local_code, code)
-        assert library._store.local_codes(16)[0].size == 24
+        assert len(_local_codes(library)) == 24
         library.remove_shape(5)
         assert library._store.local_code(5, 16) is None
-        assert library._store.local_codes(16)[0].size == 23
+        assert len(_local_codes(library)) == 23
 
     def test_a_library_of_a_model_without_them_still_answers(self, path, verifying, shapes_in_it):
         """Format 3: no such table."""
