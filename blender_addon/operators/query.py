@@ -22,6 +22,13 @@ __all__ = ["register", "unregister"]
 
 # The question that is being answered, so that it can be cancelled.
 _asked: list[Future[Any]] = []
+# The answer that is shown.
+_shown: list[Answer] = []
+
+# What stands below a match until its surface has been compared with the query's.
+COMPARING = "Comparing …"
+# Matches whose surfaces are compared in one go; a new question has to wait for it.
+EXPLAINED_AT_ONCE = 6
 
 
 class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
@@ -70,6 +77,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         def done(answer: Answer) -> None:
             _asked.clear()
             _show(bpy.context, answer, time.monotonic() - started)
+            _explain_shown(answer)
 
         jobs.watch(future, done, failed)
         return {"FINISHED"}
@@ -77,6 +85,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Ask and wait for the answer."""
         from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core.library.tasks import explain
 
         started = time.monotonic()
         future = self._ask(context)
@@ -84,6 +93,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             return {"CANCELLED"}
         try:
             answer = future.result()
+            kinds = jobs.worker().submit(explain, answer.library, answer.signatures, answer.matches).result()
         except ShapeGoogleError as error:
             _show_failure(context, str(error))
             self.report({"ERROR"}, str(error))
@@ -92,6 +102,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             _asked.clear()
             session_of(context).searching = False
         _show(context, answer, time.monotonic() - started)
+        _show_kinds(context, kinds)
         self.report({"INFO"}, session_of(context).answer)
         return {"FINISHED"}
 
@@ -138,6 +149,7 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
     session.searching = False
     session.library, session.asked = str(answer.library), answer.examples
     session.matches.clear()
+    _shown[:] = [answer]
     assets.forget_pictures()
     for match in answer.matches:
         line = session.matches.add()
@@ -148,7 +160,7 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
         line.similarity, line.distance = match.similarity, match.distance
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count = match.vertex_count
-        line.kind = answer.kinds[match.shape_id]
+        line.kind = COMPARING
         line.in_scene = is_here(line.source, line.object_name)
         assets.keep_picture(match.shape_id, answer.thumbnails.get(match.shape_id))
     session.active_match = 0 if answer.matches else -1
@@ -158,9 +170,37 @@ def _show(context: Any, answer: Answer, seconds: float) -> None:
     session.shape_count = answer.shape_count
 
 
+def _show_kinds(context: Any, kinds: dict[int, str]) -> None:
+    for line in session_of(context).matches:
+        line.kind = kinds.get(line.shape_id, line.kind)
+
+
+def _explain_shown(answer: Answer, first: int = 0) -> None:
+    """Say what kind of match each is: after the answer, a few at a time, as long as it is the one shown."""
+    from shapegoogle_core.library.tasks import explain
+
+    portion = answer.matches[first : first + EXPLAINED_AT_ONCE]
+    if not portion or _shown != [answer]:
+        return
+
+    def done(kinds: dict[int, str]) -> None:
+        if _shown == [answer]:
+            _show_kinds(bpy.context, kinds)
+            _explain_shown(answer, first + EXPLAINED_AT_ONCE)
+
+    def failed(error: BaseException) -> None:
+        if _shown == [answer]:
+            rest = (match.shape_id for match in answer.matches[first:])
+            _show_kinds(bpy.context, dict.fromkeys(rest, "Not compared"))
+            session_of(bpy.context).answer += f"; surfaces could not be compared: {error}"
+
+    jobs.watch(jobs.worker().submit(explain, answer.library, answer.signatures, portion), done, failed)
+
+
 def _show_failure(context: Any, reason: str) -> None:
     session = session_of(context)
     session.matches.clear()
+    _shown.clear()
     session.active_match = -1
     session.answer = reason
 
@@ -261,4 +301,5 @@ def unregister() -> None:
     """Take them back, and forget the pictures."""
     bpy.app.handlers.load_post.remove(_look_again)
     _unregister()
+    _shown.clear()
     assets.forget_pictures()

@@ -35,6 +35,7 @@ __all__ = [
     "StoredExample",
     "describe",
     "describe_meshes",
+    "explain",
     "group_similar",
     "kind_of_match",
     "library_duplicates",
@@ -58,7 +59,7 @@ _open: dict[Path, tuple[tuple[int, int], Library]] = {}
 _loaded: dict[str, tuple[float, ShapeModel]] = {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Answer:
     """The answer to a query.
 
@@ -68,9 +69,8 @@ class Answer:
         What was asked.
     matches : list of Match
         Best first.
-    kinds : dict of int to str
-        What kind of match each shape is, by its id: see `evidence_text`, and where there is no evidence
-        `kind_of_match`.
+    signatures : list of ShapeSignature
+        Of the examples of what was looked for, for `explain`.
     thumbnails : dict of int to bytes
         Pictures as PNG by shape id, of those matches that have one.
     shape_count : int
@@ -83,7 +83,7 @@ class Answer:
 
     library: Path
     matches: list[Match]
-    kinds: dict[int, str]
+    signatures: list[ShapeSignature]
     thumbnails: dict[int, bytes]
     shape_count: int
     area: float
@@ -129,17 +129,42 @@ def query(
     matches = library.query_signatures(
         signatures, top, unlike=[_stored_signature(library, example) for example in unlike]
     )
-    matches = library.explain(signatures, matches)
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
     return Answer(
         library=path,
         matches=matches,
-        kinds={match.shape_id: _kind(signatures, match) for match in matches},
+        signatures=signatures,
         thumbnails={shape_id: png for shape_id, png in pictures if png is not None},
         shape_count=len(library),
         area=signatures[0].area,
         examples=len(signatures),
     )
+
+
+def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]) -> dict[int, str]:
+    """Say what kind of match each of some shapes is.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+    signatures : sequence of ShapeSignature
+        See `Answer`.
+    matches : sequence of Match
+        All of an answer, or a part of it: each takes up to a tenth of a second.
+
+    Returns
+    -------
+    kinds : dict of int to str
+        By the id of the shape: see `evidence_text`, and where there is no evidence `kind_of_match`.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened or read.
+    """
+    explained = _library(path).explain(signatures, matches, len(matches))
+    return {match.shape_id: _kind(signatures, match) for match in explained}
 
 
 def _stored_signature(library: Library, example: StoredExample) -> ShapeSignature:

@@ -70,6 +70,9 @@ def test_search_and_words(window, library, horse):
     window.open("Search")
     window.press("shape_google.find_similar")
     window.wait(lambda state: state["matches"], "an answer")
+    window.wait(
+        lambda state: all("Comparing" not in match["kind"] for match in state["matches"]), "kinds of matches"
+    )
     window.press("shape_google.choose_match", columns=(0.75,))
     window.press("shape_google.mark_match")
     window.wait(lambda state: "sg_word" in state["objects"][NAME]["attributes"], "words")

@@ -60,8 +60,11 @@ def found(window, indexed, query) -> dict:
     window.open("Search")
     window.run("bpy.context.window_manager.shape_google.matches.clear()")
     window.press("shape_google.find_similar")
-    return window.wait(
+    window.wait(
         lambda state: state["matches"] and not state["session"]["searching"], "an answer to the query"
+    )
+    return window.wait(
+        lambda state: all("Comparing" not in match["kind"] for match in state["matches"]), "kinds of matches"
     )
 
 
