@@ -255,8 +255,9 @@ def counted_points(mesh: Mesh, spectrum: Spectrum, detector: str) -> NDArray[np.
     Returns
     -------
     vertices : (p,) array of int
-        The points it finds, X′ of the algorithm; all vertices of a shape where nothing stands out, such as a
-        sphere.
+        The points it finds, X′ of the algorithm, but those on parts that the truncated spectrum leaves out,
+        between which there is no heat. All vertices of a shape where nothing stands out, such as a sphere.
     """
     points = detect_keypoints(mesh, spectrum, detector).indices
+    points = points[spectrum.eigenvectors[points].any(axis=1)]
     return points if len(points) else np.arange(len(mesh.vertices))

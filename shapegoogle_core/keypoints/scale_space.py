@@ -182,7 +182,9 @@ def salient_points(
         if not moved.any():
             continue  # flat
         moved /= moved.max()
-        peaks = np.sort(moved[maxima_in(moved, joined)])[:-1]
-        saliency += moved * (1 - (peaks.mean() if len(peaks) else 0.0)) ** 2
-    found = maxima_in(saliency, discs(mesh, radius * np.sqrt(spectrum.area))) & (saliency > 0)
-    return np.where(found & (saliency >= threshold * saliency.max()), saliency, 0.0)
+        others = np.sort(moved[maxima_in(moved, joined)])[:-1]
+        saliency += moved * (1 - (others.mean() if len(others) else 0.0)) ** 2
+    high = maxima_in(saliency, joined) & (saliency > 0) & (saliency >= threshold * saliency.max())
+    peaks = np.flatnonzero(high)
+    found = maxima_in(saliency, discs(mesh, radius * np.sqrt(spectrum.area), peaks), peaks)
+    return np.where(found, saliency, 0.0)

@@ -12,6 +12,8 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
 
 __all__ = ["adjacency", "boundary_vertices", "discs", "maxima_in", "vertex_normals"]
 
+Indices = NDArray[np.int64]
+
 
 def adjacency(mesh: Mesh) -> sparse.csr_array:
     """Join each vertex with itself and its neighbours along edges.
@@ -32,59 +34,73 @@ def adjacency(mesh: Mesh) -> sparse.csr_array:
     return sparse.csr_array((np.ones(len(ends), np.float32), (starts, ends)), shape=(n, n))
 
 
-def discs(mesh: Mesh, radius: float) -> sparse.csr_array:
-    """Join each vertex with those around it on the surface.
+def discs(mesh: Mesh, radius: float, centers: Indices | None = None) -> sparse.csr_array:
+    """Join vertices with those around them on the surface.
 
     Parameters
     ----------
     mesh : Mesh
     radius : float
         In the unit of the mesh.
+    centers : (c,) array of int, optional
+        Vertices in the middle. Left out: all.
 
     Returns
     -------
-    joined : (n, n) sparse array
+    joined : (c, n) sparse array
         1 for the vertex itself, for two rings of neighbours however long their edges are, and for what is
         within the radius in space and reached along edges within it: the other side of a thin sheet is not.
         Rows grow with the square of the radius, in edge lengths.
     """
     n = len(mesh.vertices)
+    chosen = np.arange(n) if centers is None else centers
     joined = adjacency(mesh)
-    two_rings = joined @ joined
-    pairs = KDTree(mesh.vertices).query_pairs(radius, output_type="ndarray")
-    ends = np.concatenate([pairs[:, 0], pairs[:, 1], np.arange(n)])
-    starts = np.concatenate([pairs[:, 1], pairs[:, 0], np.arange(n)])
-    ball = sparse.csr_array((np.ones(len(ends), np.float32), (starts, ends)), shape=(n, n))
-    reached = sparse.csr_array(sparse.eye_array(n, dtype=np.float32))
+    itself = sparse.csr_array(
+        (np.ones(len(chosen), np.float32), (range(len(chosen)), chosen)), (len(chosen), n)
+    )
+    near = KDTree(mesh.vertices[chosen]).sparse_distance_matrix(
+        KDTree(mesh.vertices), radius, output_type="ndarray"
+    )
+    ball = itself + sparse.csr_array((np.ones(len(near), np.float32), (near["i"], near["j"])), itself.shape)
+    ball.data[:] = 1
+    reached = itself
     while True:
-        further = ball.multiply(reached @ joined).tocsr()
+        further = sparse.csr_array(ball.multiply(reached @ joined))
+        further.data[:] = 1
         if further.nnz == reached.nnz:
             break
         reached = further
-        reached.data[:] = 1
-    whole = sparse.csr_array(two_rings + reached)
+    whole = sparse.csr_array(itself @ joined @ joined + reached)
     whole.data[:] = 1
     return whole
 
 
-def maxima_in(values: FloatArray, joined: sparse.csr_array) -> NDArray[np.bool_]:
+def maxima_in(
+    values: FloatArray, joined: sparse.csr_array, centers: Indices | None = None
+) -> NDArray[np.bool_]:
     """Mask of the vertices that have the largest value among those they are joined with.
 
     Parameters
     ----------
     values : (n,) array
         Of equal values the one with the smaller index counts as larger.
-    joined : (n, n) sparse array
+    joined : (c, n) sparse array
         From `adjacency` or `discs`; every row joins a vertex with itself.
+    centers : (c,) array of int, optional
+        Vertices of the rows. Left out: all.
 
     Returns
     -------
     largest : (n,) array of bool
+        False at vertices that are no centers.
     """
     n = len(values)
     rank = np.empty(n, np.int64)
     rank[np.lexsort((np.arange(n), -values))] = np.arange(n)
-    largest: NDArray[np.bool_] = np.minimum.reduceat(rank[joined.indices], joined.indptr[:-1]) == rank
+    chosen = np.arange(n) if centers is None else centers
+    largest = np.zeros(n, bool)
+    if len(chosen):
+        largest[chosen] = np.minimum.reduceat(rank[joined.indices], joined.indptr[:-1]) == rank[chosen]
     return largest
 
 
