@@ -173,7 +173,9 @@ def main() -> int:
     parser.add_argument(
         "--kinds", nargs="+", default=KINDS, metavar="KIND", help=f"of creatures ({', '.join(KINDS)})"
     )
-    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, metavar="N", help="of creatures")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=SEEDS, metavar="N", help="of creatures and transformations"
+    )
     parser.add_argument(
         "--strengths", type=int, nargs="+", choices=range(1, 6), default=STRENGTHS, metavar="N"
     )

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Draw docs/images/keypoints.png: what each detector finds, on creatures in two poses and with noise.
 
-    python3 scripts/draw_keypoints.py [--output FILE.png]
+python3 scripts/draw_keypoints.py [--output FILE.png]
 """
 
 from __future__ import annotations
