@@ -17,6 +17,7 @@ from shapegoogle_core.descriptors import (
 )
 from shapegoogle_core.errors import LibraryError, MeshError, ModelError, ShapeGoogleError
 from shapegoogle_core.heat_diffusion import full_heat_kernel, full_heat_kernel_signature
+from shapegoogle_core.keypoints import Keypoints, detect_keypoints
 from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.library import Library, Match
 from shapegoogle_core.mending import Mending, mend
@@ -27,6 +28,7 @@ from shapegoogle_core.vertex_signatures import VertexSpectrum, VertexWords, vert
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = [
+    "Keypoints",
     "Library",
     "LibraryError",
     "Match",
@@ -45,6 +47,7 @@ __all__ = [
     "bag_of_features",
     "build_operator",
     "compute_spectrum",
+    "detect_keypoints",
     "full_heat_kernel",
     "full_heat_kernel_signature",
     "hard_words",

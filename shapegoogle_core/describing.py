@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mending import mend
 from shapegoogle_core.mesh import Mesh, check_surface, repair
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -23,6 +24,7 @@ __all__ = [
     "Placement",
     "WorkingShape",
     "channel_words",
+    "counted_points",
     "prepare",
     "prepare_placed",
     "shape_bags",
@@ -202,7 +204,7 @@ def channel_words(
 
 
 def shape_bags(
-    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], spectrum: Spectrum
+    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], shape: WorkingShape
 ) -> FloatBags:
     """All bags of a shape side by side, before tf-idf.
 
@@ -210,7 +212,7 @@ def shape_bags(
     ----------
     settings : ModelSettings
     vocabularies : tuple of ChannelWords
-    spectrum : Spectrum
+    shape : WorkingShape
 
     Returns
     -------
@@ -221,7 +223,10 @@ def shape_bags(
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
-        words = channel_words(settings, index, vocabulary, spectrum)
+        words, spectrum = channel_words(settings, index, vocabulary, shape.spectrum), shape.spectrum
+        if channel.detector is not None:
+            points = counted_points(shape.mesh, spectrum, channel.detector)
+            words, spectrum = words[points], spectrum.at(points)
         upper = np.triu_indices(channel.words)
         for kind in channel.bags:
             if "pairs" in kind:
@@ -233,3 +238,26 @@ def shape_bags(
                 bag = bag_of_features(words, spectrum.mass if kind == "area" else None)
             blocks.append(np.sqrt(np.maximum(bag, 0)) if settings.square_root else bag)
     return np.concatenate(blocks).astype(np.float32)
+
+
+def counted_points(mesh: Mesh, spectrum: Spectrum, detector: str) -> NDArray[np.int64]:
+    """Choose the points whose words are counted (paper, algorithm 2, lines 1 to 4).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        See `prepare`.
+    spectrum : Spectrum
+        Of that mesh.
+    detector : str
+        A key of `shapegoogle_core.keypoints.DETECTORS`.
+
+    Returns
+    -------
+    vertices : (p,) array of int
+        The points it finds, X′ of the algorithm, but those on parts that the truncated spectrum leaves out,
+        between which there is no heat. All vertices of a shape where nothing stands out, such as a sphere.
+    """
+    points = detect_keypoints(mesh, spectrum, detector).indices
+    points = points[spectrum.eigenvectors[points].any(axis=1)]
+    return points if len(points) else np.arange(len(mesh.vertices))

@@ -214,7 +214,7 @@ class ShapeModel:
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
             shape = working_shape(self.settings, mesh)
-            bags = shape_bags(self.settings, self.vocabularies, shape.spectrum) * self.weights
+            bags = shape_bags(self.settings, self.vocabularies, shape) * self.weights
             code = self.codes(bags[None])[0]
             sample = local_code = None
             if self.settings.sample is not None:

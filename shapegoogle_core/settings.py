@@ -17,6 +17,7 @@ from shapegoogle_core.descriptors import (
     wave_kernel_signature,
 )
 from shapegoogle_core.errors import ModelError
+from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.laplacian import LAPLACIANS
 from shapegoogle_core.mending import Mending
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -24,7 +25,7 @@ from shapegoogle_core.registration.local_words import LocalSettings
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectrum import Spectrum
 
-__all__ = ["BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
+__all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
 
 
 def _hks(
@@ -64,6 +65,9 @@ CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
 BAGS = ("area", "plain", "pairs", "plain-pairs")
 """Kinds of bags: of words or of pairs of words, weighted by area or counting vertices alike."""
 
+COUNTING_BAGS = ("plain", "plain-pairs")
+"""Those of `BAGS` that count vertices alike: detected points have no area."""
+
 
 @dataclass(frozen=True)
 class ChannelSettings:
@@ -85,6 +89,9 @@ class ChannelSettings:
         t of the kernel in the bags of pairs (equation 16), in the same unit as the times.
     sigma_factor : float
         σ of the soft words as a multiple of the median distance of a descriptor to its nearest word.
+    detector : str or None
+        A key of `shapegoogle_core.keypoints.DETECTORS`: only the points it finds are counted (paper,
+        algorithm 2, lines 1 to 4), in "plain" bags. None: all vertices.
     """
 
     descriptor: str
@@ -94,12 +101,21 @@ class ChannelSettings:
     bags: tuple[str, ...] = ("area", "pairs")
     pair_time: float = 0.0256
     sigma_factor: float = 2.0
+    detector: str | None = None
 
     def __post_init__(self) -> None:
         if self.descriptor not in DESCRIPTORS:
             raise ModelError(f"descriptor must be one of {', '.join(DESCRIPTORS)}, not {self.descriptor!r}")
         if not self.bags or not set(self.bags) <= set(BAGS):
             raise ModelError(f"bags must be some of {', '.join(BAGS)}, not {self.bags}")
+        if self.detector is not None:
+            if self.detector not in DETECTORS:
+                raise ModelError(f"detector must be one of {', '.join(DETECTORS)}, not {self.detector!r}")
+            if not set(self.bags) <= set(COUNTING_BAGS):
+                raise ModelError(
+                    f"detected points have no area: with a detector, bags must be some of "
+                    f"{', '.join(COUNTING_BAGS)}, not {self.bags}"
+                )
         _check(self.words >= 1, "words", "at least 1", self.words)
         _check(0 <= self.pair_time < math.inf, "pair_time", "a time ≥ 0", self.pair_time)
         _check(0 < self.sigma_factor < math.inf, "sigma_factor", "positive", self.sigma_factor)
@@ -207,13 +223,15 @@ class ModelSettings:
         Returns
         -------
         values : dict
-            Without `sample` and `local` where they are None: models from before they existed keep their
-            identifier.
+            Without `sample`, `local` and `detector` where they are None: models from before these existed
+            keep their identifier.
         """
         values = asdict(self)
-        for name in ("sample", "local"):
-            if values[name] is None:
-                del values[name]
+        later = [(values, "sample"), (values, "local")]
+        later += [(channel, "detector") for channel in values["channels"]]
+        for choices, name in later:
+            if choices[name] is None:
+                del choices[name]
         return values
 
     @classmethod

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sparse
 import scipy.sparse.linalg as sparse_linalg
+from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from shapegoogle_core.errors import MeshError
@@ -45,6 +46,21 @@ class Spectrum:
     def area(self) -> float:
         """Surface area in squared mesh units."""
         return float(self.mass.sum())
+
+    def at(self, vertices: NDArray[np.int64]) -> Spectrum:
+        """Keep the values of the eigenfunctions at some vertices alone.
+
+        Parameters
+        ----------
+        vertices : (p,) array of int
+
+        Returns
+        -------
+        spectrum : Spectrum
+            Its heat kernel is that between these vertices. Its eigenvectors are orthonormal no more, and its
+            area is that of these vertices.
+        """
+        return Spectrum(self.eigenvalues, self.eigenvectors[vertices], self.mass[vertices])
 
 
 def compute_spectrum(mesh: Mesh, k: int = 100, laplacian: str = "robust") -> Spectrum:

@@ -212,7 +212,7 @@ def _describe_version(
     sample = None
     if settings.sample is not None:
         sample = sample_surface(shape.mesh, shape.spectrum, settings.sample)
-    return shape_bags(settings, vocabularies, shape.spectrum), sample
+    return shape_bags(settings, vocabularies, shape), sample
 
 
 def _learn_vocabularies(

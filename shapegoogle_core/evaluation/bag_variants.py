@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.describing import FloatBags
+from shapegoogle_core.describing import FloatBags, counted_points, prepare
 from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation.collection import BenchmarkShape
 from shapegoogle_core.evaluation.learning import INDIVIDUALS, training_versions
 from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
+    PREPARATION_CODE,
     Arrays,
     BenchmarkCache,
     cached_spectrum,
@@ -47,6 +48,9 @@ BAG_NAMES = {
     "pairs": "spatially sensitive bag, by area",
 }
 """What the table calls the kinds of bags of `shapegoogle_core.settings.BAGS`."""
+
+BagKey = tuple[int, str, str]
+"""Words of the vocabulary, kind of `BAGS`, and detector of the points that count, "" for all vertices."""
 
 MOST_BITS = 512
 HASHED_DIMENSIONS = 100
@@ -164,7 +168,7 @@ class _BagsTask:
     preparation: Preparation
     descriptor: Descriptor
     vocabularies: Vocabularies
-    bags: tuple[tuple[int, str], ...]
+    bags: tuple[BagKey, ...]
     hard: bool = False
     kind: str = "bags"
 
@@ -178,7 +182,7 @@ class _BagsTask:
         vocabularies = [
             [words, entry["centers"], entry["sigma"]] for words, entry in sorted(self.vocabularies.items())
         ]
-        code = code_digest(("bags.py", "words.py", "evaluation/bag_variants.py"))
+        code = code_digest(("bags.py", "words.py", "keypoints", "evaluation/bag_variants.py"))
         chosen = [self.bags, self.descriptor.pair_time, self.hard]
         return digest(
             preparation_of(self.preparation.settings), self.descriptor.key, vocabularies, chosen, code
@@ -187,6 +191,7 @@ class _BagsTask:
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
         values = self.descriptor.values(spectrum, source.name)
+        points = self._points(spectrum, source, cache)
         computed: dict[str, list[FloatArray]] = {"bags": [], "hard": []}
         for name, parts in computed.items():
             if name == "hard" and not self.hard:
@@ -198,21 +203,40 @@ class _BagsTask:
                 else:
                     words = soft_words(values, centers, float(vocabulary["sigma"]))
                 upper, double = np.triu_indices(size), 2 - np.eye(size)
-                for bag in (bag for words_of, bag in self.bags if words_of == size):
+                for _, bag, detector in (chosen for chosen in self.bags if chosen[0] == size):
                     by_area = bag in ("area", "pairs")
+                    there, counted = words, spectrum
+                    if detector:
+                        there, counted = words[points[detector]], spectrum.at(points[detector])
                     if "pairs" in bag:
                         pairs = spatially_sensitive_bag(
-                            words, spectrum, self.descriptor.pair_time, area_weighted=by_area
+                            there, counted, self.descriptor.pair_time, area_weighted=by_area
                         )
                         parts.append((double * pairs)[upper])
                     else:
-                        parts.append(bag_of_features(words, spectrum.mass if by_area else None))
+                        parts.append(bag_of_features(there, counted.mass if by_area else None))
         return {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
 
-    def slices(self) -> dict[tuple[int, str], slice]:
+    def _points(self, spectrum: Spectrum, source: Source, cache: BenchmarkCache) -> Arrays:
+        """Points that the detectors of the bags find, by detector."""
+        detectors = sorted({detector for _, _, detector in self.bags} - {""})
+        if not detectors:
+            return {}
+        settings = self.preparation.settings
+
+        def detect() -> Arrays:
+            mesh = prepare(settings, source.mesh())
+            return {detector: counted_points(mesh, spectrum, detector) for detector in detectors}
+
+        code = code_digest((*PREPARATION_CODE, "keypoints"))
+        return cache.remembered(
+            "keypoints", digest(source.key, preparation_of(settings), detectors, code), detect
+        )
+
+    def slices(self) -> dict[BagKey, slice]:
         """Where each bag stands in the array."""
         order = [chosen for size in self.vocabularies for chosen in self.bags if chosen[0] == size]
-        sizes = [size * (size + 1) // 2 if "pairs" in bag else size for size, bag in order]
+        sizes = [size * (size + 1) // 2 if "pairs" in bag else size for size, bag, _ in order]
         ends = pairwise(accumulate(sizes, initial=0))
         return {chosen: slice(*span) for chosen, span in zip(order, ends, strict=True)}
 
@@ -236,11 +260,11 @@ class BagGroup:
     preparation : Preparation
     descriptor : Descriptor
     variants : tuple of Variant
-        Their parameters "words" and "bag" (of `BAG_NAMES`, with ", tf-idf" behind it or not), and for codes
-        "bits" and "projection", say what is done.
-    bags : tuple of (int, str)
-        Vocabulary size and kind of every bag that is computed: those of all variants that there are, not only
-        of the chosen ones, so that any choice finds what another one left in the cache.
+        Their parameters "words" and "bag" (of `BAG_NAMES`, with ", tf-idf" behind it or not), for bags of
+        detected points "detector", and for codes "bits" and "projection", say what is done.
+    bags : tuple of BagKey
+        Every bag that is computed: those of all variants that there are, not only of the chosen ones, so that
+        any choice finds what another one left in the cache.
     train : str, Path or None
         Folder to learn from, see `training_versions`.
     seed : int
@@ -251,7 +275,7 @@ class BagGroup:
     preparation: Preparation
     descriptor: Descriptor
     variants: tuple[Variant, ...]
-    bags: tuple[tuple[int, str], ...]
+    bags: tuple[BagKey, ...]
     train: str | Path | None = None
     seed: int = 0
     individuals: int = INDIVIDUALS
@@ -269,8 +293,8 @@ class BagGroup:
         asked = stacked(workshop.describe(learnt.task, queries), "bags")
         slices = learnt.task.slices()
         for variant in self.variants:
-            size, bag = _bag_of(variant)
-            part = slices[size, bag]
+            _, bag, _ = key = _bag_of(variant)
+            part = slices[key]
             first, second = asked[:, part], known[:, part]
             if "bits" in variant.parameters:
                 encode = self._hashing(workshop, learnt, part, variant)
@@ -289,7 +313,7 @@ class BagGroup:
 
     def _learn(self, workshop: Workshop) -> _Learnt:
         versions = training_versions(self.train, self.seed, self.individuals)
-        sizes = sorted({words for words, _ in self.bags})
+        sizes = sorted({words for words, _, _ in self.bags})
         sampled = workshop.describe_sources(_SampleTask(self.preparation, self.descriptor), versions)
         usable = [entry["descriptors"] for entry in sampled if entry is not None]
         if not usable:
@@ -348,9 +372,10 @@ def bag_group(
     return BagGroup(preparation, descriptor, variants, bags, train, seed, individuals)
 
 
-def _bag_of(variant: Variant) -> tuple[int, str]:
+def _bag_of(variant: Variant) -> BagKey:
     names = {name: bag for bag, name in BAG_NAMES.items()}
-    return int(variant.parameters["words"]), names[str(variant.parameters["bag"]).removesuffix(", tf-idf")]
+    bag = names[str(variant.parameters["bag"]).removesuffix(", tf-idf")]
+    return int(variant.parameters["words"]), bag, str(variant.parameters.get("detector", ""))
 
 
 def _weighting(variant: Variant) -> str:

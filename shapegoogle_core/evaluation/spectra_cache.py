@@ -61,6 +61,7 @@ PREPARATION_CODE = (
 SIGNATURE_CODE = (
     "*.py",
     "mesh",
+    "keypoints",
     "evaluation/transformations.py",
 )
 """What a signature depends on besides the model: all modules that are no folders, to be on the safe side."""

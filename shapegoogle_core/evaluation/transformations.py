@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, unique_edges
 
-__all__ = ["TRANSFORMATIONS", "bend", "edge_length_changes", "transform"]
+__all__ = ["TRANSFORMATIONS", "bend", "edge_length_changes", "scale_factor", "transform"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -227,6 +227,25 @@ def _scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     return Mesh(mesh.vertices * _SCALES[strength - 1], mesh.faces, mesh.name)
 
 
+def scale_factor(kind: str, strength: int) -> float:
+    """By how much `transform` enlarges a shape.
+
+    Parameters
+    ----------
+    kind : str
+        One of `TRANSFORMATIONS`.
+    strength : int
+        1 … 5.
+
+    Returns
+    -------
+    factor : float
+        1 for all but "scale" and "mixed".
+    """
+    factors = {"scale": _SCALES[strength - 1], "mixed": _SCALES[_mixed_strength(strength) - 1]}
+    return factors.get(kind, 1.0)
+
+
 def _local_scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     diagonal = _diagonal(mesh)
     centres = mesh.vertices[rng.permutation(np.unique(mesh.faces))[:_BUMPS]]
@@ -306,8 +325,12 @@ def _partial(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 def _mixed(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     for step in (_noise, _holes, _scale):
-        mesh = step(mesh, max(1, strength - 1), rng)
+        mesh = step(mesh, _mixed_strength(strength), rng)
     return mesh
+
+
+def _mixed_strength(strength: int) -> int:
+    return max(1, strength - 1)
 
 
 _FUNCTIONS: dict[str, Callable[[Mesh, int, Random], Mesh]] = {

@@ -15,8 +15,9 @@ from shapegoogle_core.evaluation.baseline_variants import d2_group, shape_dna_gr
 from shapegoogle_core.evaluation.learning import INDIVIDUALS
 from shapegoogle_core.evaluation.matching import Variant, VariantGroup
 from shapegoogle_core.evaluation.model_variants import model_group
+from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.model import load_model
-from shapegoogle_core.settings import PRESETS
+from shapegoogle_core.settings import COUNTING_BAGS, PRESETS
 
 __all__ = ["BITS", "WORDS", "choose_variants", "paper_variants"]
 
@@ -82,7 +83,7 @@ def paper_variants(
     -------
     groups : list of VariantGroup
         Baselines first; then HKS and SI-HKS with all bags, vocabularies and codes on the paper's preparation;
-        then 48 words of each on mended meshes.
+        then 48 words of each on mended meshes, of HKS also at detected points alone.
     """
     paper, mended = _preparations()
     groups: list[VariantGroup] = [d2_group(seed), shape_dna_group(paper), shape_dna_group(mended)]
@@ -92,6 +93,8 @@ def paper_variants(
             variants = _bag_rows(preparation, descriptor, WORDS if complete else (MAIN_WORDS,))
             if complete:
                 variants += _code_rows(preparation, descriptor)
+            if preparation is mended and descriptor.name == "HKS":
+                variants += _detector_rows(preparation, descriptor)
             groups.append(
                 bag_group(preparation, descriptor, variants, train=train, seed=seed, individuals=individuals)
             )
@@ -134,6 +137,24 @@ def _code_rows(preparation: Preparation, descriptor: Descriptor) -> tuple[Varian
         )
         for projection in ("eigenvectors", "random")
         for bits in BITS
+    )
+
+
+def _detector_rows(preparation: Preparation, descriptor: Descriptor) -> tuple[Variant, ...]:
+    return tuple(
+        Variant(
+            f"{descriptor.name} · {BAG_NAMES[bag]} at {detector} · {MAIN_WORDS} words · {preparation.name}",
+            "bags",
+            {
+                "descriptor": descriptor.name,
+                "bag": BAG_NAMES[bag],
+                "detector": detector,
+                "words": MAIN_WORDS,
+                "preparation": preparation.name,
+            },
+        )
+        for detector in DETECTORS
+        for bag in COUNTING_BAGS
     )
 
 

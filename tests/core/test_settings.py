@@ -9,10 +9,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from shapegoogle_core.describing import ChannelWords, shape_bags
+from shapegoogle_core.bags import bag_of_features
+from shapegoogle_core.describing import ChannelWords, Placement, WorkingShape, shape_bags
 from shapegoogle_core.errors import ModelError
+from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.settings import BAGS, DESCRIPTORS, PRESETS, ChannelSettings, ModelSettings
 from shapegoogle_core.spectrum import compute_spectrum
+from shapegoogle_core.words import soft_words
 
 PARAMETERS = {
     "hks": {"times": (0.01, 0.1)},
@@ -20,6 +24,10 @@ PARAMETERS = {
     "si-hks": {"alpha": 2.0, "tau_start": -8.0, "tau_end": 0.0, "tau_step": 0.25, "frequencies": 3},
     "wks": {"low": 2.0, "high": 5.0, "count": 5, "sigma": 0.5},
 }
+
+
+def as_working_shape(mesh: Mesh, eigenpairs: int = 40) -> WorkingShape:
+    return WorkingShape(mesh, compute_spectrum(mesh, eigenpairs), Placement(np.zeros(3), 1.0))
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
@@ -64,6 +72,10 @@ def test_refuses_unknown_channels_and_settings():
         ChannelSettings("gps", {})
     with pytest.raises(ModelError, match="bags must be some of"):
         ChannelSettings("hks", {}, bags=("triples",))
+    with pytest.raises(ModelError, match="detector must be one of hks-maxima, mesh-dog"):
+        ChannelSettings("hks", {"times": (1.0,)}, bags=("plain",), detector="sift")
+    with pytest.raises(ModelError, match="bags must be some of plain, plain-pairs"):
+        ChannelSettings("hks", {"times": (1.0,)}, bags=("area",), detector="hks-maxima")
     for parameters in ({"times": (-1.0,)}, {"times": (1.0,), "future": 1}, {}):
         with pytest.raises(ModelError, match="parameters of 'hks' do not work"):
             ChannelSettings("hks", parameters)
@@ -86,11 +98,62 @@ def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
         descriptor, PARAMETERS[descriptor], words=4, soft=soft, bags=BAGS, pair_time=0.05
     )
     settings = ModelSettings("test", (channel,), square_root=square_root, code_bits=8)
-    spectrum = compute_spectrum(bumpy, 40)
+    shape = as_working_shape(bumpy)
+    spectrum = shape.spectrum
     descriptors = DESCRIPTORS[descriptor](spectrum, **channel.parameters)
     words = ChannelWords(descriptors[[0, 100, 200, 300]], float(descriptors.std()))
-    bags = shape_bags(settings, (words,), spectrum)
+    bags = shape_bags(settings, (words,), shape)
     assert bags.shape == (settings.bag_size,) == (2 * 4 + 2 * 10,)
     ends = np.cumsum(channel.bag_sizes())
     for bag in np.split(bags, ends[:-1]):
         assert (bag**2 if square_root else bag).sum() == pytest.approx(1, abs=1e-5)
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+def test_bags_of_detected_points_are_sums_over_them(detector, bumpy):
+    """Equations 13 and 15 written out, over the points X' of algorithm 2."""
+    channel = ChannelSettings(
+        "hks", PARAMETERS["hks"], words=4, bags=("plain", "plain-pairs"), pair_time=0.05, detector=detector
+    )
+    settings = ModelSettings("test", (channel,), square_root=False, code_bits=8)
+    shape = as_working_shape(bumpy)
+    spectrum = shape.spectrum
+    descriptors = DESCRIPTORS["hks"](spectrum, **PARAMETERS["hks"])
+    words = ChannelWords(descriptors[[0, 100, 200, 300]], float(descriptors.std()))
+    plain, pairs = np.split(shape_bags(settings, (words,), shape), [4])
+
+    points = detect_keypoints(bumpy, spectrum, detector).indices
+    assert 1 < len(points) < 50
+    theta = soft_words(descriptors, words.centers, words.sigma)[points]
+    assert plain == pytest.approx(theta.mean(axis=0), abs=1e-6)
+    expected = np.zeros((4, 4))
+    decay = np.exp(-0.05 * spectrum.eigenvalues)
+    for i, x in enumerate(points):
+        for j, y in enumerate(points):
+            kernel = (decay * spectrum.eigenvectors[x] * spectrum.eigenvectors[y]).sum()
+            expected += np.outer(theta[i], theta[j]) * kernel
+    expected *= (2 - np.eye(4)) / expected.sum()
+    assert pairs == pytest.approx(expected[np.triu_indices(4)], abs=1e-6)
+
+
+def test_where_nothing_stands_out_all_vertices_count(shapes):
+    channel = ChannelSettings(
+        "hks", PARAMETERS["hks"], words=2, bags=("plain",), pair_time=0.05, detector="hks-maxima"
+    )
+    settings = ModelSettings("test", (channel,), square_root=False, code_bits=8)
+    shape = as_working_shape(shapes.sphere(3))
+    descriptors = DESCRIPTORS["hks"](shape.spectrum, **PARAMETERS["hks"])
+    words = ChannelWords(descriptors[[0, 100]], 1.0)
+    expected = bag_of_features(soft_words(descriptors, words.centers, words.sigma))
+    assert shape_bags(settings, (words,), shape) == pytest.approx(expected)
+
+
+def test_a_detector_is_kept_and_none_leaves_no_trace():
+    paper = PRESETS["paper"]
+    assert all("detector" not in channel for channel in paper.to_dict()["channels"])
+    (channel,) = paper.channels
+    chosen = replace(paper, channels=(replace(channel, detector="harris-3d"),))
+    stored = json.loads(json.dumps(chosen.to_dict()))
+    assert stored["channels"][0]["detector"] == "harris-3d"
+    assert ModelSettings.from_dict(stored).channels[0].detector == "harris-3d"
+    assert ModelSettings.from_dict(json.loads(json.dumps(paper.to_dict()))).channels[0].detector is None

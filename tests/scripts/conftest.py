@@ -54,6 +54,11 @@ def build_extension(blenders):
 
 
 @pytest.fixture(scope="session")
+def benchmark_keypoints(environment):
+    return load_beside("benchmark_retrieval", "benchmark_keypoints")
+
+
+@pytest.fixture(scope="session")
 def test(build_extension):
     return load("test")
 

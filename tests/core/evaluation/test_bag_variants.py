@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.describing import working_shape
+from shapegoogle_core.describing import counted_points, working_shape
 from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation import bag_variants
 from shapegoogle_core.evaluation.bag_variants import (
@@ -23,6 +23,7 @@ from shapegoogle_core.evaluation.learning import FileVersion, training_versions
 from shapegoogle_core.evaluation.matching import Variant
 from shapegoogle_core.evaluation.variants import choose_variants, paper_variants
 from shapegoogle_core.evaluation.workshop import Workshop
+from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.settings import DESCRIPTORS, PRESETS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import soft_words
@@ -50,6 +51,10 @@ def group(lumps: Path, monkeypatch: pytest.MonkeyPatch) -> BagGroup:
     monkeypatch.setattr(bag_variants, "_PAIRS", 50)
     rows = [row(bag) for bag in ("bag of features", "spatially sensitive bag")]
     rows += [row(f"{bag}, by area") for bag in ("bag of features", "spatially sensitive bag")]
+    rows += [
+        row("bag of features", detector="harris-3d"),
+        row("spatially sensitive bag", detector="mesh-dog"),
+    ]
     rows += [row("bag of features, tf-idf", 12), row("spatially sensitive bag, tf-idf")]
     for projection in ("eigenvectors", "random"):
         rows += [row("spatially sensitive bag", bits=bits, projection=projection) for bits in (16, 32)]
@@ -64,12 +69,15 @@ def match(group: BagGroup, workshop: Workshop, collection: Collection) -> dict:
 def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
     found = match(group, workshop, collection)
     vocabularies = group._learn(workshop).task.vocabularies
-    words = {}
+    words, points = {}, {}
     for shape in (collection.queries[1], collection.database[3]):
-        spectrum = working_shape(PREPARATION.settings, shape.mesh()).spectrum
+        working = working_shape(PREPARATION.settings, shape.mesh())
+        spectrum = working.spectrum
         values = DESCRIPTORS["hks"](spectrum, **DESCRIPTOR.parameters)
         theta = soft_words(values, vocabularies[6]["centers"], float(vocabularies[6]["sigma"]))
         words[shape.name] = (theta, spectrum)
+        for detector in ("harris-3d", "mesh-dog"):
+            points[detector, len(words) - 1] = counted_points(working.mesh, spectrum, detector)
 
     def distance(bag) -> float:
         first, second = (bag(*entry) for entry in words.values())
@@ -88,6 +96,18 @@ def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
     }
     for bag, value in expected.items():
         assert found[row(bag).name].distances[1, 3] == pytest.approx(value, rel=1e-4)
+    bags = [theta[points["harris-3d", index]].mean(axis=0) for index, (theta, _) in enumerate(words.values())]
+    value = float(np.abs(bags[0] - bags[1]).sum())
+    at_corners = found[row("bag of features", detector="harris-3d").name]
+    assert at_corners.distances[1, 3] == pytest.approx(value, rel=1e-4)
+    bags = [
+        spatially_sensitive_bag(theta[chosen], spectrum.at(chosen), 0.02, area_weighted=False)
+        for index, (theta, spectrum) in enumerate(words.values())
+        for chosen in [points["mesh-dog", index]]
+    ]
+    value = float(np.abs(bags[0] - bags[1]).sum())
+    between = found[row("spatially sensitive bag", detector="mesh-dog").name]
+    assert between.distances[1, 3] == pytest.approx(value, rel=1e-4)
     assert found[row("bag of features").name].bytes_per_shape == 4 * 6
     assert found[row("spatially sensitive bag").name].bytes_per_shape == 4 * 21
 
@@ -151,6 +171,9 @@ def test_the_table_is_complete() -> None:
             assert {f"{descriptor} · {bits}-bit codes · {p}" for p in ("eigenvectors", "random")} <= names
     assert {"Shape-DNA", "D2 distribution", "WKS · bag of features · 48 words"} <= names
     assert "HKS · spatially sensitive bag · 48 words · mended" in names
+    for detector in DETECTORS:
+        for bag in ("bag of features", "spatially sensitive bag"):
+            assert f"HKS · {bag} at {detector} · 48 words · mended" in names
 
 
 def test_choosing_rows() -> None:

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""Detectors in scale space: differences of a function, or of the surface itself, at two smoothings."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse.linalg import splu
+
+from shapegoogle_core.keypoints.harris import fit_quadrics
+from shapegoogle_core.keypoints.surroundings import (
+    adjacency,
+    boundary_vertices,
+    discs,
+    maxima_in,
+    vertex_normals,
+)
+from shapegoogle_core.laplacian import Operator, build_operator
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.spectrum import Spectrum
+
+__all__ = ["diffusions", "mean_curvature", "mesh_dog", "salient_points"]
+
+
+def diffusions(operator: Operator, values: FloatArray, times: FloatArray) -> list[FloatArray]:
+    """Let heat flow for a while, in implicit steps from each time to the next.
+
+    (A + (tᵢ - tᵢ₋₁) W) fᵢ = A fᵢ₋₁: Gaussian smoothing of variance 2t, whatever the triangles look like.
+
+    Parameters
+    ----------
+    operator : Operator
+    values : (n,) or (n, d) array
+        At time 0.
+    times : (s,) array
+        Ascending, > 0, in squared mesh units.
+
+    Returns
+    -------
+    smoothed : list of s arrays like `values`
+    """
+    mass = operator.lumped_mass
+    smoothed, before = [], 0.0
+    for time in times:
+        system = csc_array(diags_array(mass) + (time - before) * operator.stiffness)
+        # Symmetric and positive definite: no pivoting, and an ordering for symmetric patterns.
+        factor = splu(
+            system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+        values = np.asarray(factor.solve((mass * values.T).T))
+        smoothed.append(values)
+        before = float(time)
+    return smoothed
+
+
+def mean_curvature(mesh: Mesh, operator: Operator) -> FloatArray:
+    """(n,) mean curvature H, in 1 / mesh units: half the Laplacian of the positions, along the normal.
+
+    1/r on a sphere of radius r whose faces look outwards. On open boundaries, where the Laplacian is not that
+    of the surface, the mean of the neighbours.
+    """
+    along = (np.asarray(operator.stiffness @ mesh.vertices) * vertex_normals(mesh)).sum(axis=1)
+    curvature: FloatArray = 0.5 * along / operator.lumped_mass
+    rim = boundary_vertices(mesh)
+    if rim.any():
+        inner = adjacency(mesh) @ diags_array((~rim).astype(float))
+        count = np.asarray(inner.sum(axis=1)).ravel()
+        nearby = np.asarray(inner @ curvature) / np.maximum(count, 1)
+        curvature = np.where(rim, nearby, curvature)
+    return curvature
+
+
+def mesh_dog(
+    mesh: Mesh,
+    spectrum: Spectrum,
+    smallest: float = 0.04,
+    largest: float = 0.24,
+    edge_ratio: float = 10.0,
+    threshold: float = 0.1,
+) -> FloatArray:
+    """Find extrema of the mean curvature in scale space (Zaharescu, Boyer, Varanasi, Horaud 2009).
+
+    With f(σ) the mean curvature smoothed by a Gaussian of standard deviation σ, points are the extrema over
+    place and scale of f(√2 σ) - f(σ), those on ridges excepted.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    spectrum : Spectrum
+        Only its area counts.
+    smallest, largest : float
+        Range of σ, as shares of √area: the sizes of what is found. Steps are √2.
+    edge_ratio : float
+        Most that the principal curvatures of the difference around a point may differ: it is a ridge if (r₁ +
+        r₂)² / r₁r₂ exceeds (e + 1)² / e, or if r₁ and r₂ have different signs (Lowe 2004, section 4.1).
+    threshold : float
+        Least difference at a point, as a share of the largest anywhere.
+
+    Returns
+    -------
+    response : (n,) array
+        |f(√2 σ) - f(σ)| √area at the points found, 0 at the other vertices; without unit.
+
+    Notes
+    -----
+    Zaharescu et al. smooth over rings of neighbours and keep 5 % of the vertices; heat flow and a share of
+    the largest difference make it independent of the mesh. Of the functions that they name it is the mean
+    curvature: meshes here have no colours.
+    """
+    operator = build_operator(mesh, "robust")
+    # One more below and, of the differences, above: an extremum is compared with the scales beside its own.
+    sigma = _scales(smallest / np.sqrt(2), largest, 2)
+    curvature = mean_curvature(mesh, operator) * np.sqrt(spectrum.area)
+    differences = np.diff(diffusions(operator, curvature, sigma**2 / 2 * spectrum.area), axis=0)
+    joined, rings, inside = adjacency(mesh), discs(mesh, 0.0), ~boundary_vertices(mesh)
+    response = np.zeros(len(mesh.vertices))
+    for sign in (1, -1):
+        around = [_largest_of(sign * difference, joined) for difference in differences]
+        for below, here, above in zip(around, sign * differences[1:-1], around[2:], strict=False):
+            highest = maxima_in(here, joined) & (here > np.maximum(np.maximum(below, above), 0)) & inside
+            centers = np.flatnonzero(highest)
+            p1, p2, p3, *_ = fit_quadrics(mesh, spectrum.mass, rings[centers], centers, here).T
+            round_ones = centers[(p1 + p3) ** 2 * edge_ratio < (p1 * p3 - p2**2) * (edge_ratio + 1) ** 2]
+            response[round_ones] = np.maximum(response[round_ones], here[round_ones])
+    return np.where(response >= threshold * np.abs(differences[1:-1]).max(), response, 0.0)
+
+
+def _scales(smallest: float, largest: float, more: int) -> FloatArray:
+    """Take steps of √2 from the smallest to the largest, and some more."""
+    if largest < smallest:
+        raise ValueError(f"the largest scale ({largest}) must not be below the smallest ({smallest})")
+    steps = round(2 * np.log2(largest / smallest))
+    return np.asarray(smallest * np.sqrt(2) ** np.arange(steps + 1 + more))
+
+
+def _largest_of(values: FloatArray, joined: csr_array) -> FloatArray:
+    largest: FloatArray = np.maximum.reduceat(values[joined.indices], joined.indptr[:-1])
+    return largest
+
+
+def salient_points(
+    mesh: Mesh,
+    spectrum: Spectrum,
+    smallest: float = 0.03,
+    largest: float = 0.12,
+    radius: float = 0.08,
+    threshold: float = 0.5,
+) -> FloatArray:
+    """Find where smoothing moves the surface most (Castellani, Cristani, Fantoni, Murino 2008).
+
+    With x(σ) the positions smoothed by a Gaussian of standard deviation σ, the map of a scale is |n·(x(2σ) -
+    x(σ))|. Maps are scaled to a largest value of 1 and weighted by (1 - m)², m the mean of their other
+    maxima: a map with a few high peaks counts, one with many alike does not (Itti, Koch, Niebur 1998). Points
+    are the maxima of their sum.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    spectrum : Spectrum
+        Only its area counts.
+    smallest, largest : float
+        Range of σ, as shares of √area. Steps are √2.
+    radius : float
+        Of the surroundings in which a point has the largest value, as a share of √area; no two points are
+        closer.
+    threshold : float
+        Least value of a point, as a share of the largest.
+
+    Returns
+    -------
+    response : (n,) array
+        The sum at the points found, 0 at the other vertices; without unit.
+    """
+    operator = build_operator(mesh, "robust")
+    sigma = _scales(smallest, largest, 2)
+    smoothed = diffusions(operator, mesh.vertices, sigma**2 / 2 * spectrum.area)
+    normals, joined = vertex_normals(mesh), adjacency(mesh)
+    inside = ~boundary_vertices(mesh)
+    saliency = np.zeros(len(mesh.vertices))
+    for narrow, wide in zip(smoothed, smoothed[2:], strict=False):
+        moved = np.abs(((wide - narrow) * normals).sum(axis=1)) * inside
+        if not moved.any():
+            continue  # flat
+        moved /= moved.max()
+        others = np.sort(moved[maxima_in(moved, joined)])[:-1]
+        saliency += moved * (1 - (others.mean() if len(others) else 0.0)) ** 2
+    high = maxima_in(saliency, joined) & (saliency > 0) & (saliency >= threshold * saliency.max())
+    peaks = np.flatnonzero(high)
+    found = maxima_in(saliency, discs(mesh, radius * np.sqrt(spectrum.area), peaks), peaks)
+    return np.where(found, saliency, 0.0)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""What lies around each vertex: discs on the surface, normals, and maxima among neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
+
+__all__ = ["adjacency", "boundary_vertices", "discs", "maxima_in", "vertex_normals"]
+
+Indices = NDArray[np.int64]
+
+
+def adjacency(mesh: Mesh) -> sparse.csr_array:
+    """Join each vertex with itself and its neighbours along edges.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    joined : (n, n) sparse array
+        1 where two vertices are joined.
+    """
+    n = len(mesh.vertices)
+    edges, _ = unique_edges(mesh)
+    ends = np.concatenate([edges[:, 0], edges[:, 1], np.arange(n)])
+    starts = np.concatenate([edges[:, 1], edges[:, 0], np.arange(n)])
+    return sparse.csr_array((np.ones(len(ends), np.float32), (starts, ends)), shape=(n, n))
+
+
+def discs(mesh: Mesh, radius: float, centers: Indices | None = None) -> sparse.csr_array:
+    """Join vertices with those around them on the surface.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    radius : float
+        In the unit of the mesh.
+    centers : (c,) array of int, optional
+        Vertices in the middle. Left out: all.
+
+    Returns
+    -------
+    joined : (c, n) sparse array
+        1 for the vertex itself, for two rings of neighbours however long their edges are, and for what is
+        within the radius in space and reached along edges within it: the other side of a thin sheet is not.
+        Rows grow with the square of the radius, in edge lengths.
+    """
+    n = len(mesh.vertices)
+    chosen = np.arange(n) if centers is None else centers
+    joined = adjacency(mesh)
+    itself = sparse.csr_array(
+        (np.ones(len(chosen), np.float32), (range(len(chosen)), chosen)), (len(chosen), n)
+    )
+    near = KDTree(mesh.vertices[chosen]).sparse_distance_matrix(
+        KDTree(mesh.vertices), radius, output_type="ndarray"
+    )
+    ball = itself + sparse.csr_array((np.ones(len(near), np.float32), (near["i"], near["j"])), itself.shape)
+    ball.data[:] = 1
+    reached = itself
+    while True:
+        further = sparse.csr_array(ball.multiply(reached @ joined))
+        further.data[:] = 1
+        if further.nnz == reached.nnz:
+            break
+        reached = further
+    whole = sparse.csr_array(itself @ joined @ joined + reached)
+    whole.data[:] = 1
+    return whole
+
+
+def maxima_in(
+    values: FloatArray, joined: sparse.csr_array, centers: Indices | None = None
+) -> NDArray[np.bool_]:
+    """Mask of the vertices that have the largest value among those they are joined with.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Of equal values the one with the smaller index counts as larger.
+    joined : (c, n) sparse array
+        From `adjacency` or `discs`; every row joins a vertex with itself.
+    centers : (c,) array of int, optional
+        Vertices of the rows. Left out: all.
+
+    Returns
+    -------
+    largest : (n,) array of bool
+        False at vertices that are no centers.
+    """
+    n = len(values)
+    rank = np.empty(n, np.int64)
+    rank[np.lexsort((np.arange(n), -values))] = np.arange(n)
+    chosen = np.arange(n) if centers is None else centers
+    largest = np.zeros(n, bool)
+    if len(chosen):
+        largest[chosen] = np.minimum.reduceat(rank[joined.indices], joined.indptr[:-1]) == rank[chosen]
+    return largest
+
+
+def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
+    """Mask of the vertices on open boundaries."""
+    edges, face_counts = unique_edges(mesh)
+    mask = np.zeros(len(mesh.vertices), bool)
+    mask[edges[face_counts == 1]] = True
+    return mask
+
+
+def vertex_normals(mesh: Mesh) -> FloatArray:
+    """(n, 3) unit normals, weighted by the areas of faces; 0 where faces cancel out."""
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    corners = mesh.faces.ravel()
+    n = len(mesh.vertices)
+    summed = np.stack([np.bincount(corners, weighted[:, axis], n) for axis in range(3)], axis=1)
+    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
+    normals: FloatArray = np.divide(summed, lengths, out=np.zeros_like(summed), where=lengths > 0)
+    return normals
