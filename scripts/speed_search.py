@@ -376,7 +376,9 @@ def plot(rows: Iterable[Row], path: Path) -> None:
         points = [(row["size"], row[name]) for row in libraries if name in row]
         if points:
             library.loglog(*zip(*points, strict=True), marker=".", label=label)
-    library.set(title="library file", xlabel="shapes", ylabel="ms")
+    library.set(
+        title=f"library file (beyond {FULL_LIBRARY:,} shapes: small bags)", xlabel="shapes", ylabel="ms"
+    )
     measured = sorted({(row["kind"], row["size"]) for row in rows if row["part"] == "recall"})
     for kind, size in measured:
         points = [
