@@ -52,7 +52,7 @@ PREPARATION_CODE = (
     "mesh",
     "mending.py",
     "smoothing.py",
-    "laplacian.py",
+    "laplacian",
     "spectrum.py",
     "evaluation/transformations.py",
 )
@@ -60,6 +60,7 @@ PREPARATION_CODE = (
 
 SIGNATURE_CODE = (
     "*.py",
+    "laplacian",
     "mesh",
     "evaluation/transformations.py",
 )
