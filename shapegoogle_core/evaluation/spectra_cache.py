@@ -258,7 +258,7 @@ def code_digest(parts: tuple[str, ...]) -> str:
 def preparation_of(settings: ModelSettings) -> list[object]:
     """List what a prepared spectrum depends on among a model's settings: mending, area, operator, pairs."""
     mending = None if settings.mending is None else vars(settings.mending)
-    return [mending, settings.area, settings.laplacian, settings.eigenpairs]
+    return [mending, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
 
 
 def cached_spectrum(
