@@ -311,7 +311,9 @@ def train(options: Namespace) -> int:
             failed += [(path, problem) for problem in found.problems]
             for shape in found.shapes:
                 if shape.mesh.is_point_cloud:
-                    failed.append((path, f"{path.name!r} has no faces; a model is learnt from surfaces"))
+                    reason = f"{path.name!r} has no faces; a model is learnt from surfaces"
+                    say(f"skipped {path}: {reason}")
+                    failed.append((path, reason))
                     continue
                 identity = path.parent if options.poses else path / shape.object_name
                 meshes[str(identity)].append(shape.mesh)
