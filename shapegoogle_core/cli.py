@@ -112,7 +112,9 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "  shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4\n"
         "  shapegoogle index ~/models --library shapes.sglib --prune --json\n",
     )
-    index.add_argument("inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or mesh file")
+    index.add_argument(
+        "inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or file of a mesh or scan"
+    )
     _library_option(index, "library file; made if there is none")
     _jobs_option(index)
     index.add_argument(
@@ -167,7 +169,7 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json\n"
         "  shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib\n",
     )
-    query.add_argument("meshes", nargs="+", metavar="MESH", help="mesh file")
+    query.add_argument("meshes", nargs="+", metavar="MESH", help="file of a mesh or scan")
     _library_option(query)
     query.add_argument(
         "--top", type=number_from(1), default=10, metavar="N", help="how many matches (%(default)s)"
@@ -223,7 +225,9 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "example:\n"
         "  shapegoogle train ~/models --output mine.npz\n",
     )
-    train.add_argument("inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or mesh file")
+    train.add_argument(
+        "inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or file of a mesh or scan"
+    )
     train.add_argument("--output", required=True, metavar="MODEL.npz", help="file to write the model to")
     train.add_argument("--preset", default="default", metavar="NAME", help="settings: 'default' or 'paper'")
     train.add_argument(

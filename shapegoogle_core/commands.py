@@ -310,6 +310,11 @@ def train(options: Namespace) -> int:
         else:
             failed += [(path, problem) for problem in found.problems]
             for shape in found.shapes:
+                if shape.mesh.is_point_cloud:
+                    reason = f"{path.name!r} has no faces; a model is learnt from surfaces"
+                    say(f"skipped {path}: {reason}")
+                    failed.append((path, reason))
+                    continue
                 identity = path.parent if options.poses else path / shape.object_name
                 meshes[str(identity)].append(shape.mesh)
     end_external_readers()

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints import detect_keypoints
-from shapegoogle_core.mending import mend
-from shapegoogle_core.mesh import Mesh, check_surface, repair
+from shapegoogle_core.laplacian import POINT_CLOUD, build_operator
+from shapegoogle_core.mending import mend, mend_cloud
+from shapegoogle_core.mesh import Mesh, check_cloud, check_surface, repair
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
@@ -84,12 +85,12 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> Mesh:
     Returns
     -------
     prepared : Mesh
-        Of area `settings.area`, centred on its bounding box.
+        Of area `settings.area`, centred on its bounding box. Without faces if it had none.
 
     Raises
     ------
     MeshError
-        If the mesh has no surface.
+        If the mesh has no surface, or its points are none of a surface.
     """
     return prepare_placed(settings, mesh)[0]
 
@@ -110,8 +111,10 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement
     Raises
     ------
     MeshError
-        If the mesh has no surface.
+        If the mesh has no surface, or its points are none of a surface.
     """
+    if mesh.is_point_cloud:
+        return _prepare_cloud(settings, mesh)
     check_surface(mesh)
     used, corner = np.unique(mesh.faces, return_inverse=True)  # a stray vertex far off must not set the scale
     low, high = mesh.vertices[used].min(axis=0), mesh.vertices[used].max(axis=0)
@@ -126,6 +129,18 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement
     return Mesh(mended.vertices * scale, mended.faces, mesh.name), Placement(origin, scale / size)
 
 
+def _prepare_cloud(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
+    """Mend points without faces and scale the surface that they stand on to the working area."""
+    check_cloud(mesh)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
+    centered = Mesh((mesh.vertices - origin) / size, name=mesh.name)
+    mended = repair(centered) if settings.mending is None else mend_cloud(centered, settings.mending)
+    area = build_operator(mended, POINT_CLOUD).lumped_mass.sum()
+    scale = float(np.sqrt(settings.area / area))
+    return Mesh(mended.vertices * scale, name=mesh.name), Placement(origin, scale / size)
+
+
 @dataclass(frozen=True, eq=False)
 class WorkingShape:
     """A shape at the working resolution and area.
@@ -133,7 +148,7 @@ class WorkingShape:
     Attributes
     ----------
     mesh : Mesh
-        See `prepare`.
+        See `prepare`. Without faces: points of a surface, whose areas are the spectrum's `mass`.
     spectrum : Spectrum
         Of that mesh.
     placement : Placement
@@ -152,6 +167,7 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
     ----------
     settings : ModelSettings
     mesh : Mesh
+        Of points without faces the spectrum is that of the "point-cloud" operator, whatever the settings say.
 
     Returns
     -------
@@ -164,7 +180,8 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
         If the mesh has no surface, or its eigenproblem cannot be solved.
     """
     prepared, placement = prepare_placed(settings, mesh)
-    spectrum = compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
+    laplacian = POINT_CLOUD if prepared.is_point_cloud else settings.laplacian
+    spectrum = compute_spectrum(prepared, settings.eigenpairs, laplacian, settings.boundary)
     return WorkingShape(prepared, spectrum, placement)
 
 

@@ -6,25 +6,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from shapegoogle_core.mesh.cloud import check_cloud, thin
 from shapegoogle_core.mesh.holes import close_holes
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.repair import check_surface, repair
 from shapegoogle_core.mesh.resampling import resample
 from shapegoogle_core.smoothing import smooth
 
-__all__ = ["Mending", "mend"]
+__all__ = ["Mending", "mend", "mend_cloud"]
 
 
 @dataclass(frozen=True)
 class Mending:
-    """How meshes are mended.
+    """How meshes, and points without faces, are mended.
 
     Parameters
     ----------
     close_holes : float
-        Largest hole that is closed, as a share of the bounding-box diagonal; 0 closes none.
+        Largest hole that is closed, as a share of the bounding-box diagonal; 0 closes none. Points have none.
     floor, budget : int
-        Fewest and most vertices.
+        Fewest and most vertices. There is no floor for points.
     smoothing : float
         Time of the smoothing step as a share of the area (see `smooth`); 0 leaves the surface as it is.
     """
@@ -63,3 +64,28 @@ def mend(mesh: Mesh, mending: Mending) -> Mesh:
     mesh = close_holes(mesh, mending.close_holes)
     mesh = resample(mesh, mending.floor, mending.budget)
     return smooth(mesh, mending.smoothing)
+
+
+def mend_cloud(mesh: Mesh, mending: Mending) -> Mesh:
+    """Weld points without faces, thin them to a working resolution and smooth them as a mesh is smoothed.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Without faces, as read.
+    mending : Mending
+
+    Returns
+    -------
+    mended : Mesh
+        Without faces.
+
+    Raises
+    ------
+    MeshError
+        If the points are no shape (see `check_cloud`), or they have no Laplacian to be smoothed with.
+    """
+    check_cloud(mesh)
+    thinned = Mesh(thin(repair(mesh).vertices, mending.budget), name=mesh.name)
+    check_cloud(thinned)
+    return smooth(thinned, mending.smoothing)

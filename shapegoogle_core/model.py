@@ -43,7 +43,7 @@ class ShapeSignature:
     code : (s/8,) array of uint8
         The binary code, packed as by `numpy.packbits`.
     area : float
-        Of the mesh as given, in squared units.
+        Of the mesh as given, in squared units. Of points without faces: of the surface they stand on.
     vertex_count, face_count : int
         Of the mesh as given.
     sample : SurfaceSample or None
@@ -198,9 +198,10 @@ class ShapeModel:
         Parameters
         ----------
         mesh : Mesh
-            As read: any resolution, size and state of repair.
+            As read: any resolution, size and state of repair; or points without faces, at least ten.
         keep_surface : bool, optional
-            Put the mended mesh into the signature too: evidence of matches is measured on it.
+            Put the mended mesh into the signature too: evidence of matches is measured on it. Of points
+            without faces there is none, and the evidence is coarser.
 
         Returns
         -------
@@ -209,7 +210,7 @@ class ShapeModel:
         Raises
         ------
         MeshError
-            If the mesh has no surface.
+            If the mesh has no surface, or its points are none of a surface.
         """
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
@@ -222,15 +223,16 @@ class ShapeModel:
                 sample = sample.moved_back(shape.placement.origin, shape.placement.scale)
             if sample is not None and self.local_words is not None:
                 local_code = self.local_words.code(sample)
+        cloud = mesh.is_point_cloud
         return ShapeSignature(
             bags=bags,
             code=code,
-            area=mesh.area,
+            area=shape.spectrum.area / shape.placement.scale**2 if cloud else mesh.area,
             vertex_count=len(mesh.vertices),
             face_count=len(mesh.faces),
             sample=sample,
             local_code=local_code,
-            surface=shape.placement.back(shape.mesh) if keep_surface else None,
+            surface=shape.placement.back(shape.mesh) if keep_surface and not cloud else None,
         )
 
     def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:

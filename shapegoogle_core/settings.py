@@ -18,7 +18,7 @@ from shapegoogle_core.descriptors import (
 )
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.keypoints import DETECTORS
-from shapegoogle_core.laplacian import LAPLACIANS
+from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS
 from shapegoogle_core.mending import Mending
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.local_words import LocalSettings
@@ -151,7 +151,10 @@ class ModelSettings:
     area : float
         Every shape is scaled to this area first, in squared units: the search forgets the size.
     laplacian : str
-        A key of `shapegoogle_core.laplacian.LAPLACIANS`.
+        A key of `shapegoogle_core.laplacian.LAPLACIANS`. Points without faces always have "point-cloud".
+    boundary : {"neumann", "dirichlet"}
+        Condition on open boundaries, see `compute_spectrum`. What is held at 0 has no heat: descriptors there
+        say nothing.
     eigenpairs : int
         k, the size of the spectrum.
     square_root : bool
@@ -182,6 +185,7 @@ class ModelSettings:
     mending: Mending | None = field(default_factory=Mending)
     area: float = 1.0
     laplacian: str = "robust"
+    boundary: str = "neumann"
     eigenpairs: int = 100
     square_root: bool = True
     inverse_document_frequency: bool = False
@@ -198,6 +202,8 @@ class ModelSettings:
             raise ModelError("a model needs at least one channel")
         if self.laplacian not in LAPLACIANS:
             raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
+        if self.boundary not in BOUNDARIES:
+            raise ModelError(f"boundary must be one of {', '.join(BOUNDARIES)}, not {self.boundary!r}")
         if self.code_directions not in CODE_DIRECTIONS:
             choices = ", ".join(CODE_DIRECTIONS)
             raise ModelError(f"code_directions must be one of {choices}, not {self.code_directions!r}")
@@ -223,14 +229,14 @@ class ModelSettings:
         Returns
         -------
         values : dict
-            Without `sample`, `local` and `detector` where they are None: models from before these existed
-            keep their identifier.
+            Without `sample`, `local` and `detector` where they are None, and without `boundary` where it is
+            "neumann": models from before these existed keep their identifier.
         """
         values = asdict(self)
-        later = [(values, "sample"), (values, "local")]
-        later += [(channel, "detector") for channel in values["channels"]]
-        for choices, name in later:
-            if choices[name] is None:
+        later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]
+        later += [(channel, "detector", None) for channel in values["channels"]]
+        for choices, name, before in later:
+            if choices[name] == before:
                 del choices[name]
         return values
 

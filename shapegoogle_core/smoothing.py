@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from shapegoogle_core.laplacian import cotangent
+from shapegoogle_core.laplacian import POINT_CLOUD, Operator, build_operator, cotangent
 from shapegoogle_core.mesh.mesh import Mesh, unique_edges
 
 __all__ = ["smooth"]
@@ -27,7 +28,7 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     Parameters
     ----------
     mesh : Mesh
-        Repaired.
+        Repaired. Points without faces are smoothed by the Laplacian of the surface that they stand on.
     time : float
         As a share of the area, so without unit: waves shorter than 2π √(time · area) lose more than half of
         their amplitude, 0.11 √area at 3e-4. 0 returns the mesh itself.
@@ -37,20 +38,32 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     smoothed : Mesh
         Every connected part is smoothed as if it were alone; by the area of the whole, the many thin parts
         of a plant or a bicycle would shrink to nothing. Boundary vertices stay where they are: free ones
-        would be drawn inwards, and the sheets of a polygon soup would come apart. The area is not restored
-        afterwards: it falls mostly by the noise that goes.
+        would be drawn inwards, and the sheets of a polygon soup would come apart. (Points without faces are
+        all free: where their surface ends is not known.) The area is not restored afterwards: it falls mostly
+        by the noise that goes.
+
+    Raises
+    ------
+    MeshError
+        If there are no faces and the points have no Laplacian.
     """
     if time < 0:
         raise ValueError(f"time must not be negative, not {time}")
-    if time == 0 or mesh.is_point_cloud:
+    if time == 0:
         return mesh
+    if mesh.is_point_cloud:
+        return _smoothed(mesh, time, build_operator(mesh, POINT_CLOUD), np.arange(len(mesh.vertices)))
     edges, face_counts = unique_edges(mesh)
     free = np.ones(len(mesh.vertices), bool)
     free[edges[face_counts == 1]] = False
     inner = np.flatnonzero(free)
     if len(inner) == 0:
         return mesh
-    operator = cotangent(mesh)
+    return _smoothed(mesh, time, cotangent(mesh), inner)
+
+
+def _smoothed(mesh: Mesh, time: float, operator: Operator, inner: NDArray[np.int64]) -> Mesh:
+    """Move the inner vertices as `smooth` says."""
     stiffness, mass = operator.stiffness, operator.lumped_mass
     _, part = connected_components(stiffness, directed=False)
     # Rows scaled by their part: parts share no entry, so the matrix stays symmetric.

@@ -52,7 +52,7 @@ PREPARATION_CODE = (
     "mesh",
     "mending.py",
     "smoothing.py",
-    "laplacian.py",
+    "laplacian",
     "spectrum.py",
     "evaluation/transformations.py",
 )
@@ -60,6 +60,7 @@ PREPARATION_CODE = (
 
 SIGNATURE_CODE = (
     "*.py",
+    "laplacian",
     "mesh",
     "keypoints",
     "evaluation/transformations.py",
@@ -258,7 +259,7 @@ def code_digest(parts: tuple[str, ...]) -> str:
 def preparation_of(settings: ModelSettings) -> list[object]:
     """List what a prepared spectrum depends on among a model's settings: mending, area, operator, pairs."""
     mending = None if settings.mending is None else vars(settings.mending)
-    return [mending, settings.area, settings.laplacian, settings.eigenpairs]
+    return [mending, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
 
 
 def cached_spectrum(

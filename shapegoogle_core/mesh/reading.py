@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh.cloud import check_cloud
 from shapegoogle_core.mesh.formats import Checked, FormatError, check_obj, check_off, check_ply, check_stl
 from shapegoogle_core.mesh.gltf import check_glb, check_gltf
-from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.repair import check_surface
+from shapegoogle_core.mesh.scans import check_point_count, read_pcd, read_xyz
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
@@ -34,8 +36,14 @@ _CHECKS: dict[str, Callable[[bytes, int], Checked]] = {
     ".gltf": check_gltf,
 }
 
-MESH_SUFFIXES = frozenset(_CHECKS)
+# Formats of points alone; trimesh reads only plain ones of them.
+_SCANS: dict[str, Callable[[bytes, int], FloatArray]] = {".xyz": read_xyz, ".pcd": read_pcd}
+
+MESH_SUFFIXES = frozenset(_CHECKS) | frozenset(_SCANS)
 """What `read_mesh` reads, in lower case with the dot."""
+
+# Elsewhere vertices without faces are curves, or what an export has lost.
+_MAY_HAVE_NO_FACES = frozenset(_SCANS) | {".ply"}
 
 # A file is read as a whole. The longest spelling, a text STL, takes about 300 bytes a face; textures in a
 # glTF come on top.
@@ -58,20 +66,21 @@ _BEGINNINGS = {
 def read_mesh(
     path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = 20_000_000
 ) -> Mesh:
-    """Read a mesh file as one shape.
+    """Read a mesh file, or the points of a scan, as one shape.
 
     All objects, groups and scene nodes of a file, each in its place, make one mesh; polygons become fans of
-    triangles; materials, textures and animation are left out. Nothing is fetched from a network.
+    triangles; materials, textures and animation are left out. A .ply without faces, an .xyz and a .pcd are
+    read as points without faces. Nothing is fetched from a network.
 
     Parameters
     ----------
     path : path
         A file with one of the suffixes in `MESH_SUFFIXES`, in upper or lower case.
     point_cloud : bool, optional
-        Whether a file without faces is welcome. Faces are left out if there are any.
+        Read points alone, from files of any kind. Faces are left out if there are any.
     max_faces : int, optional
-        A file with more triangles is refused, by its header where it has one, before memory is taken for
-        them.
+        A file with more triangles, or points without faces, is refused, by its header where it has one,
+        before memory is taken for them.
 
     Returns
     -------
@@ -82,11 +91,11 @@ def read_mesh(
     ------
     MeshError
         If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or
-        holds no surface (see `check_surface`).
+        holds no surface (see `check_surface`) nor points of one (`check_cloud`).
     """
     path = Path(path)
     name = path.name or str(path)
-    check = _CHECKS.get(path.suffix.lower())
+    suffix = path.suffix.lower()
     try:
         if not path.is_file():
             what = (
@@ -97,18 +106,24 @@ def read_mesh(
                 else "does not exist"
             )
             raise MeshError(f"{str(path)!r} {what}; give the path of a mesh file")
-        if check is None:
+        if suffix not in MESH_SUFFIXES:
             raise MeshError(
                 f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
                 "convert it first"
             )
-        checked = check(_read(path, max_faces), max_faces)
-        vertices, faces = _parse(checked.data, path, max_faces)
-        if checked.faces is not None and checked.faces != len(faces):
-            raise FormatError(
-                f"announces {checked.faces:,} triangles, but {len(faces):,} can be read; it is damaged or "
-                "was cut short: copy or export it again"
-            )
+        if suffix in _SCANS:
+            vertices = _SCANS[suffix](_read(path, max_faces), max_faces)
+            faces = np.empty((0, 3), np.int64)
+        else:
+            checked = _CHECKS[suffix](_read(path, max_faces), max_faces)
+            vertices, faces = _parse(checked.data, path, max_faces)
+            if checked.faces is not None and checked.faces != len(faces):
+                raise FormatError(
+                    f"announces {checked.faces:,} triangles, but {len(faces):,} can be read; it is damaged "
+                    "or was cut short: copy or export it again"
+                )
+            if not len(faces):
+                check_point_count(len(vertices), max_faces)
     except MeshError:
         raise
     except FormatError as error:
@@ -131,7 +146,10 @@ def read_mesh(
     if point_cloud:
         return _point_cloud(Mesh(vertices, name=name))
     mesh = Mesh(vertices, faces, name)
-    check_surface(mesh)
+    if mesh.is_point_cloud and suffix in _MAY_HAVE_NO_FACES:
+        check_cloud(mesh)
+    else:
+        check_surface(mesh)
     return mesh
 
 

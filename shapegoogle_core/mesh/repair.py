@@ -38,7 +38,7 @@ def check_surface(mesh: Mesh) -> None:
     count = len(mesh.vertices)
     if mesh.is_point_cloud:
         raise MeshError(
-            f"{mesh.name!r} has no faces and {count} points; a shape needs a surface of triangles: "
+            f"{mesh.name!r} has no faces and {count} points, where a surface of triangles is needed: "
             "export the mesh with its faces"
         )
     if count < 4:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature
 from shapegoogle_core.medial import medial_radii
+from shapegoogle_core.mesh.cloud import point_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.spin_images import spin_images
@@ -216,7 +217,7 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     Parameters
     ----------
     mesh : Mesh
-        Of positive area.
+        Of positive area; or points without faces, about as dense everywhere.
     spectrum : Spectrum
         Of that mesh.
     settings : SampleSettings
@@ -224,17 +225,22 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     Returns
     -------
     sample : SurfaceSample
-        The same one whenever it is asked for.
+        The same one whenever it is asked for. Of fewer points, if there are fewer.
     """
     random = np.random.default_rng(0)
-    unit = math.sqrt(mesh.area)
-    points, normals, face, corners = _random_points(mesh, max(settings.points, _CLOUD), random)
+    unit = math.sqrt(spectrum.area if mesh.is_point_cloud else mesh.area)
+    if mesh.is_point_cloud:
+        points, normals = mesh.vertices, point_normals(mesh.vertices)
+        vertices, corners = np.arange(len(points))[:, None], np.ones((len(points), 1))
+    else:
+        points, normals, face, corners = _random_points(mesh, max(settings.points, _CLOUD), random)
+        vertices = mesh.faces[face].astype(np.int64)
     center = points.mean(axis=0)
     points = (points - center) / unit
-    chosen = farthest_points(points, settings.points)
+    chosen = farthest_points(points, min(settings.points, len(points)))
     radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
-    at_keys = mesh.faces[face[keys]], corners[keys, :, None]
+    at_keys = vertices[keys], corners[keys, :, None]
     heat = _HEAT_WEIGHT * _interpolated(log_heat_kernel_signature(spectrum, _TIMES * unit**2), *at_keys)
     spin = _spin_images(points[chosen], normals[chosen], radii, len(keys), 1.0)
     modes = slice(1, 1 + _MODES)
@@ -250,9 +256,9 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     )
 
 
-def _interpolated(values: FloatArray, faces: NDArray[np.int32], corners: FloatArray) -> FloatArray:
-    """Values at the vertices, at points with barycentric coordinates in some faces."""
-    return np.asarray((values[faces] * corners).sum(axis=1))
+def _interpolated(values: FloatArray, vertices: NDArray[np.int64], weights: FloatArray) -> FloatArray:
+    """Weighted sums of the values at a few vertices for each point."""
+    return np.asarray((values[vertices] * weights).sum(axis=1))
 
 
 def _spin_images(

@@ -62,7 +62,9 @@ def own_names(item) -> set[str]:
 
 
 class TestValues:
-    @pytest.mark.parametrize("laplacian", ["robust", "cotangent", "fem1"])
+    @pytest.mark.parametrize(
+        "laplacian", ["robust", "cotangent", "cotangent-voronoi", "fem1", "fem2", "fem3"]
+    )
     def test_hks_is_that_of_the_core(self, modules, laplacian):
         item = add_blob()
         assert paint("HKS", scale=0.3, laplacian=laplacian, eigenpairs=60) == {"FINISHED"}

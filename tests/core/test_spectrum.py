@@ -15,7 +15,9 @@ from shapegoogle_core.laplacian import LAPLACIANS, build_operator
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.spectrum import compute_spectrum
 
-OPERATORS = sorted(LAPLACIANS)
+ON_FACES = sorted(set(LAPLACIANS) - {"point-cloud"})
+# What needs only as many degrees of freedom as there are vertices.
+OPERATORS = sorted(set(ON_FACES) - {"fem2", "fem3"})
 
 
 def sphere_eigenvalues(k: int) -> np.ndarray:

@@ -166,7 +166,7 @@ def test_every_format_gives_the_same_box(tmp_path, name):
 
 
 def test_suffixes(tmp_path):
-    assert sorted(MESH_SUFFIXES) == [".glb", ".gltf", ".obj", ".off", ".ply", ".stl"]
+    assert sorted(MESH_SUFFIXES) == [".glb", ".gltf", ".obj", ".off", ".pcd", ".ply", ".stl", ".xyz"]
     assert read_mesh(str(write(tmp_path, "BOX.OBJ", obj()))).name == "BOX.OBJ"
 
 

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: MIT
+"""Cotangent weights, and the areas of vertices that go with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sparse
+
+from shapegoogle_core.laplacian.operator import Operator
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas
+
+__all__ = ["barycentric_areas", "corner_cotangents", "cotangent", "cotangent_voronoi", "voronoi_areas"]
+
+# A face lower than this share of its longest side counts as that high: a sliver's cotangents would
+# otherwise swamp its neighbours'. Relative, so it holds in any unit.
+LEAST_HEIGHT = 1e-6
+
+
+def corner_cotangents(mesh: Mesh) -> FloatArray:
+    """(m, 3) cotangent of the angle at each corner."""
+    corners = mesh.vertices[mesh.faces]
+    sides = np.roll(corners, -1, axis=1) - corners  # side k goes from corner k to the next one
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    # One divisor for all corners of a face keeps its part of the matrix positive semi-definite.
+    double_areas = np.maximum(2 * face_areas(mesh), LEAST_HEIGHT * longest**2)
+    # At corner k one side leaves and one arrives, which turns the sign of their product.
+    products = -np.einsum("fki,fki->fk", sides, np.roll(sides, 1, axis=1))
+    cotangents: FloatArray = products / np.maximum(double_areas, np.finfo(float).tiny)[:, None]
+    return cotangents
+
+
+def _cotangent_stiffness(mesh: Mesh) -> sparse.csc_array:
+    """W with w_ij = (cot α_ij + cot β_ij)/2 off the diagonal, negated (paper, equation 7)."""
+    n = len(mesh.vertices)
+    half_cotangents = 0.5 * corner_cotangents(mesh)
+    # The edge opposite to each corner carries that corner's cotangent.
+    start = mesh.faces[:, [1, 2, 0]].ravel()
+    end = mesh.faces[:, [2, 0, 1]].ravel()
+    weights = half_cotangents.ravel()
+    rows = np.concatenate([start, end, start, end])
+    columns = np.concatenate([end, start, start, end])
+    values = np.concatenate([-weights, -weights, weights, weights])
+    return sparse.csc_array(sparse.coo_array((values, (rows, columns)), shape=(n, n)))
+
+
+def barycentric_areas(mesh: Mesh) -> FloatArray:
+    """(n,) a third of the area of each vertex's faces, in squared mesh units."""
+    return _at_vertices(mesh, np.repeat(face_areas(mesh) / 3, 3))
+
+
+def _at_vertices(mesh: Mesh, at_corners: FloatArray) -> FloatArray:
+    """Sum (3m,) values at the corners of faces for each vertex."""
+    return np.asarray(np.bincount(mesh.faces.ravel(), at_corners, len(mesh.vertices)), np.float64)
+
+
+def voronoi_areas(mesh: Mesh) -> FloatArray:
+    """Mixed Voronoi areas of the vertices (Meyer et al. 2003, section 3.3).
+
+    In a face without an obtuse angle a corner has what is nearer to it than to the others: (|PR|² cot Q +
+    |PQ|² cot R) / 8 at P. Where an angle is obtuse that would reach out of the face: its corner then has half
+    the area, and the two others a quarter each.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    areas : (n,) array
+        In squared mesh units; they sum to the area of the surface.
+
+    References
+    ----------
+    M. Meyer, M. Desbrun, P. Schröder, A. H. Barr: Discrete Differential-Geometry Operators for Triangulated
+    2-Manifolds. Visualization and Mathematics III, 2003.
+    """
+    cotangents = corner_cotangents(mesh)
+    corners = mesh.vertices[mesh.faces]
+    opposite = np.roll(corners, -1, axis=1) - np.roll(corners, 1, axis=1)
+    # Of the side opposite each corner: twice what that corner's angle gives to each of the two others.
+    parts = (opposite**2).sum(axis=2) * cotangents
+    shares = parts.sum(axis=1, keepdims=True) - parts
+    obtuse = np.asarray(cotangents < 0)
+    shares = np.where(obtuse.any(axis=1, keepdims=True), np.where(obtuse, 2.0, 1.0), shares)
+    # The sum brings the factor: so it is the area for slivers too, whose cotangents are bounded.
+    total = np.maximum(shares.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    areas = shares / total * face_areas(mesh)[:, None]
+    return _at_vertices(mesh, areas.ravel())
+
+
+def cotangent(mesh: Mesh) -> Operator:
+    """Cotangent weights with lumped areas (paper, equations 7 to 9).
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    operator : Operator
+        The mass of a vertex is a third of the area of its faces.
+    """
+    mass = sparse.csc_array(sparse.diags_array(barycentric_areas(mesh)))
+    return Operator(_cotangent_stiffness(mesh), mass)
+
+
+def cotangent_voronoi(mesh: Mesh) -> Operator:
+    """Cotangent weights with mixed Voronoi areas (paper, equations 7 to 9; Meyer et al. 2003).
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    operator : Operator
+        The mass of a vertex is what is nearer to it than to other vertices, see `voronoi_areas`.
+    """
+    mass = sparse.csc_array(sparse.diags_array(voronoi_areas(mesh)))
+    return Operator(_cotangent_stiffness(mesh), mass)
