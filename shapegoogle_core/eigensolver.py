@@ -38,8 +38,6 @@ SHARE_BELOW = 0.6
 LEAST_BELOW, MOST_BELOW = 0.35, 0.85
 # Eigenvalues closer than this, relatively, are counted as one.
 CLUSTER = 1e-9
-# Searches before the solver gives up. A second one is rare, a third was never seen.
-SEARCHES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,47 +151,46 @@ def _complete_pairs(pencil: _Pencil, k: int) -> _Pairs:
     found = _Pairs(np.empty(0), np.empty((n, 0), order="F"))
     wanted = max(k, factor.below)
     following = np.inf  # the least estimate of what comes after those found
-    for _ in range(SEARCHES):
+    while True:
         found_below = int((found.values < factor.shift).sum())
-        missing_below = factor.below - found_below
-        missing_above = wanted - factor.below - (len(found.values) - found_below)
-        new, estimate = _block_lanczos(
-            pencil, factor, max(missing_below, 0), max(missing_above, 0), found.vectors, random
-        )
+        missing_below = max(factor.below - found_below, 0)
+        missing_above = max(wanted - factor.below - (len(found.values) - found_below), 0)
+        new, estimate = _block_lanczos(pencil, factor, missing_below, missing_above, found.vectors, random)
+        if not len(new.values) or len(found.values) > n // 2:
+            raise np.linalg.LinAlgError(f"found {len(found.values)} of {wanted} eigenvalues, and no more")
         found = found.joined(new)
         following = min(
             (value for value in (following, estimate) if value > found.values[-1]), default=np.inf
         )
         if len(found.values) < wanted:
             continue
-        bound, expected = _gap(found.values, following)
+        bound, expected = _gap(found.values, following, k, CLUSTER * pencil.spacing)
         counted = _factorise(pencil, bound).below
+        if counted < expected:
+            raise np.linalg.LinAlgError(
+                f"found {expected} eigenvalues below {bound:.6g}, but counted {counted}"
+            )
         if counted == expected:
             return _Pairs(found.values[:k], found.vectors[:, :k])
-        if counted < expected:
-            break
         wanted = len(found.values) + counted - expected
-    raise np.linalg.LinAlgError(
-        f"found {expected} eigenvalues below {bound:.6g}, but counted {counted}"
-        if len(found.values) >= wanted
-        else f"found only {len(found.values)} of {wanted} eigenvalues"
-    )
 
 
-def _gap(values: FloatArray, following: float) -> tuple[float, int]:
-    """Choose where to count: the highest gap among the eigenvalues, and how many lie below it.
+def _gap(values: FloatArray, following: float, k: int, rounding: float) -> tuple[float, int]:
+    """Choose where to count: a gap among the eigenvalues, and how many lie below it.
 
-    A cluster that continues beyond the last wanted eigenvalue is left above the bound: what could be missing
-    there equals its members within `CLUSTER`.
+    The first gap above the k-th eigenvalue, or the last one below it if it belongs to a cluster that goes on
+    beyond those found. What could be missing above the bound then equals the cluster within `CLUSTER`.
+    Differences below `rounding` tell nothing apart.
     """
     edges = np.append(values, following)
     gaps = np.diff(edges)
-    wide = np.flatnonzero(gaps > CLUSTER * np.abs(edges[1:]))
-    if not len(wide):
-        return float(values[0] - max(abs(values[0]), np.finfo(float).tiny)), 0
-    last = wide[-1]
+    # How many eigenvalues lie below each wide gap.
+    below = np.flatnonzero(gaps > CLUSTER * np.abs(edges[1:]) + rounding) + 1
+    if not len(below):
+        return float(values[0] - CLUSTER * abs(values[0]) - rounding), 0
+    expected = int(below[below >= k][0] if below[-1] >= k else below[-1])
     # Near the lower end: the value that follows has not converged, and comes down when it does.
-    return float(values[last] + 0.25 * gaps[last]), int(last) + 1
+    return float(values[expected - 1] + 0.25 * gaps[expected - 1]), expected
 
 
 def _factorise(pencil: _Pencil, shift: float) -> _Factor:
