@@ -87,7 +87,7 @@ class _Pairs:
 
 
 def smallest_pairs(
-    stiffness: sparse.csc_array, mass: sparse.csc_array, k: int
+    stiffness: sparse.csc_array, mass: sparse.csc_array, k: int, constant: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Compute the k smallest solutions of W φ = λ A φ.
 
@@ -99,11 +99,14 @@ def smallest_pairs(
         A, symmetric positive definite; its entries sum to the area. Diagonal or not.
     k : int
         At least 1, at most n / 3.
+    constant : bool
+        Whether W takes the constant function to 0, and nothing lies below. It is then returned exactly, the
+        others orthogonal to it to rounding. Otherwise no eigenvalue is assumed to be 0.
 
     Returns
     -------
     eigenvalues : (k,) array
-        Ascending. None is assumed to be 0.
+        Ascending.
     eigenvectors : (n, k) array
         Orthonormal in A. The same input gives the same output, signs included.
 
@@ -123,7 +126,11 @@ def smallest_pairs(
         raise ValueError(f"k must be between 1 and a third of the {n} unknowns, not {k}")
     order = reverse_cuthill_mckee(sparse.csr_matrix(stiffness), symmetric_mode=True)
     pencil, scale = _prepare(stiffness, mass, order)
-    pairs = _complete_pairs(pencil, k)
+    known = _Pairs(np.empty(0), np.empty((n, 0), order="F"))
+    if constant:
+        flat = np.ones(n) if scale is None else 1 / scale
+        known = _Pairs(np.zeros(1), np.asfortranarray(flat[:, None] / np.sqrt(mass.sum())))
+    pairs = _complete_pairs(pencil, k, known)
     vectors = np.empty_like(pairs.vectors)
     vectors[order] = pairs.vectors if scale is None else pairs.vectors * scale[:, None]
     return pairs.values, vectors
@@ -143,12 +150,11 @@ def _prepare(
     return _Pencil(permuted, None, spacing), scale
 
 
-def _complete_pairs(pencil: _Pencil, k: int) -> _Pairs:
-    """Search, count, and search again for what is missing."""
+def _complete_pairs(pencil: _Pencil, k: int, found: _Pairs) -> _Pairs:
+    """Search for those not found yet, count, and search again for what is missing."""
     random = np.random.default_rng(0)
     factor = _factor_inside(pencil, k, random)
     n = pencil.stiffness.shape[0]
-    found = _Pairs(np.empty(0), np.empty((n, 0), order="F"))
     wanted = max(k, factor.below)
     following = np.inf  # the least estimate of what comes after those found
     while True:
@@ -156,7 +162,7 @@ def _complete_pairs(pencil: _Pencil, k: int) -> _Pairs:
         missing_below = max(factor.below - found_below, 0)
         missing_above = max(wanted - factor.below - (len(found.values) - found_below), 0)
         new, estimate = _block_lanczos(pencil, factor, missing_below, missing_above, found.vectors, random)
-        if not len(new.values) or len(found.values) > n // 2:
+        if (missing_below + missing_above and not len(new.values)) or len(found.values) > n // 2:
             raise np.linalg.LinAlgError(f"found {len(found.values)} of {wanted} eigenvalues, and no more")
         found = found.joined(new)
         following = min(

@@ -168,6 +168,4 @@ def _smallest_pairs(operator: Operator, k: int) -> tuple[FloatArray, FloatArray]
         )
         values[0] = 0.0  # the constant function's, known exactly
         return values, vectors
-    values, vectors = smallest_pairs(operator.stiffness, operator.mass, k)
-    values[0] = 0.0  # the constant function's, known exactly
-    return values, vectors
+    return smallest_pairs(operator.stiffness, operator.mass, k, constant=True)

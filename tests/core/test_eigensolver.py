@@ -26,9 +26,9 @@ def dense_eigenvalues(operator: Operator, k: int) -> np.ndarray:
     )
 
 
-def check(operator: Operator, k: int) -> None:
+def check(operator: Operator, k: int, constant: bool = False) -> None:
     """The promises: eigenvalues within 1e-8, true and orthonormal eigenvectors."""
-    values, vectors = smallest_pairs(operator.stiffness, operator.mass, k)
+    values, vectors = smallest_pairs(operator.stiffness, operator.mass, k, constant)
     expected = dense_eigenvalues(operator, k)
     floor = dense_eigenvalues(operator, min(k + 60, operator.stiffness.shape[0]))
     floor = floor[floor > 1e-9 * floor[-1]][0]
@@ -59,6 +59,16 @@ def box(subdivisions: int) -> Mesh:
 @pytest.mark.parametrize("k", [1, 2, 5, 100, 200])
 def test_agrees_with_a_dense_solver(laplacian, k, bumpy):
     check(build_operator(bumpy, laplacian), k)
+
+
+@pytest.mark.parametrize("laplacian", ["cotangent", "fem1"])
+@pytest.mark.parametrize("k", [1, 2, 30, 150])
+def test_the_constant_is_exact_where_the_kernel_has_it(laplacian, k, bumpy):
+    operator = build_operator(bumpy, laplacian)
+    check(operator, k, constant=True)
+    values, vectors = smallest_pairs(operator.stiffness, operator.mass, k, constant=True)
+    assert values[0] == 0
+    np.testing.assert_allclose(vectors[:, 0], 1 / np.sqrt(operator.mass.sum()), rtol=1e-13)
 
 
 @pytest.mark.parametrize("k", [16, 17, 49, 50, 120])
