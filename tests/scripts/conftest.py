@@ -74,6 +74,16 @@ def benchmark_retrieval(environment):
 
 
 @pytest.fixture(scope="session")
+def benchmark_speed(environment):
+    """Load it with its package `speed`, found beside it as when it runs as a script."""
+    sys.path.insert(0, str(SCRIPTS))
+    try:
+        return load("benchmark_speed")
+    finally:
+        sys.path.remove(str(SCRIPTS))
+
+
+@pytest.fixture(scope="session")
 def export_blend_meshes():
     return load("export_blend_meshes")
 

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""That `scripts/benchmark_speed.py` measures and reports; its numbers are nobody's promise at this size."""
+
+import json
+
+import pytest
+
+
+def test_times_spectra_and_writes_a_report(benchmark_speed, tmp_path, capsys):
+    arguments = ["--sections", "spectra", "--sizes", "600", "--repeats", "1", "--output", str(tmp_path)]
+    assert benchmark_speed.run(benchmark_speed.parse_arguments(arguments)) == 0
+    printed = capsys.readouterr().out
+    assert "shapegoogle, robust" in printed
+    report = json.loads((tmp_path / "speed.json").read_text())
+    assert report["packages"]["numpy"]
+    rows = {(row["task"], row["contestant"]): row for row in report["rows"]}
+    assert {task for task, _ in rows} == {"k = 100", "k = 200"}
+    ours = rows["k = 100", "shapegoogle"]
+    assert ours["ratio"] == 1
+    assert ours["size"] == pytest.approx(600, rel=0.02)
+    assert ours["cpu_seconds"] > 0
+    checked = [row for row in report["rows"] if row["contestant"] != "shapegoogle, robust"]
+    assert all(row["error"] < 1e-8 for row in checked)
+    # LaPy is among the packages that tests need.
+    assert ("k = 100", "LaPy") in rows
+    assert (tmp_path / "speed-spectra.png").stat().st_size > 10_000
+
+
+def test_contestants_take_turns(benchmark_speed):
+    from speed.measuring import Contestant, race
+
+    turns = []
+    contestants = [
+        Contestant("first", lambda: turns.append("first")),
+        Contestant("second", lambda: turns.append("second"), lambda result: 0.5),
+    ]
+    first, second = race("section", "task", 7, contestants, repeats=2)
+    assert turns == ["first", "second"] * 2
+    assert (first.ratio, first.error, second.error) == (1, None, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--sections", "spectra,magic"], "there is no section 'magic'; choose from spectra"),
+        (["--sizes", "100,-3"], "'-3' is not a number above 0"),
+        (["--repeats", "none"], "'none' is not a number above 0"),
+    ],
+)
+def test_wrong_usage(arguments, message, benchmark_speed, capsys):
+    with pytest.raises(SystemExit) as caught:
+        benchmark_speed.parse_arguments(arguments)
+    assert caught.value.code == 2
+    assert message in capsys.readouterr().err
