@@ -29,6 +29,7 @@ from shapegoogle_core.evaluation.workshop import Source, Workshop, shape_key
 from shapegoogle_core.indexing import index_files
 from shapegoogle_core.indexing.files import absolute
 from shapegoogle_core.library import Library
+from shapegoogle_core.library.hamming import asymmetric_distances
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model, row_distances
 
@@ -109,7 +110,7 @@ class ModelGroup:
     ) -> Iterator[Matched]:
         """Compare all queries with the database, for each of the variants."""
         stages = {variant.parameters["stage"]: variant for variant in self.variants}
-        if "full bags" in stages or "codes" in stages:
+        if stages.keys() - {"search"}:
             yield from self._match_signatures(workshop, queries, database, stages)
         if "search" in stages:
             yield self._search(workshop, queries, database, stages["search"])
@@ -144,6 +145,15 @@ class ModelGroup:
         if "codes" in stages:
             first, second = stacked(asked, "code"), stacked(known, "code")
             yield between(stages["codes"], hamming, first, second, model.code_bits // 8)
+        if "asymmetric codes" in stages:
+            first = _where_finite(model.code_projections, stacked(asked, "bags"))
+            second = stacked(known, "code")
+
+            def weigh(projections: FloatBags, codes: FloatBags) -> FloatArray:
+                packed = codes.astype(np.uint8)
+                return np.array([asymmetric_distances(packed, one) for one in projections], np.float64)
+
+            yield between(stages["asymmetric codes"], weigh, first, second, model.code_bits // 8)
 
     def _search(
         self,
@@ -199,8 +209,9 @@ def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
     Returns
     -------
     group : ModelGroup
-        Three variants: "full bags" compares the bags of all shapes, "codes" their codes alone, and "search"
-        asks a `Library` in a file for ten matches, as a user does: codes, bags, then geometry in turn.
+        Four variants: "full bags" compares the bags of all shapes, "codes" their codes alone, "asymmetric
+        codes" the same codes with the query's projections, and "search" asks a `Library` in a file for ten
+        matches, as a user does: codes, bags, then geometry in turn.
     """
     name = name or model.name
     bits = model.code_bits
@@ -210,6 +221,12 @@ def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
         (
             Variant(f"{name} · full bags", "model", {"model": name, "stage": "full bags"}, headline=True),
             Variant(f"{name} · {bits}-bit codes", "codes", {**described, "stage": "codes"}, headline=True),
+            Variant(
+                f"{name} · {bits}-bit codes, asymmetric",
+                "codes",
+                {**described, "stage": "asymmetric codes"},
+                headline=True,
+            ),
             Variant(f"{name} · search", "model", {**described, "stage": "search"}, headline=True),
         ),
     )

@@ -39,7 +39,7 @@ def test_a_report_is_written(arguments: list[str], tmp_path: Path, capsys: Captu
     assert f"report: {tmp_path / 'output' / 'index.html'}" in printed.out
     assert "failed: null2.isometry.2: tiny: signatures: 'null2.isometry.2.off'" in printed.err
     result = json.loads((tmp_path / "output" / "benchmark.json").read_text(encoding="utf-8"))
-    names = ["tiny · full bags", "tiny · 64-bit codes", "tiny · search"]
+    names = ["tiny · full bags", "tiny · 64-bit codes", "tiny · 64-bit codes, asymmetric", "tiny · search"]
     assert [variant["name"] for variant in result["variants"]] == names
     assert result["counts"] == {"database": 3, "nulls": 2, "negatives": 1, "queries": 4}
     assert [category["variant"] for category in result["categories"]] == names
