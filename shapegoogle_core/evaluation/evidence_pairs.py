@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, face_areas
 from shapegoogle_core.mesh.resampling import simplify, subdivide
 
-__all__ = ["EvidencePair", "make_pairs"]
+__all__ = ["EvidencePair", "cut", "make_pairs"]
 
 # Seeds of other individuals, far from those that are asked for.
 _SIBLING, _STRANGER = 50_000, 70_000
@@ -67,7 +67,7 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
     stranger = make_creature(stranger_kind, seed + _STRANGER).pose(int(poses[2]))
     factor = float(np.exp(random.uniform(0.1, 1.6) * random.choice([-1, 1])))
     size = float(random.choice([1.0, random.uniform(0.3, 3)]))
-    part = _cut(mesh, random)
+    part = cut(mesh, random.normal(size=3), random.uniform(0.35, 0.85))
     share = part.area / mesh.area
     reflected = Mesh(mesh.vertices * [-1, 1, 1], mesh.faces[:, ::-1].copy(), mesh.name)
 
@@ -114,11 +114,23 @@ def _remeshed(mesh: Mesh, random: np.random.Generator) -> Mesh:
     return simplify(subdivide(mesh, 3 * count), int(count * random.uniform(0.8, 2)))
 
 
-def _cut(mesh: Mesh, random: np.random.Generator) -> Mesh:
-    """Keep 35 to 85 % of the area, on one side of a plane."""
-    direction = random.normal(size=3)
+def cut(mesh: Mesh, direction: FloatArray, share: float) -> Mesh:
+    """Keep a share of the area, on one side of a plane.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    direction : (3,) array
+        What lies farthest this way is cut off.
+    share : float
+        From 0 to 1.
+
+    Returns
+    -------
+    part : Mesh
+    """
     order = np.argsort(mesh.vertices[mesh.faces].mean(axis=1) @ direction)
     areas = face_areas(mesh)[order]
-    kept = order[np.cumsum(areas) <= random.uniform(0.35, 0.85) * areas.sum()]
+    kept = order[np.cumsum(areas) <= share * areas.sum()]
     used, corners = np.unique(mesh.faces[kept], return_inverse=True)
     return Mesh(mesh.vertices[used], corners.reshape(-1, 3).astype(np.int32), mesh.name)
