@@ -167,7 +167,7 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
 
 
 def channel_words(
-    settings: ModelSettings, channel: int, vocabulary: ChannelWords, spectrum: Spectrum
+    settings: ModelSettings, channel: int, vocabulary: ChannelWords, shape: WorkingShape
 ) -> FloatArray:
     """Express one channel's descriptors of a shape in words.
 
@@ -178,7 +178,7 @@ def channel_words(
         Index of the channel.
     vocabulary : ChannelWords
         Of that channel.
-    spectrum : Spectrum
+    shape : WorkingShape
 
     Returns
     -------
@@ -192,7 +192,7 @@ def channel_words(
     """
     chosen = settings.channels[channel]
     try:
-        descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+        descriptors = DESCRIPTORS[chosen.descriptor](shape.mesh, shape.spectrum, **chosen.parameters)
     except ValueError as error:
         # The parameters were tried with the settings: it is the shape that has, say, no positive eigenvalue.
         raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
@@ -202,7 +202,7 @@ def channel_words(
 
 
 def shape_bags(
-    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], spectrum: Spectrum
+    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], shape: WorkingShape
 ) -> FloatBags:
     """All bags of a shape side by side, before tf-idf.
 
@@ -210,7 +210,7 @@ def shape_bags(
     ----------
     settings : ModelSettings
     vocabularies : tuple of ChannelWords
-    spectrum : Spectrum
+    shape : WorkingShape
 
     Returns
     -------
@@ -221,15 +221,15 @@ def shape_bags(
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
-        words = channel_words(settings, index, vocabulary, spectrum)
+        words = channel_words(settings, index, vocabulary, shape)
         upper = np.triu_indices(channel.words)
         for kind in channel.bags:
             if "pairs" in kind:
                 pairs = spatially_sensitive_bag(
-                    words, spectrum, channel.pair_time, area_weighted=kind == "pairs"
+                    words, shape.spectrum, channel.pair_time, area_weighted=kind == "pairs"
                 )
                 bag = ((2 - np.eye(channel.words)) * pairs)[upper]
             else:
-                bag = bag_of_features(words, spectrum.mass if kind == "area" else None)
+                bag = bag_of_features(words, shape.spectrum.mass if kind == "area" else None)
             blocks.append(np.sqrt(np.maximum(bag, 0)) if settings.square_root else bag)
     return np.concatenate(blocks).astype(np.float32)

@@ -204,7 +204,7 @@ class ShapeModel:
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
             shape = working_shape(self.settings, mesh)
-            bags = shape_bags(self.settings, self.vocabularies, shape.spectrum) * self.weights
+            bags = shape_bags(self.settings, self.vocabularies, shape) * self.weights
             code = self.codes(bags[None])[0]
             sample = None
             if self.settings.sample is not None:
@@ -240,7 +240,7 @@ class ShapeModel:
             If the mesh has no surface.
         """
         shape = working_shape(self.settings, mesh)
-        words = channel_words(self.settings, channel, self.vocabularies[channel], shape.spectrum)
+        words = channel_words(self.settings, channel, self.vocabularies[channel], shape)
         return WordMap(shape.mesh, words)
 
     def embed(self, bags: FloatBags) -> FloatBags:

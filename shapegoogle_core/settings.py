@@ -4,59 +4,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.descriptors import (
-    heat_kernel_signature,
-    log_heat_kernel_signature,
-    scale_invariant_hks,
-    wave_kernel_signature,
-)
+from shapegoogle_core.descriptors import DESCRIPTORS
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.laplacian import LAPLACIANS
 from shapegoogle_core.mending import Mending
-from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectrum import Spectrum
 
 __all__ = ["BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
 
 
-def _hks(
-    spectrum: Spectrum, times: list[float], multiply_by_time: bool = False, normalize: bool = False
-) -> FloatArray:
-    return heat_kernel_signature(spectrum, times, multiply_by_time=multiply_by_time, normalize=normalize)
-
-
-def _si_hks(
-    spectrum: Spectrum, alpha: float, tau_start: float, tau_end: float, tau_step: float, frequencies: int
-) -> FloatArray:
-    tau = np.arange(tau_start, tau_end + tau_step / 2, tau_step)
-    return scale_invariant_hks(spectrum, alpha=alpha, tau=tau, frequencies=frequencies)
-
-
-def _wks(spectrum: Spectrum, low: float, high: float, count: int, sigma: float) -> FloatArray:
-    kernel = wave_kernel_signature(spectrum, np.linspace(low, high, count), sigma=sigma)
-    values: FloatArray = np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
-    return values
-
-
 def _check(right: bool, name: str, wanted: str, value: object) -> None:
     if not right:
         raise ModelError(f"{name} must be {wanted}, not {value!r}")
 
-
-DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
-    "hks": _hks,
-    "log-hks": log_heat_kernel_signature,
-    "si-hks": _si_hks,
-    "wks": _wks,
-}
-"""Descriptors by name: called with a spectrum and a channel's parameters, give (n, d) values."""
 
 CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
 
@@ -73,7 +41,8 @@ class ChannelSettings:
     descriptor : str
         A key of `DESCRIPTORS`.
     parameters : mapping
-        Of the descriptor. Times are in squared units of the shape after scaling to `ModelSettings.area`.
+        Of the descriptor. Times of the surface's heat are in squared units of the shape after scaling to
+        `ModelSettings.area`; whatever else is a length or a time is relative to the area.
     words : int
         V, the size of the vocabulary.
     soft : bool
@@ -110,8 +79,9 @@ class ChannelSettings:
     @property
     def size(self) -> int:
         """d, how many values the descriptor has at a vertex."""
-        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(3), np.ones(3))
-        return int(DESCRIPTORS[self.descriptor](spectrum, **self.parameters).shape[1])
+        tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
+        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(4, 3), np.ones(4))
+        return int(DESCRIPTORS[self.descriptor](tetrahedron, spectrum, **self.parameters).shape[1])
 
     def bag_sizes(self) -> list[int]:
         """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""

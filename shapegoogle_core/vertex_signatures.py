@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.bags import bag_of_features
-from shapegoogle_core.describing import channel_words, prepare_placed
+from shapegoogle_core.describing import channel_words, working_shape
 from shapegoogle_core.mesh import Mesh, check_surface, repair_mapped
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.resampling import simplify
@@ -170,9 +170,8 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     settings = model.settings
     # As in `ShapeModel.describe`: the words are those that the search sees.
     with threadpool_limits(1, user_api="blas"):
-        prepared, placement = prepare_placed(settings, mesh)
-        spectrum = compute_spectrum(prepared, settings.eigenpairs, settings.laplacian)
-        words = channel_words(settings, channel, model.vocabularies[channel], spectrum)
-    points = placement.of(mesh.vertices)
-    matrix = vertex_prolongation(prepared, mesh, points, np.full(len(points), -1))
-    return VertexWords(words, matrix, bag_of_features(words, spectrum.mass))
+        shape = working_shape(settings, mesh)
+        words = channel_words(settings, channel, model.vocabularies[channel], shape)
+    points = shape.placement.of(mesh.vertices)
+    matrix = vertex_prolongation(shape.mesh, mesh, points, np.full(len(points), -1))
+    return VertexWords(words, matrix, bag_of_features(words, shape.spectrum.mass))

@@ -7,10 +7,11 @@ by the Hamming distance of codes made of them.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,15 +20,15 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.describing import FloatBags
+from shapegoogle_core.describing import FloatBags, WorkingShape
 from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation.collection import BenchmarkShape
 from shapegoogle_core.evaluation.learning import INDIVIDUALS, training_versions
-from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
+from shapegoogle_core.evaluation.matching import Matched, Variant, between, median_seconds, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
     Arrays,
     BenchmarkCache,
-    cached_spectrum,
+    cached_shape,
     code_digest,
     digest,
     preparation_of,
@@ -35,7 +36,6 @@ from shapegoogle_core.evaluation.spectra_cache import (
 from shapegoogle_core.evaluation.workshop import Source, Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation", "bag_group"]
@@ -96,14 +96,14 @@ class Descriptor:
     @property
     def key(self) -> str:
         """Digest of what its values depend on."""
-        return digest(self.kind, self.parameters, code_digest(("descriptors.py", "settings.py")))
+        return digest(self.kind, self.parameters, code_digest(("descriptors",)))
 
-    def values(self, spectrum: Spectrum, name: str) -> FloatArray:
+    def values(self, shape: WorkingShape, name: str) -> FloatArray:
         """Compute the descriptor of every vertex.
 
         Parameters
         ----------
-        spectrum : Spectrum
+        shape : WorkingShape
         name : str
             Of the shape, for errors.
 
@@ -123,8 +123,9 @@ class Descriptor:
         compared like any other shape and not put last.
         """
         try:
-            return DESCRIPTORS[self.kind](spectrum, **self.parameters)
+            return DESCRIPTORS[self.kind](shape.mesh, shape.spectrum, **self.parameters)
         except ValueError as error:
+            spectrum = shape.spectrum
             if self.kind == "wks" and not spectrum.eigenvalues.any():
                 return np.full((len(spectrum.mass), self.parameters["count"]), _NO_WAVE)
             raise MeshError(f"{name!r} has no {self.name}: {error}") from error
@@ -151,10 +152,10 @@ class _SampleTask:
         return digest(preparation_of(self.preparation.settings), self.descriptor.key, _SAMPLED_VERTICES)
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
+        shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
         random = np.random.default_rng(int(source.key[:8], 16))
-        chosen = random.permutation(len(spectrum.mass))[:_SAMPLED_VERTICES]
-        return {"descriptors": self.descriptor.values(spectrum, source.name)[chosen]}
+        chosen = random.permutation(len(shape.mesh.vertices))[:_SAMPLED_VERTICES]
+        return {"descriptors": self.descriptor.values(shape, source.name)[chosen]}
 
 
 @dataclass(frozen=True)
@@ -185,8 +186,11 @@ class _BagsTask:
         )
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
-        values = self.descriptor.values(spectrum, source.name)
+        shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
+        started = time.process_time()
+        values = self.descriptor.values(shape, source.name)
+        seconds = time.process_time() - started
+        spectrum = shape.spectrum
         computed: dict[str, list[FloatArray]] = {"bags": [], "hard": []}
         for name, parts in computed.items():
             if name == "hard" and not self.hard:
@@ -207,7 +211,8 @@ class _BagsTask:
                         parts.append((double * pairs)[upper])
                     else:
                         parts.append(bag_of_features(words, spectrum.mass if by_area else None))
-        return {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
+        bags = {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
+        return {**bags, "seconds": np.array(seconds)}
 
     def slices(self) -> dict[tuple[int, str], slice]:
         """Where each bag stands in the array."""
@@ -265,8 +270,9 @@ class BagGroup:
     ) -> Iterator[Matched]:
         """Compare all queries with the database, for each of the variants."""
         learnt = self._learn(workshop)
-        known = stacked(workshop.describe(learnt.task, database), "bags")
-        asked = stacked(workshop.describe(learnt.task, queries), "bags")
+        entries = [workshop.describe(learnt.task, shapes) for shapes in (database, queries)]
+        known, asked = (stacked(described, "bags") for described in entries)
+        cost = median_seconds(chain(*entries))
         slices = learnt.task.slices()
         for variant in self.variants:
             size, bag = _bag_of(variant)
@@ -275,7 +281,7 @@ class BagGroup:
             if "bits" in variant.parameters:
                 encode = self._hashing(workshop, learnt, part, variant)
                 bytes_per_shape = int(variant.parameters["bits"]) // 8
-                yield between(variant, _hamming, encode(first), encode(second), bytes_per_shape)
+                yield between(variant, _hamming, encode(first), encode(second), bytes_per_shape, cost)
                 continue
             if _weighting(variant) == "tf-idf":
                 weights = _document_weights(learnt.hard[:, part], pairs="pairs" in bag)
@@ -285,7 +291,7 @@ class BagGroup:
                     )
                     continue
                 first, second = first * weights, second * weights
-            yield between(variant, _l1, first, second, 4 * first.shape[1])
+            yield between(variant, _l1, first, second, 4 * first.shape[1], cost)
 
     def _learn(self, workshop: Workshop) -> _Learnt:
         versions = training_versions(self.train, self.seed, self.individuals)

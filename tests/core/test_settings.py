@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from shapegoogle_core.describing import ChannelWords, shape_bags
+from shapegoogle_core.describing import ChannelWords, Placement, WorkingShape, shape_bags
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.settings import BAGS, DESCRIPTORS, PRESETS, ChannelSettings, ModelSettings
 from shapegoogle_core.spectrum import compute_spectrum
@@ -20,6 +20,7 @@ PARAMETERS = {
     "si-hks": {"alpha": 2.0, "tau_start": -8.0, "tau_end": 0.0, "tau_step": 0.25, "frequencies": 3},
     "wks": {"low": 2.0, "high": 5.0, "count": 5, "sigma": 0.5},
 }
+"""Of descriptors that have no usual ones."""
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
@@ -61,7 +62,7 @@ def test_refuses_unknown_choices(change, message):
 
 def test_refuses_unknown_channels_and_settings():
     with pytest.raises(ModelError, match="descriptor must be one of"):
-        ChannelSettings("gps", {})
+        ChannelSettings("curvature", {})
     with pytest.raises(ModelError, match="bags must be some of"):
         ChannelSettings("hks", {}, bags=("triples",))
     for parameters in ({"times": (-1.0,)}, {"times": (1.0,), "future": 1}, {}):
@@ -83,13 +84,14 @@ def test_refuses_unknown_channels_and_settings():
 @pytest.mark.parametrize("soft", [True, False])
 def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
     channel = ChannelSettings(
-        descriptor, PARAMETERS[descriptor], words=4, soft=soft, bags=BAGS, pair_time=0.05
+        descriptor, PARAMETERS.get(descriptor, {}), words=4, soft=soft, bags=BAGS, pair_time=0.05
     )
     settings = ModelSettings("test", (channel,), square_root=square_root, code_bits=8)
-    spectrum = compute_spectrum(bumpy, 40)
-    descriptors = DESCRIPTORS[descriptor](spectrum, **channel.parameters)
+    shape = WorkingShape(bumpy, compute_spectrum(bumpy, 40), Placement(np.zeros(3), 1.0))
+    descriptors = DESCRIPTORS[descriptor](shape.mesh, shape.spectrum, **channel.parameters)
+    assert descriptors.shape == (len(bumpy.vertices), channel.size)
     words = ChannelWords(descriptors[[0, 100, 200, 300]], float(descriptors.std()))
-    bags = shape_bags(settings, (words,), spectrum)
+    bags = shape_bags(settings, (words,), shape)
     assert bags.shape == (settings.bag_size,) == (2 * 4 + 2 * 10,)
     ends = np.cumsum(channel.bag_sizes())
     for bag in np.split(bags, ends[:-1]):
