@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -164,6 +164,34 @@ class ModelSettings:
     def bag_size(self) -> int:
         """B, the length of all bags side by side."""
         return sum(sum(channel.bag_sizes()) for channel in self.channels)
+
+    def with_descriptors(self, names: Sequence[str]) -> ModelSettings:
+        """Choose other descriptors.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Keys of `DESCRIPTORS`, one for each channel.
+
+        Returns
+        -------
+        settings : ModelSettings
+            A descriptor that these settings have keeps its channel. Others have their usual parameters, and
+            words and bags as the first channel.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown, or a descriptor that is not here has no usual parameters.
+        """
+        known = {channel.descriptor: channel for channel in self.channels}
+        return replace(
+            self,
+            channels=tuple(
+                known[name] if name in known else replace(self.channels[0], descriptor=name, parameters={})
+                for name in names
+            ),
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Nested dicts for JSON; see `from_dict`.

@@ -7,7 +7,6 @@ import math
 from itertools import product
 
 import numpy as np
-import trimesh
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csc_array, diags_array, eye_array
 
@@ -55,6 +54,8 @@ def volumetric_hks(mesh: Mesh, times: ArrayLike, resolution: int = 30, eigenpair
     """
     if resolution < 1 or eigenpairs < 1:
         raise ValueError(f"resolution and eigenpairs must be at least 1, not {resolution} and {eigenpairs}")
+    import trimesh  # takes a second
+
     unit = math.sqrt(mesh.area)
     # The grid starts at a corner of the bounding box, and the root of the area is 1.
     points = (mesh.vertices - mesh.vertices.min(axis=0)) / unit

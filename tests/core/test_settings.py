@@ -60,6 +60,19 @@ def test_refuses_unknown_choices(change, message):
         replace(PRESETS["default"], **change)
 
 
+def test_other_descriptors_can_be_chosen_by_name():
+    preset = PRESETS["default"]
+    settings = preset.with_descriptors(["spin-images", "si-hks"])
+    assert settings.channels[1] is preset.channels[2]
+    assert settings.channels[0].descriptor == "spin-images"
+    assert settings.channels[0].bags == preset.channels[0].bags
+    assert replace(settings, channels=preset.channels) == preset
+    with pytest.raises(ModelError, match=r"descriptor must be one of hks, .*mesh-hog"):
+        preset.with_descriptors(["colour"])
+    with pytest.raises(ModelError, match="parameters of 'wks' do not work"):
+        preset.with_descriptors(["wks"])
+
+
 def test_refuses_unknown_channels_and_settings():
     with pytest.raises(ModelError, match="descriptor must be one of"):
         ChannelSettings("curvature", {})
