@@ -117,7 +117,7 @@ def geodesic_neighbors(
         yield chunk, center, neighbor, found[center, neighbor]
 
 
-def geodesic_histograms(mesh: Mesh, radius: float = 0.4, bins: int = 8) -> FloatArray:
+def geodesic_histograms(mesh: Mesh, radius: float = 0.3, bins: int = 8) -> FloatArray:
     """Histogram of the distances along the surface to what is near, for every vertex.
 
     The descriptor of Raviv et al. (2007) and Bronstein et al. (2009) (paper, section 1.1), each point

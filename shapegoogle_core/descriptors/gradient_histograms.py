@@ -12,17 +12,17 @@ from scipy.sparse.linalg import splu
 from shapegoogle_core.descriptors.checks import check_bins, check_radius
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors
 from shapegoogle_core.laplacian import cotangent
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges, vertex_areas, vertex_normals
 
 __all__ = ["mean_curvature", "mesh_hog", "vertex_gradients"]
 
 
-def mean_curvature(mesh: Mesh, smoothing: float = 3e-4) -> FloatArray:
+def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
     """Mean curvature of every vertex, without its sign.
 
     The Laplacian of the positions is twice the mean curvature along the normal, Δx = -2 H n. With the
     cotangent stiffness W, the areas A and the time t of an implicit step of heat flow, which takes off the
-    noise that two derivatives bring forth: |H| = ½ ‖(A + tW)⁻¹ W x‖.
+    noise that two derivatives bring forth: |H| = ½ ‖(A + tW)⁻¹ W x‖. On an open boundary W x is taken as 0.
 
     Parameters
     ----------
@@ -46,7 +46,11 @@ def mean_curvature(mesh: Mesh, smoothing: float = 3e-4) -> FloatArray:
     mass = operator.lumped_mass
     system = csc_array(diags_array(mass) + smoothing * mass.sum() * operator.stiffness)
     factor = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    curvature: FloatArray = 0.5 * np.linalg.norm(factor.solve(operator.stiffness @ mesh.vertices), axis=1)
+    bending = operator.stiffness @ mesh.vertices
+    # There it is the pull of the rim, however flat the surface.
+    edges, face_counts = unique_edges(mesh)
+    bending[edges[face_counts == 1]] = 0
+    curvature: FloatArray = 0.5 * np.linalg.norm(factor.solve(bending), axis=1)
     return curvature
 
 
@@ -80,10 +84,10 @@ def vertex_gradients(mesh: Mesh, values: FloatArray) -> FloatArray:
 
 def mesh_hog(
     mesh: Mesh,
-    radius: float = 0.15,
+    radius: float = 0.2,
     sectors: int = 4,
     orientations: int = 8,
-    smoothing: float = 3e-4,
+    smoothing: float = 3e-3,
     floor: float = 10.0,
 ) -> FloatArray:
     """Mesh HOG of every vertex, of the mean curvature (paper, section 3.2).

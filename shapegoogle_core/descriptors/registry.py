@@ -86,12 +86,12 @@ def _shape_context(
 
 
 def _mesh_hog(
-    mesh: Mesh, _spectrum: Spectrum, radius: float = 0.15, sectors: int = 4, orientations: int = 8
+    mesh: Mesh, _spectrum: Spectrum, radius: float = 0.2, sectors: int = 4, orientations: int = 8
 ) -> FloatArray:
     return mesh_hog(mesh, radius, sectors, orientations)
 
 
-def _geodesic_histogram(mesh: Mesh, _spectrum: Spectrum, radius: float = 0.4, bins: int = 8) -> FloatArray:
+def _geodesic_histogram(mesh: Mesh, _spectrum: Spectrum, radius: float = 0.3, bins: int = 8) -> FloatArray:
     return np.sqrt(geodesic_histograms(mesh, radius, bins))
 
 

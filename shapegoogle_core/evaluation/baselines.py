@@ -109,7 +109,7 @@ def d2_distribution(mesh: Mesh, samples: int = D2_SAMPLES, bins: int = D2_BINS, 
 
 
 def diffusion_distances(
-    spectrum: Spectrum, time: float = 0.01, samples: int = D2_SAMPLES, bins: int = D2_BINS, seed: int = 0
+    spectrum: Spectrum, time: float = 0.1, samples: int = D2_SAMPLES, bins: int = D2_BINS, seed: int = 0
 ) -> FloatArray:
     """Histogram of the diffusion distances between points of a surface (Mahmoudi and Sapiro 2009).
 

@@ -153,10 +153,12 @@ def test_geodesic_histogram_forgets_a_fold(shapes):
 def test_mean_curvature_of_sphere_and_plane(shapes):
     sphere = shapes.sphere(4)
     small = Mesh(0.1 * sphere.vertices, sphere.faces)
-    np.testing.assert_allclose(mean_curvature(small), 10, rtol=0.05)
+    # A function of eigenvalue 2/R², as the positions are, is divided by 1 + 2t/R² in a step of heat flow.
+    for smoothing in (3e-3, 1e-2):
+        expected = 10 / (1 + 8 * np.pi * smoothing)
+        np.testing.assert_allclose(mean_curvature(small, smoothing), expected, rtol=0.01)
     plane = shapes.rectangle(1.0, 1.0, 20)
-    inner = np.abs(plane.vertices[:, :2] - 0.5).max(axis=1) < 0.3
-    assert mean_curvature(plane)[inner].max() < 1e-3
+    assert mean_curvature(plane).max() < 1e-9  # no pull of the rim
 
 
 def test_gradient_of_a_linear_function(shapes):
