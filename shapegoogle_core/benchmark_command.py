@@ -31,9 +31,12 @@ neighbour, first and second tier and discounted cumulative gain.
              this folder has none; other poses (isometry) cannot be made.
 --labelled   one sub-folder for each class; every shape asks for the others of its class
 --variants   models: the models of --model alone, which takes minutes for hundreds of shapes;
-             all: also the paper's descriptors, bags, vocabularies and codes, and baselines, all learnt from
-             procedural creatures (and from --train), which takes an hour the first time;
-             or names of rows with * and ?, such as "HKS*48 words"
+             all: also the paper's descriptors, bags, vocabularies and codes, other descriptors and baselines,
+             learnt from procedural creatures (and from --train), which takes some hours the first time;
+             or names of rows with * and ?, such as "HKS*48 words". In one bag of 48 words by area on mended
+             meshes ("*, by area · 48 words · mended") stand HKS, SI-HKS, log HKS, WKS, GPS, volumetric HKS,
+             geodesic histogram, spin image, shape context and mesh HOG. One vector for a whole shape are
+             Shape-DNA, diffusion distances, GPS distances, D2 distribution and moments
 
 What was computed is kept in --cache: a run that was ended goes on where it was, a second one is quick.
 For a thousand shapes that is some megabytes for the models and 8 GB for all variants; delete it at any time.

@@ -222,14 +222,24 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
         "learn a model from your own shapes",
         "Needs at least 8 different shapes, better 100 varied ones, and about a second for each version.\n"
         "Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz\n\n"
-        "example:\n"
-        "  shapegoogle train ~/models --output mine.npz\n",
+        "--descriptor  what each point of a surface is described by: hks, log-hks or si-hks as the preset\n"
+        "              has them; gps, geodesic-histogram or volumetric-hks, which a pose hardly changes\n"
+        "              either; or spin-images, shape-context or mesh-hog, which it does\n\n"
+        "examples:\n"
+        "  shapegoogle train ~/models --output mine.npz\n"
+        "  shapegoogle train ~/models --output rigid.npz --descriptor spin-images --descriptor hks\n",
     )
     train.add_argument(
         "inputs", nargs="+", metavar="FOLDER", help="folder (with all below it) or file of a mesh or scan"
     )
     train.add_argument("--output", required=True, metavar="MODEL.npz", help="file to write the model to")
     train.add_argument("--preset", default="default", metavar="NAME", help="settings: 'default' or 'paper'")
+    train.add_argument(
+        "--descriptor",
+        action="append",
+        metavar="NAME",
+        help="in place of the preset's, see above; may be given more than once",
+    )
     train.add_argument(
         "--poses", action="store_true", help="the files of one folder are one shape in several poses"
     )

@@ -295,6 +295,9 @@ def train(options: Namespace) -> int:
 
     if options.preset not in PRESETS:
         raise ModelError(f"there is no preset {options.preset!r}; choose one of {', '.join(sorted(PRESETS))}")
+    settings = PRESETS[options.preset]
+    if options.descriptor:
+        settings = settings.with_descriptors(options.descriptor)
     output = Path(options.output)
     if output.is_dir() or not output.parent.is_dir():
         # Better now than after an hour of training.
@@ -320,7 +323,7 @@ def train(options: Namespace) -> int:
     end_external_readers()
     model = train_model(
         [TrainingShape(identity, tuple(poses)) for identity, poses in sorted(meshes.items())],
-        replace(PRESETS[options.preset], name=output.stem),
+        replace(settings, name=output.stem),
         versions=options.versions,
         jobs=options.jobs or default_jobs(),
         seed=options.seed,

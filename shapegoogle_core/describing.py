@@ -186,7 +186,7 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
 
 
 def channel_words(
-    settings: ModelSettings, channel: int, vocabulary: ChannelWords, spectrum: Spectrum
+    settings: ModelSettings, channel: int, vocabulary: ChannelWords, shape: WorkingShape
 ) -> FloatArray:
     """Express one channel's descriptors of a shape in words.
 
@@ -197,7 +197,7 @@ def channel_words(
         Index of the channel.
     vocabulary : ChannelWords
         Of that channel.
-    spectrum : Spectrum
+    shape : WorkingShape
 
     Returns
     -------
@@ -211,7 +211,7 @@ def channel_words(
     """
     chosen = settings.channels[channel]
     try:
-        descriptors = DESCRIPTORS[chosen.descriptor](spectrum, **chosen.parameters)
+        descriptors = DESCRIPTORS[chosen.descriptor](shape.mesh, shape.spectrum, **chosen.parameters)
     except ValueError as error:
         # The parameters were tried with the settings: it is the shape that has, say, no positive eigenvalue.
         raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
@@ -240,7 +240,7 @@ def shape_bags(
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
-        words, spectrum = channel_words(settings, index, vocabulary, shape.spectrum), shape.spectrum
+        words, spectrum = channel_words(settings, index, vocabulary, shape), shape.spectrum
         if channel.detector is not None:
             points = counted_points(shape.mesh, spectrum, channel.detector)
             words, spectrum = words[points], spectrum.at(points)

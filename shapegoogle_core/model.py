@@ -255,7 +255,7 @@ class ShapeModel:
             If the mesh has no surface.
         """
         shape = working_shape(self.settings, mesh)
-        words = channel_words(self.settings, channel, self.vocabularies[channel], shape.spectrum)
+        words = channel_words(self.settings, channel, self.vocabularies[channel], shape)
         return WordMap(shape.mesh, words)
 
     def embed(self, bags: FloatBags) -> FloatBags:

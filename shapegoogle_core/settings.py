@@ -4,23 +4,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.descriptors import (
-    heat_kernel_signature,
-    log_heat_kernel_signature,
-    scale_invariant_hks,
-    wave_kernel_signature,
-)
+from shapegoogle_core.descriptors import DESCRIPTORS
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS
 from shapegoogle_core.mending import Mending
-from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.registration.local_words import LocalSettings
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectrum import Spectrum
@@ -28,37 +23,10 @@ from shapegoogle_core.spectrum import Spectrum
 __all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
 
 
-def _hks(
-    spectrum: Spectrum, times: list[float], multiply_by_time: bool = False, normalize: bool = False
-) -> FloatArray:
-    return heat_kernel_signature(spectrum, times, multiply_by_time=multiply_by_time, normalize=normalize)
-
-
-def _si_hks(
-    spectrum: Spectrum, alpha: float, tau_start: float, tau_end: float, tau_step: float, frequencies: int
-) -> FloatArray:
-    tau = np.arange(tau_start, tau_end + tau_step / 2, tau_step)
-    return scale_invariant_hks(spectrum, alpha=alpha, tau=tau, frequencies=frequencies)
-
-
-def _wks(spectrum: Spectrum, low: float, high: float, count: int, sigma: float) -> FloatArray:
-    kernel = wave_kernel_signature(spectrum, np.linspace(low, high, count), sigma=sigma)
-    values: FloatArray = np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
-    return values
-
-
 def _check(right: bool, name: str, wanted: str, value: object) -> None:
     if not right:
         raise ModelError(f"{name} must be {wanted}, not {value!r}")
 
-
-DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
-    "hks": _hks,
-    "log-hks": log_heat_kernel_signature,
-    "si-hks": _si_hks,
-    "wks": _wks,
-}
-"""Descriptors by name: called with a spectrum and a channel's parameters, give (n, d) values."""
 
 CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
 
@@ -78,7 +46,8 @@ class ChannelSettings:
     descriptor : str
         A key of `DESCRIPTORS`.
     parameters : mapping
-        Of the descriptor. Times are in squared units of the shape after scaling to `ModelSettings.area`.
+        Of the descriptor. Times of the surface's heat are in squared units of the shape after scaling to
+        `ModelSettings.area`; whatever else is a length or a time is relative to the area.
     words : int
         V, the size of the vocabulary.
     soft : bool
@@ -127,8 +96,9 @@ class ChannelSettings:
     @property
     def size(self) -> int:
         """d, how many values the descriptor has at a vertex."""
-        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(3), np.ones(3))
-        return int(DESCRIPTORS[self.descriptor](spectrum, **self.parameters).shape[1])
+        tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
+        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(4, 3), np.ones(4))
+        return int(DESCRIPTORS[self.descriptor](tetrahedron, spectrum, **self.parameters).shape[1])
 
     def bag_sizes(self) -> list[int]:
         """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""
@@ -222,6 +192,34 @@ class ModelSettings:
     def bag_size(self) -> int:
         """B, the length of all bags side by side."""
         return sum(sum(channel.bag_sizes()) for channel in self.channels)
+
+    def with_descriptors(self, names: Sequence[str]) -> ModelSettings:
+        """Choose other descriptors.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Keys of `DESCRIPTORS`, one for each channel.
+
+        Returns
+        -------
+        settings : ModelSettings
+            A descriptor that these settings have keeps its channel. Others have their usual parameters, and
+            words and bags as the first channel.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown, or a descriptor that is not here has no usual parameters.
+        """
+        known = {channel.descriptor: channel for channel in self.channels}
+        return replace(
+            self,
+            channels=tuple(
+                known[name] if name in known else replace(self.channels[0], descriptor=name, parameters={})
+                for name in names
+            ),
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Nested dicts for JSON; see `from_dict`.

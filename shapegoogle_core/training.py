@@ -194,11 +194,10 @@ def _sample_descriptors(settings: ModelSettings, version: _Version) -> list[Floa
     shape = _version_shape(settings, version)
     if shape is None:
         return None
-    spectrum = shape.spectrum
     random = np.random.default_rng(version.seed)
-    vertices = random.permutation(len(spectrum.mass))[:750]
+    vertices = random.permutation(len(shape.mesh.vertices))[:750]
     return [
-        DESCRIPTORS[channel.descriptor](spectrum, **channel.parameters)[vertices]
+        DESCRIPTORS[channel.descriptor](shape.mesh, shape.spectrum, **channel.parameters)[vertices]
         for channel in settings.channels
     ]
 

@@ -172,7 +172,7 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     # As in `ShapeModel.describe`: the words are those that the search sees.
     with threadpool_limits(1, user_api="blas"):
         shape = working_shape(settings, mesh)
-        words = channel_words(settings, channel, model.vocabularies[channel], shape.spectrum)
+        words = channel_words(settings, channel, model.vocabularies[channel], shape)
     points = shape.placement.of(mesh.vertices)
     matrix = vertex_prolongation(shape.mesh, mesh, points, np.full(len(points), -1))
     return VertexWords(words, matrix, bag_of_features(words, shape.spectrum.mass))

@@ -7,10 +7,11 @@ by the Hamming distance of codes made of them.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,16 +20,16 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.describing import FloatBags, counted_points, prepare
+from shapegoogle_core.describing import FloatBags, WorkingShape, counted_points
 from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation.collection import BenchmarkShape
 from shapegoogle_core.evaluation.learning import INDIVIDUALS, training_versions
-from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
+from shapegoogle_core.evaluation.matching import Matched, Variant, between, median_seconds, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
     PREPARATION_CODE,
     Arrays,
     BenchmarkCache,
-    cached_spectrum,
+    cached_shape,
     code_digest,
     digest,
     preparation_of,
@@ -36,7 +37,6 @@ from shapegoogle_core.evaluation.spectra_cache import (
 from shapegoogle_core.evaluation.workshop import Source, Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation", "bag_group"]
@@ -100,14 +100,14 @@ class Descriptor:
     @property
     def key(self) -> str:
         """Digest of what its values depend on."""
-        return digest(self.kind, self.parameters, code_digest(("descriptors.py", "settings.py")))
+        return digest(self.kind, self.parameters, code_digest(("descriptors",)))
 
-    def values(self, spectrum: Spectrum, name: str) -> FloatArray:
+    def values(self, shape: WorkingShape, name: str) -> FloatArray:
         """Compute the descriptor of every vertex.
 
         Parameters
         ----------
-        spectrum : Spectrum
+        shape : WorkingShape
         name : str
             Of the shape, for errors.
 
@@ -127,8 +127,9 @@ class Descriptor:
         compared like any other shape and not put last.
         """
         try:
-            return DESCRIPTORS[self.kind](spectrum, **self.parameters)
+            return DESCRIPTORS[self.kind](shape.mesh, shape.spectrum, **self.parameters)
         except ValueError as error:
+            spectrum = shape.spectrum
             if self.kind == "wks" and not spectrum.eigenvalues.any():
                 return np.full((len(spectrum.mass), self.parameters["count"]), _NO_WAVE)
             raise MeshError(f"{name!r} has no {self.name}: {error}") from error
@@ -155,10 +156,10 @@ class _SampleTask:
         return digest(preparation_of(self.preparation.settings), self.descriptor.key, _SAMPLED_VERTICES)
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
+        shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
         random = np.random.default_rng(int(source.key[:8], 16))
-        chosen = random.permutation(len(spectrum.mass))[:_SAMPLED_VERTICES]
-        return {"descriptors": self.descriptor.values(spectrum, source.name)[chosen]}
+        chosen = random.permutation(len(shape.mesh.vertices))[:_SAMPLED_VERTICES]
+        return {"descriptors": self.descriptor.values(shape, source.name)[chosen]}
 
 
 @dataclass(frozen=True)
@@ -189,9 +190,12 @@ class _BagsTask:
         )
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
-        values = self.descriptor.values(spectrum, source.name)
-        points = self._points(spectrum, source, cache)
+        shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
+        started = time.process_time()
+        values = self.descriptor.values(shape, source.name)
+        seconds = time.process_time() - started
+        spectrum = shape.spectrum
+        points = self._points(shape, source, cache)
         computed: dict[str, list[FloatArray]] = {"bags": [], "hard": []}
         for name, parts in computed.items():
             if name == "hard" and not self.hard:
@@ -215,9 +219,10 @@ class _BagsTask:
                         parts.append((double * pairs)[upper])
                     else:
                         parts.append(bag_of_features(there, counted.mass if by_area else None))
-        return {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
+        bags = {name: np.concatenate(parts).astype(np.float32) for name, parts in computed.items() if parts}
+        return {**bags, "seconds": np.array(seconds)}
 
-    def _points(self, spectrum: Spectrum, source: Source, cache: BenchmarkCache) -> Arrays:
+    def _points(self, shape: WorkingShape, source: Source, cache: BenchmarkCache) -> Arrays:
         """Points that the detectors of the bags find, by detector."""
         detectors = sorted({detector for _, _, detector in self.bags} - {""})
         if not detectors:
@@ -225,8 +230,7 @@ class _BagsTask:
         settings = self.preparation.settings
 
         def detect() -> Arrays:
-            mesh = prepare(settings, source.mesh())
-            return {detector: counted_points(mesh, spectrum, detector) for detector in detectors}
+            return {one: counted_points(shape.mesh, shape.spectrum, one) for one in detectors}
 
         code = code_digest((*PREPARATION_CODE, "keypoints"))
         return cache.remembered(
@@ -289,8 +293,9 @@ class BagGroup:
     ) -> Iterator[Matched]:
         """Compare all queries with the database, for each of the variants."""
         learnt = self._learn(workshop)
-        known = stacked(workshop.describe(learnt.task, database), "bags")
-        asked = stacked(workshop.describe(learnt.task, queries), "bags")
+        entries = [workshop.describe(learnt.task, shapes) for shapes in (database, queries)]
+        known, asked = (stacked(described, "bags") for described in entries)
+        cost = median_seconds(chain(*entries))
         slices = learnt.task.slices()
         for variant in self.variants:
             _, bag, _ = key = _bag_of(variant)
@@ -299,7 +304,7 @@ class BagGroup:
             if "bits" in variant.parameters:
                 encode = self._hashing(workshop, learnt, part, variant)
                 bytes_per_shape = int(variant.parameters["bits"]) // 8
-                yield between(variant, _hamming, encode(first), encode(second), bytes_per_shape)
+                yield between(variant, _hamming, encode(first), encode(second), bytes_per_shape, cost)
                 continue
             if _weighting(variant) == "tf-idf":
                 weights = _document_weights(learnt.hard[:, part], pairs="pairs" in bag)
@@ -309,7 +314,7 @@ class BagGroup:
                     )
                     continue
                 first, second = first * weights, second * weights
-            yield between(variant, _l1, first, second, 4 * first.shape[1])
+            yield between(variant, _l1, first, second, 4 * first.shape[1], cost)
 
     def _learn(self, workshop: Workshop) -> _Learnt:
         versions = training_versions(self.train, self.seed, self.individuals)

@@ -1,68 +1,99 @@
 # SPDX-License-Identifier: MIT
-"""What was there before Shape Google, as rows of the benchmark: Shape-DNA and the D2 distribution."""
+"""What was there before Shape Google, as rows of the benchmark: one description of each whole shape."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Self
+from functools import partial
+from itertools import chain
+from typing import Self, TypeVar
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
 from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.evaluation.bag_variants import Preparation
-from shapegoogle_core.evaluation.baselines import d2_distribution, shape_dna
+from shapegoogle_core.evaluation.baselines import (
+    d2_distribution,
+    diffusion_distances,
+    gps_distances,
+    shape_dna,
+    surface_moments,
+)
 from shapegoogle_core.evaluation.collection import BenchmarkShape
-from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
+from shapegoogle_core.evaluation.matching import Matched, Variant, between, median_seconds, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
     Arrays,
     BenchmarkCache,
-    cached_spectrum,
+    cached_shape,
     code_digest,
     digest,
     preparation_of,
 )
 from shapegoogle_core.evaluation.workshop import Source, Task, Workshop
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.spectrum import Spectrum
 
-__all__ = ["BaselineGroup", "d2_group", "shape_dna_group"]
+__all__ = ["BaselineGroup", "mesh_groups", "spectrum_groups"]
 
 
 @dataclass(frozen=True)
-class _ShapeDnaTask:
+class _SpectrumTask:
+    """Describe a shape by its spectrum."""
+
+    name: str
+    describe: Callable[[Spectrum], FloatArray]
     preparation: Preparation
+    seed: int
     kind: str = "baselines"
 
     @property
     def title(self) -> str:
-        return f"Shape-DNA, {self.preparation.name}"
+        return f"{self.name}, {self.preparation.name}"
 
     @property
     def key(self) -> str:
-        return digest("Shape-DNA", preparation_of(self.preparation.settings), code_digest(_CODE))
+        return digest(self.name, self.seed, preparation_of(self.preparation.settings), code_digest(_CODE))
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        spectrum = cached_spectrum(cache, self.preparation.settings, source.key, source.mesh)
-        return {"description": shape_dna(spectrum)}
+        spectrum = cached_shape(cache, self.preparation.settings, source.key, source.mesh).spectrum
+        return _timed(self.describe, spectrum)
 
 
 @dataclass(frozen=True)
-class _D2Task:
+class _MeshTask:
+    """Describe a shape by its mesh as it is."""
+
+    name: str
+    describe: Callable[[Mesh], FloatArray]
     seed: int
     kind: str = "baselines"
-    title: str = "D2 distribution"
+
+    @property
+    def title(self) -> str:
+        return self.name
 
     @property
     def key(self) -> str:
-        return digest("D2", self.seed, code_digest(_CODE))
+        return digest(self.name, self.seed, code_digest(_CODE))
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        del cache  # two points do not need a spectrum
-        return {"description": d2_distribution(source.mesh(), seed=self.seed)}
+        del cache  # it needs no spectrum
+        return _timed(self.describe, source.mesh())
 
 
-_CODE = ("evaluation/baselines.py",)
+_CODE = ("evaluation/baselines.py", "evaluation/baseline_variants.py", "descriptors/spectral.py")
+
+T = TypeVar("T")
+
+
+def _timed(describe: Callable[[T], FloatArray], shape: T) -> Arrays:
+    started = time.process_time()
+    description = describe(shape)
+    return {"description": description, "seconds": np.array(time.process_time() - started)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +113,11 @@ class BaselineGroup:
         self, workshop: Workshop, queries: Sequence[BenchmarkShape], database: Sequence[BenchmarkShape]
     ) -> Iterator[Matched]:
         """Compare all queries with the database."""
-        known = stacked(workshop.describe(self.task, database), "description")
-        asked = stacked(workshop.describe(self.task, queries), "description")
+        entries = [workshop.describe(self.task, shapes) for shapes in (database, queries)]
+        known, asked = (stacked(described, "description") for described in entries)
+        cost = median_seconds(chain(*entries))
         for variant in self.variants:
-            yield between(variant, self._distances, asked, known, 4 * known.shape[1])
+            yield between(variant, self._distances, asked, known, 4 * known.shape[1], cost)
 
     def _distances(self, first: FloatBags, second: FloatBags) -> FloatArray:
         metric = self.metric
@@ -94,18 +126,52 @@ class BaselineGroup:
         return np.asarray(cdist(first, second, "cityblock"), np.float64)
 
 
-def shape_dna_group(preparation: Preparation) -> BaselineGroup:
-    """Shape-DNA of spectra of one preparation, compared by the Euclidean distance."""
-    parameters: dict[str, str | int | float] = {
-        "descriptor": "Shape-DNA",
-        "preparation": preparation.name,
-    }
-    name = "Shape-DNA" if preparation.name == "paper" else f"Shape-DNA · {preparation.name}"
-    variant = Variant(name, "baseline", parameters, headline=preparation.name == "paper")
-    return BaselineGroup(_ShapeDnaTask(preparation), "euclidean", (variant,))
+def spectrum_groups(preparation: Preparation, seed: int) -> list[BaselineGroup]:
+    """Shape-DNA, compared by the Euclidean distance, and histograms of distances, by the L1 distance.
+
+    Parameters
+    ----------
+    preparation : Preparation
+        Of whose spectra they are.
+    seed : int
+        Of the pairs of points.
+
+    Returns
+    -------
+    groups : list of BaselineGroup
+        One variant each.
+    """
+    place = "" if preparation.name == "paper" else f" · {preparation.name}"
+    groups = []
+    for name, describe, metric in (
+        ("Shape-DNA", shape_dna, "euclidean"),
+        ("diffusion distances", partial(diffusion_distances, seed=seed), "cityblock"),
+        ("GPS distances", partial(gps_distances, seed=seed), "cityblock"),
+    ):
+        parameters: dict[str, str | int | float] = {"descriptor": name, "preparation": preparation.name}
+        variant = Variant(name + place, "baseline", parameters, headline=not place)
+        groups.append(BaselineGroup(_SpectrumTask(name, describe, preparation, seed), metric, (variant,)))
+    return groups
 
 
-def d2_group(seed: int) -> BaselineGroup:
-    """D2 distributions of the meshes as they are, compared by the L1 distance."""
-    variant = Variant("D2 distribution", "baseline", {"descriptor": "D2"}, headline=True)
-    return BaselineGroup(_D2Task(seed), "cityblock", (variant,))
+def mesh_groups(seed: int) -> list[BaselineGroup]:
+    """D2 distributions and moments of the meshes as they are, compared by the L1 distance.
+
+    Parameters
+    ----------
+    seed : int
+        Of the points of D2.
+
+    Returns
+    -------
+    groups : list of BaselineGroup
+        One variant each.
+    """
+    groups = []
+    for name, descriptor, describe in (
+        ("D2 distribution", "D2", partial(d2_distribution, seed=seed)),
+        ("moments", "moments", surface_moments),
+    ):
+        variant = Variant(name, "baseline", {"descriptor": descriptor}, headline=True)
+        groups.append(BaselineGroup(_MeshTask(name, describe, seed), "cityblock", (variant,)))
+    return groups

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, Self
 
@@ -17,7 +17,7 @@ from shapegoogle_core.evaluation.spectra_cache import Arrays
 from shapegoogle_core.evaluation.workshop import Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Matched", "Variant", "VariantGroup", "between", "stacked"]
+__all__ = ["Matched", "Variant", "VariantGroup", "between", "median_seconds", "stacked"]
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,15 @@ class Matched:
         To match one query with the database, once all are described.
     bytes_per_shape : int
         What is kept of a database shape to match with.
+    describe_seconds : float
+        As in `VariantResult`.
     """
 
     variant: Variant
     distances: FloatArray
     seconds: float
     bytes_per_shape: int
+    describe_seconds: float
 
 
 class VariantGroup(Protocol):
@@ -84,6 +87,7 @@ def between(
     queries: FloatBags,
     database: FloatBags,
     bytes_per_shape: int,
+    describe_seconds: float,
 ) -> Matched:
     """Compare described shapes.
 
@@ -95,6 +99,7 @@ def between(
     queries, database : (q, …) and (d, …) arrays
         From `stacked`: rows of NaN are shapes that failed.
     bytes_per_shape : int
+    describe_seconds : float
 
     Returns
     -------
@@ -106,7 +111,7 @@ def between(
     if asked.any() and known.any():
         distances[np.ix_(asked, known)] = distance(queries[asked], database[known])
     seconds = (time.perf_counter() - started) / max(int(asked.sum()), 1)
-    return Matched(variant, distances, seconds, bytes_per_shape)
+    return Matched(variant, distances, seconds, bytes_per_shape, describe_seconds)
 
 
 def stacked(descriptions: Sequence[Arrays | None], name: str) -> FloatBags:
@@ -130,6 +135,23 @@ def stacked(descriptions: Sequence[Arrays | None], name: str) -> FloatBags:
         if entry is not None:
             row[...] = entry[name]
     return rows
+
+
+def median_seconds(descriptions: Iterable[Arrays | None]) -> float:
+    """Median of the processor time that descriptions took, of those that did not fail.
+
+    Parameters
+    ----------
+    descriptions : iterable of dict of str to array, or None
+        From `Workshop.describe`; "seconds" holds the time, also of those that were found in the cache.
+
+    Returns
+    -------
+    seconds : float
+        NaN if all failed.
+    """
+    times = [float(entry["seconds"]) for entry in descriptions if entry is not None]
+    return float(np.median(times)) if times else float("nan")
 
 
 def _failed(rows: FloatBags) -> NDArray[np.bool_]:

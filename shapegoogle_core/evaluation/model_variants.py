@@ -16,7 +16,7 @@ from scipy.spatial.distance import cdist
 
 from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.evaluation.collection import BenchmarkShape
-from shapegoogle_core.evaluation.matching import Matched, Variant, between, stacked
+from shapegoogle_core.evaluation.matching import Matched, Variant, between, median_seconds, stacked
 from shapegoogle_core.evaluation.spectra_cache import (
     SEARCH_CODE,
     SIGNATURE_CODE,
@@ -47,8 +47,11 @@ class _SignatureTask:
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         del cache  # nothing on the way to a signature is kept
-        signature = _model(self.model_file).describe(source.mesh())
-        return {"bags": signature.bags, "code": signature.code}
+        mesh, model = source.mesh(), _model(self.model_file)
+        started = time.process_time()
+        signature = model.describe(mesh)
+        seconds = time.process_time() - started
+        return {"bags": signature.bags, "code": signature.code, "seconds": np.array(seconds)}
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,9 @@ class _SearchTask:
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         del cache
         mesh, library = source.mesh(), _library(self.library_file)
+        started = time.process_time()
         signature = library.model.describe(mesh)
+        described = time.process_time() - started
         started = time.perf_counter()
         matches = library.query_signature(signature, top=_TOP)
         seconds = time.perf_counter() - started
@@ -75,7 +80,8 @@ class _SearchTask:
         return {
             "sources": np.array([match.source for match in matches], dtype=np.str_),
             "distances": np.array([match.distance for match in matches], dtype=np.float64),
-            "seconds": np.array(seconds),
+            "seconds": np.array(described),
+            "query_seconds": np.array(seconds),
         }
 
 
@@ -131,6 +137,7 @@ class ModelGroup:
         key = digest(model.identifier, code_digest(SIGNATURE_CODE))
         task = _SignatureTask(path, key, f"{model.name}: signatures")
         known, asked = workshop.describe(task, database), workshop.describe(task, queries)
+        cost = median_seconds([*known, *asked])
         if "full bags" in stages:
             first, second = (
                 _where_finite(model.comparable, stacked(described, "bags")) for described in (asked, known)
@@ -141,10 +148,10 @@ class ModelGroup:
                 return np.array([row_distances(metric, query[None], others) for query in queries])
 
             # Bags are kept as half floats.
-            yield between(stages["full bags"], compare, first, second, 2 * model.bag_size)
+            yield between(stages["full bags"], compare, first, second, 2 * model.bag_size, cost)
         if "codes" in stages:
             first, second = stacked(asked, "code"), stacked(known, "code")
-            yield between(stages["codes"], hamming, first, second, model.code_bits // 8)
+            yield between(stages["codes"], hamming, first, second, model.code_bits // 8, cost)
         if "asymmetric codes" in stages:
             first = _where_finite(model.code_projections, stacked(asked, "bags"))
             second = stacked(known, "code")
@@ -153,7 +160,7 @@ class ModelGroup:
                 packed = codes.astype(np.uint8)
                 return np.array([asymmetric_distances(packed, one) for one in projections], np.float64)
 
-            yield between(stages["asymmetric codes"], weigh, first, second, model.code_bits // 8)
+            yield between(stages["asymmetric codes"], weigh, first, second, model.code_bits // 8, cost)
 
     def _search(
         self,
@@ -177,10 +184,9 @@ class ModelGroup:
             if answer is not None:
                 places = [column[source] for source in answer["sources"]]
                 row[places] = _in_order(answer["distances"])
-                times.append(answer["seconds"])
-        return Matched(
-            variant, distances, float(np.median(times)) if times else float("nan"), bytes_per_shape
-        )
+                times.append(answer["query_seconds"])
+        seconds = float(np.median(times)) if times else float("nan")
+        return Matched(variant, distances, seconds, bytes_per_shape, median_seconds(answers))
 
     def _index(self, workshop: Workshop, library: Library, shapes: dict[Path, BenchmarkShape]) -> int:
         """Put the database into a library and return how many bytes it keeps of a shape to match with."""

@@ -118,6 +118,7 @@ def _ranked(collection: Collection, group: VariantGroup, workshop: Workshop) -> 
                 database,
                 matched.seconds,
                 matched.bytes_per_shape,
+                matched.describe_seconds,
             )
         )
     return results

@@ -105,6 +105,10 @@ class VariantResult:
         To match one query with the database, once both are described.
     bytes_per_shape : int
         What is kept of a database shape to match with.
+    describe_seconds : float
+        Processor time to describe a shape, the median over all: of a local descriptor at all vertices from a
+        prepared mesh and its eigenpairs, of a baseline from what it takes, of a model from the mesh as read.
+        NaN in results from before it was measured.
     """
 
     name: str
@@ -118,6 +122,7 @@ class VariantResult:
     precision_recall: list[list[float]]
     seconds: float
     bytes_per_shape: int
+    describe_seconds: float = math.nan
 
     def found_within(self, places: int) -> float:
         """Share of the queries whose relevant shape stands among the first answers.
@@ -159,7 +164,8 @@ class VariantResult:
         columns = [outcomes[entry.name] for entry in fields(QueryOutcome)]
         known["outcomes"] = tuple(QueryOutcome(*row) for row in zip(*columns, strict=True))
         known["table"] = {kind: [_or_nan(value) for value in row] for kind, row in known["table"].items()}
-        for name in ("average", "equal_error_rate", "seconds"):
+        known.setdefault("describe_seconds", None)
+        for name in ("average", "equal_error_rate", "seconds", "describe_seconds"):
             known[name] = _or_nan(known[name])
         return cls(**known)
 

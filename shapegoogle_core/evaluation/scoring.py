@@ -46,12 +46,13 @@ def score_variant(
     database: Sequence[str],
     seconds: float,
     bytes_per_shape: int,
+    describe_seconds: float = math.nan,
 ) -> VariantResult:
     """Score distances from queries to a database by every measure of the table.
 
     Parameters
     ----------
-    name, family, parameters, seconds, bytes_per_shape
+    name, family, parameters, seconds, bytes_per_shape, describe_seconds
         As in `VariantResult`.
     distances : (q, d) array_like
         Infinite for a shape that could not be described. A query with no finite distance failed: it counts
@@ -119,4 +120,5 @@ def score_variant(
         precision_recall=precision_recall(matrix, mask).points() if told_apart else [],
         seconds=seconds,
         bytes_per_shape=bytes_per_shape,
+        describe_seconds=describe_seconds,
     )

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import shapegoogle_core
-from shapegoogle_core.describing import working_shape
+from shapegoogle_core.describing import Placement, WorkingShape, working_shape
 from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.settings import ModelSettings
@@ -35,7 +35,7 @@ __all__ = [
     "SIGNATURE_CODE",
     "Arrays",
     "BenchmarkCache",
-    "cached_spectrum",
+    "cached_shape",
     "code_digest",
     "content_digest",
     "digest",
@@ -61,6 +61,7 @@ PREPARATION_CODE = (
 SIGNATURE_CODE = (
     "*.py",
     "laplacian",
+    "descriptors",
     "mesh",
     "keypoints",
     "evaluation/transformations.py",
@@ -107,7 +108,7 @@ class BenchmarkCache:
         Parameters
         ----------
         kind : str
-            Such as "spectra": a folder of its own.
+            Such as "shapes": a folder of its own.
         key : str
             From `digest`.
         suffix : str
@@ -262,9 +263,9 @@ def preparation_of(settings: ModelSettings) -> list[object]:
     return [mending, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
 
 
-def cached_spectrum(
+def cached_shape(
     store: BenchmarkCache, settings: ModelSettings, shape_key: str, mesh: Callable[[], Mesh]
-) -> Spectrum:
+) -> WorkingShape:
     """Prepare a shape as a model's settings say and decompose it, unless that was done before.
 
     Eigenvectors are kept as float32, which halves the file: on TOSCA and PSB the bags of both shipped models,
@@ -282,8 +283,8 @@ def cached_spectrum(
 
     Returns
     -------
-    spectrum : Spectrum
-        Of float64, the same whether it was at hand or not.
+    shape : WorkingShape
+        Of float64, the same whether it was at hand or not. Its mesh has no name.
 
     Raises
     ------
@@ -292,13 +293,21 @@ def cached_spectrum(
     """
 
     def make() -> Arrays:
-        spectrum = working_shape(settings, mesh()).spectrum
+        shape = working_shape(settings, mesh())
         return {
-            "eigenvalues": spectrum.eigenvalues,
-            "eigenvectors": spectrum.eigenvectors.astype(np.float32),
-            "mass": spectrum.mass,
+            "vertices": shape.mesh.vertices,
+            "faces": shape.mesh.faces,
+            "origin": shape.placement.origin,
+            "scale": np.array(shape.placement.scale),
+            "eigenvalues": shape.spectrum.eigenvalues,
+            "eigenvectors": shape.spectrum.eigenvectors.astype(np.float32),
+            "mass": shape.spectrum.mass,
         }
 
     key = digest(shape_key, preparation_of(settings), code_digest(PREPARATION_CODE))
-    arrays = store.remembered("spectra", key, make)
-    return Spectrum(arrays["eigenvalues"], arrays["eigenvectors"].astype(np.float64), arrays["mass"])
+    arrays = store.remembered("shapes", key, make)
+    return WorkingShape(
+        Mesh(arrays["vertices"], arrays["faces"]),
+        Spectrum(arrays["eigenvalues"], arrays["eigenvectors"].astype(np.float64), arrays["mass"]),
+        Placement(arrays["origin"], float(arrays["scale"])),
+    )

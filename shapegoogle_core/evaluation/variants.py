@@ -11,7 +11,7 @@ from pathlib import Path
 
 from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.evaluation.bag_variants import BAG_NAMES, Descriptor, Preparation, bag_group
-from shapegoogle_core.evaluation.baseline_variants import d2_group, shape_dna_group
+from shapegoogle_core.evaluation.baseline_variants import mesh_groups, spectrum_groups
 from shapegoogle_core.evaluation.learning import INDIVIDUALS
 from shapegoogle_core.evaluation.matching import Variant, VariantGroup
 from shapegoogle_core.evaluation.model_variants import model_group
@@ -26,6 +26,8 @@ WORDS = (4, 8, 16, 32, 48, 64, 128)
 
 MAIN_WORDS = 48
 """The paper's choice."""
+
+_PAPER_DESCRIPTORS = ("HKS", "SI-HKS")
 
 BITS = (16, 32, 64, 128, 256, 512)
 """Lengths of codes."""
@@ -65,6 +67,23 @@ def _descriptors(preparation: Preparation) -> tuple[Descriptor, ...]:
     )
 
 
+def _other_descriptors() -> tuple[Descriptor, ...]:
+    """All others that there are, with their usual parameters."""
+    (channel,) = (channel for channel in PRESETS["default"].channels if channel.descriptor == "log-hks")
+    times = [time * PRESETS["paper"].area for time in channel.parameters["times"]]
+    parameters = {"log-hks": {"times": times}}
+    names = {
+        "log-hks": "log HKS",
+        "gps": "GPS",
+        "volumetric-hks": "volumetric HKS",
+        "geodesic-histogram": "geodesic histogram",
+        "spin-images": "spin image",
+        "shape-context": "shape context",
+        "mesh-hog": "mesh HOG",
+    }
+    return tuple(Descriptor(name, kind, parameters.get(kind, {}), 1.0) for kind, name in names.items())
+
+
 def paper_variants(
     train: str | Path | None = None, seed: int = 0, individuals: int = INDIVIDUALS
 ) -> list[VariantGroup]:
@@ -83,13 +102,14 @@ def paper_variants(
     -------
     groups : list of VariantGroup
         Baselines first; then HKS and SI-HKS with all bags, vocabularies and codes on the paper's preparation;
-        then 48 words of each on mended meshes, of HKS also at detected points alone.
+        then 48 words of each, and of all other descriptors, on mended meshes; of HKS also at detected points.
     """
     paper, mended = _preparations()
-    groups: list[VariantGroup] = [d2_group(seed), shape_dna_group(paper), shape_dna_group(mended)]
+    groups: list[VariantGroup] = [*mesh_groups(seed)]
+    groups += [*spectrum_groups(paper, seed), *spectrum_groups(mended, seed)]
     for preparation in (paper, mended):
         for descriptor in _descriptors(preparation):
-            complete = preparation is paper and descriptor.name != "WKS"
+            complete = preparation is paper and descriptor.name in _PAPER_DESCRIPTORS
             variants = _bag_rows(preparation, descriptor, WORDS if complete else (MAIN_WORDS,))
             if complete:
                 variants += _code_rows(preparation, descriptor)
@@ -98,6 +118,12 @@ def paper_variants(
             groups.append(
                 bag_group(preparation, descriptor, variants, train=train, seed=seed, individuals=individuals)
             )
+    for descriptor in _other_descriptors():
+        variants = _bag_rows(mended, descriptor, (MAIN_WORDS,))
+        variants = tuple(variant for variant in variants if variant.headline)
+        groups.append(
+            bag_group(mended, descriptor, variants, train=train, seed=seed, individuals=individuals)
+        )
     return groups
 
 
@@ -114,9 +140,11 @@ def _bag_rows(preparation: Preparation, descriptor: Descriptor, sizes: Sequence[
                     "words": words,
                     "preparation": preparation.name,
                 }
-                main = words == MAIN_WORDS and not weighting and not by_area and not place
+                main = words == MAIN_WORDS and not weighting
+                # By category the paper's bags are compared, and all descriptors in one bag on mended meshes.
+                main &= not by_area if not place else bag == "area"
                 title = f"{descriptor.name} · {name}{weighting} · {words} words{place}"
-                family = "baseline" if descriptor.name == "WKS" else "bags"
+                family = "bags" if descriptor.name in _PAPER_DESCRIPTORS else "baseline"
                 rows.append(Variant(title, family, parameters, headline=main))
     return tuple(rows)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from shapegoogle_core.errors import MeshError
 
-__all__ = ["Mesh", "face_areas", "unique_edges"]
+__all__ = ["Mesh", "face_areas", "unique_edges", "vertex_areas", "vertex_normals"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -101,6 +101,43 @@ def face_areas(mesh: Mesh) -> FloatArray:
     a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
     areas: FloatArray = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return areas
+
+
+def vertex_areas(mesh: Mesh) -> FloatArray:
+    """Area of each vertex: a third of that of its faces.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    areas : (n,) array
+        In squared units of the vertices; their sum is the area of the mesh.
+    """
+    shares = np.repeat(face_areas(mesh) / 3, 3)
+    return np.asarray(np.bincount(mesh.faces.ravel(), shares, len(mesh.vertices)), np.float64)
+
+
+def vertex_normals(mesh: Mesh) -> FloatArray:
+    """Take the mean of the normals of each vertex's faces, by area.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    normals : (n, 3) array
+        Of unit length; 0 where the faces cancel each other out, and at vertices without faces.
+    """
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    corners = mesh.faces.ravel()
+    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
+    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
+    normals: FloatArray = summed / np.maximum(lengths, np.finfo(float).tiny)
+    return normals
 
 
 def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:

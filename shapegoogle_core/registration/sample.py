@@ -12,12 +12,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.descriptors import log_heat_kernel_signature
+from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
 from shapegoogle_core.medial import medial_radii
 from shapegoogle_core.mesh.cloud import point_normals
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_normals
 from shapegoogle_core.spectrum import Spectrum
-from shapegoogle_core.spin_images import spin_images
 
 __all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
 
@@ -294,21 +293,11 @@ def _random_points(
     corners = np.stack([1 - root, root * (1 - other), root * other], axis=1)
     points = (corners[:, :, None] * mesh.vertices[mesh.faces[face]]).sum(axis=1)
     flat = normals[face] / doubled[face, None]
-    smooth = (corners[:, :, None] * _vertex_normals(mesh, normals)[mesh.faces[face]]).sum(axis=1)
+    smooth = (corners[:, :, None] * vertex_normals(mesh)[mesh.faces[face]]).sum(axis=1)
     smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), np.finfo(float).tiny)
     # At a crease, and where faces are turned against each other, the face's own normal is the better one.
     fits = (smooth * flat).sum(axis=1, keepdims=True) > _LEAST_COSINE
     return points, np.where(fits, smooth, flat), face, corners
-
-
-def _vertex_normals(mesh: Mesh, face_normals: FloatArray) -> FloatArray:
-    corners = mesh.faces.ravel()
-    weighted = np.repeat(face_normals, 3, axis=0)
-    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
-    normals: FloatArray = summed / np.maximum(
-        np.linalg.norm(summed, axis=1, keepdims=True), np.finfo(float).tiny
-    )
-    return normals
 
 
 def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:

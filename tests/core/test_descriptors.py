@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.descriptors import (
+    global_point_signature,
     heat_kernel,
     heat_kernel_signature,
     log_heat_kernel_signature,
@@ -189,3 +190,22 @@ def test_the_logarithm_of_the_signature_ends_where_there_is_no_heat():
     plain = heat_kernel_signature(spectrum, [0.5, 1.0], multiply_by_time=True)
     np.testing.assert_allclose(values[0], np.log(plain[0]))
     np.testing.assert_allclose(values[1], -10)
+
+
+def test_gps_of_the_flat_torus(shapes):
+    """Over an eigenspace of m functions the squares sum to m / (A λ) everywhere: the torus looks alike."""
+    spectrum = compute_spectrum(shapes.flat_torus(2.0, 1.2, 40), 20, "cotangent")
+    values = global_point_signature(spectrum, 4)  # λ = (2π/2)² twice, then (2π/1.2)² twice
+    for columns, length in (([0, 1], 2.0), ([2, 3], 1.2)):
+        expected = 2 / (2.4 * (2 * np.pi / length) ** 2)
+        np.testing.assert_allclose((values[:, columns] ** 2).sum(axis=1), expected, rtol=0.02)
+
+
+def test_gps_has_no_unit_and_fades_beyond_the_spectrum(bumpy):
+    spectra = [compute_spectrum(Mesh(scale * bumpy.vertices, bumpy.faces), 12) for scale in (1.0, 30.0)]
+    one, other = (np.abs(global_point_signature(spectrum, 15)) for spectrum in spectra)
+    np.testing.assert_allclose(other, one, atol=1e-6)
+    assert (one[:, :11] > 0).any(axis=0).all()
+    assert (one[:, 11:] == 0).all()
+    with pytest.raises(ValueError, match="at least one eigenfunction"):
+        global_point_signature(spectra[0], 0)

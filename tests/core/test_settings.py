@@ -24,6 +24,7 @@ PARAMETERS = {
     "si-hks": {"alpha": 2.0, "tau_start": -8.0, "tau_end": 0.0, "tau_step": 0.25, "frequencies": 3},
     "wks": {"low": 2.0, "high": 5.0, "count": 5, "sigma": 0.5},
 }
+"""Of descriptors that have no usual ones."""
 
 
 def as_working_shape(mesh: Mesh, eigenpairs: int = 40) -> WorkingShape:
@@ -67,9 +68,22 @@ def test_refuses_unknown_choices(change, message):
         replace(PRESETS["default"], **change)
 
 
+def test_other_descriptors_can_be_chosen_by_name():
+    preset = PRESETS["default"]
+    settings = preset.with_descriptors(["spin-images", "si-hks"])
+    assert settings.channels[1] is preset.channels[2]
+    assert settings.channels[0].descriptor == "spin-images"
+    assert settings.channels[0].bags == preset.channels[0].bags
+    assert replace(settings, channels=preset.channels) == preset
+    with pytest.raises(ModelError, match=r"descriptor must be one of hks, .*mesh-hog"):
+        preset.with_descriptors(["colour"])
+    with pytest.raises(ModelError, match="parameters of 'wks' do not work"):
+        preset.with_descriptors(["wks"])
+
+
 def test_refuses_unknown_channels_and_settings():
     with pytest.raises(ModelError, match="descriptor must be one of"):
-        ChannelSettings("gps", {})
+        ChannelSettings("curvature", {})
     with pytest.raises(ModelError, match="bags must be some of"):
         ChannelSettings("hks", {}, bags=("triples",))
     with pytest.raises(ModelError, match="detector must be one of hks-maxima, mesh-dog"):
@@ -95,12 +109,13 @@ def test_refuses_unknown_channels_and_settings():
 @pytest.mark.parametrize("soft", [True, False])
 def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
     channel = ChannelSettings(
-        descriptor, PARAMETERS[descriptor], words=4, soft=soft, bags=BAGS, pair_time=0.05
+        descriptor, PARAMETERS.get(descriptor, {}), words=4, soft=soft, bags=BAGS, pair_time=0.05
     )
     settings = ModelSettings("test", (channel,), square_root=square_root, code_bits=8)
     shape = as_working_shape(bumpy)
     spectrum = shape.spectrum
-    descriptors = DESCRIPTORS[descriptor](spectrum, **channel.parameters)
+    descriptors = DESCRIPTORS[descriptor](shape.mesh, spectrum, **channel.parameters)
+    assert descriptors.shape == (len(bumpy.vertices), channel.size)
     words = ChannelWords(descriptors[[0, 100, 200, 300]], float(descriptors.std()))
     bags = shape_bags(settings, (words,), shape)
     assert bags.shape == (settings.bag_size,) == (2 * 4 + 2 * 10,)
@@ -118,7 +133,7 @@ def test_bags_of_detected_points_are_sums_over_them(detector, bumpy):
     settings = ModelSettings("test", (channel,), square_root=False, code_bits=8)
     shape = as_working_shape(bumpy)
     spectrum = shape.spectrum
-    descriptors = DESCRIPTORS["hks"](spectrum, **PARAMETERS["hks"])
+    descriptors = DESCRIPTORS["hks"](shape.mesh, spectrum, **PARAMETERS["hks"])
     words = ChannelWords(descriptors[[0, 100, 200, 300]], float(descriptors.std()))
     plain, pairs = np.split(shape_bags(settings, (words,), shape), [4])
 
@@ -142,7 +157,7 @@ def test_where_nothing_stands_out_all_vertices_count(shapes):
     )
     settings = ModelSettings("test", (channel,), square_root=False, code_bits=8)
     shape = as_working_shape(shapes.sphere(3))
-    descriptors = DESCRIPTORS["hks"](shape.spectrum, **PARAMETERS["hks"])
+    descriptors = DESCRIPTORS["hks"](shape.mesh, shape.spectrum, **PARAMETERS["hks"])
     words = ChannelWords(descriptors[[0, 100]], 1.0)
     expected = bag_of_features(soft_words(descriptors, words.centers, words.sigma))
     assert shape_bags(settings, (words,), shape) == pytest.approx(expected)

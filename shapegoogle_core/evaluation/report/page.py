@@ -152,9 +152,8 @@ def _overview(result: BenchmarkResult) -> dict[str, Any]:
         _Column("found first %", "figure", _figure, False),
         _Column("equal error %", "figure", lambda value: f"{value:.2f}", True),
         _Column("bytes per shape", "figure", _whole, True),
-        _Column(
-            "ms per query", "figure", lambda value: f"{value:.3g}" if value < 100 else _whole(value), True
-        ),
+        _Column("ms per query", "figure", _milliseconds, True),
+        _Column("CPU ms to describe", "figure", _milliseconds, True),
     ]
     parameters = list(dict.fromkeys(key for variant in result.variants for key in variant.parameters))
     for key in parameters:
@@ -165,7 +164,7 @@ def _overview(result: BenchmarkResult) -> dict[str, Any]:
         values: list[Any] = [variant.name, variant.family, variant.average]
         values += [variant.table.get(name, [math.nan])[-1] for name in names[:-1]]
         values += [100 * variant.found_within(1), 100 * variant.equal_error_rate]
-        values += [variant.bytes_per_shape, 1000 * variant.seconds]
+        values += [variant.bytes_per_shape, 1000 * variant.seconds, 1000 * variant.describe_seconds]
         values += [variant.parameters.get(key) for key in parameters]
         rows.append([None if isinstance(value, float) and math.isnan(value) else value for value in values])
     best = [_best(column, [row[position] for row in rows]) for position, column in enumerate(columns)]
@@ -211,6 +210,10 @@ def _comparison(result: BenchmarkResult, earlier: BenchmarkResult) -> dict[str, 
 
 def _figure(value: float) -> str:
     return "–" if math.isnan(value) else f"{value:.1f}"
+
+
+def _milliseconds(value: float) -> str:
+    return f"{value:.3g}" if value < 100 else _whole(value)
 
 
 def _whole(value: float) -> str:

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.cli import main
+from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import load_model
-from shapegoogle_core.settings import PRESETS
+from shapegoogle_core.settings import DESCRIPTORS, PRESETS
 
 Capture = pytest.CaptureFixture[str]
 
@@ -57,3 +58,31 @@ def test_what_can_be_known_before_training(folder: Path, tmp_path: Path, capsys:
         assert str(output) in printed.err
         # Before anything was read.
         assert "reading" not in printed.err
+
+
+@pytest.mark.filterwarnings("ignore:Number of distinct clusters")
+def test_descriptors_are_chosen_by_name(small_preset: str, make_mesh, tmp_path: Path) -> None:
+    folder, output = tmp_path / "shapes", tmp_path / "mine.npz"
+    for seed in range(8):
+        make_mesh(folder / f"shape{seed}.off", seed)
+    names = ["spin-images", "gps"]
+    chosen = [word for name in names for word in ("--descriptor", name)]
+    arguments = [str(folder), "--output", str(output), "--preset", small_preset, "--versions", "1", *chosen]
+    assert main(["train", *arguments, "--jobs", "1"]) == 0
+    model = load_model(output)
+    assert [channel.descriptor for channel in model.settings.channels] == names
+    assert model.describe(read_mesh(folder / "shape0.off")).bags.shape == (model.settings.bag_size,)
+
+
+def test_an_unknown_descriptor_is_told(folder: Path, tmp_path: Path, capsys: Capture) -> None:
+    output = str(tmp_path / "mine.npz")
+    assert main(["train", str(folder), "--output", output, "--descriptor", "colour"]) == 2
+    assert "descriptor must be one of hks, " in capsys.readouterr().err
+
+
+def test_descriptors_have_their_names_in_the_help(capsys: Capture) -> None:
+    with pytest.raises(SystemExit):
+        main(["train", "--help"])
+    words = capsys.readouterr().out.replace(",", " ").split()
+    # The wave kernel signature has no parameters that suit every operator and area.
+    assert set(DESCRIPTORS) - set(words) == {"wks"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.bags import bag_of_features, spatially_sensitive_bag
-from shapegoogle_core.describing import counted_points, working_shape
+from shapegoogle_core.describing import Placement, WorkingShape, counted_points, working_shape
 from shapegoogle_core.errors import BenchmarkError, MeshError
 from shapegoogle_core.evaluation import bag_variants
 from shapegoogle_core.evaluation.bag_variants import (
@@ -24,6 +24,7 @@ from shapegoogle_core.evaluation.matching import Variant
 from shapegoogle_core.evaluation.variants import choose_variants, paper_variants
 from shapegoogle_core.evaluation.workshop import Workshop
 from shapegoogle_core.keypoints import DETECTORS
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.settings import DESCRIPTORS, PRESETS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import soft_words
@@ -71,13 +72,12 @@ def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
     vocabularies = group._learn(workshop).task.vocabularies
     words, points = {}, {}
     for shape in (collection.queries[1], collection.database[3]):
-        working = working_shape(PREPARATION.settings, shape.mesh())
-        spectrum = working.spectrum
-        values = DESCRIPTORS["hks"](spectrum, **DESCRIPTOR.parameters)
+        prepared = working_shape(PREPARATION.settings, shape.mesh())
+        values = DESCRIPTORS["hks"](prepared.mesh, prepared.spectrum, **DESCRIPTOR.parameters)
         theta = soft_words(values, vocabularies[6]["centers"], float(vocabularies[6]["sigma"]))
-        words[shape.name] = (theta, spectrum)
+        words[shape.name] = (theta, prepared.spectrum)
         for detector in ("harris-3d", "mesh-dog"):
-            points[detector, len(words) - 1] = counted_points(working.mesh, spectrum, detector)
+            points[detector, len(words) - 1] = counted_points(prepared.mesh, prepared.spectrum, detector)
 
     def distance(bag) -> float:
         first, second = (bag(*entry) for entry in words.values())
@@ -109,6 +109,7 @@ def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
     between = found[row("spatially sensitive bag", detector="mesh-dog").name]
     assert between.distances[1, 3] == pytest.approx(value, rel=1e-4)
     assert found[row("bag of features").name].bytes_per_shape == 4 * 6
+    assert 0 < found[row("bag of features").name].describe_seconds < 10
     assert found[row("spatially sensitive bag").name].bytes_per_shape == 4 * 21
 
 
@@ -174,6 +175,19 @@ def test_the_table_is_complete() -> None:
     for detector in DETECTORS:
         for bag in ("bag of features", "spatially sensitive bag"):
             assert f"HKS · {bag} at {detector} · 48 words · mended" in names
+    assert {"diffusion distances · mended", "GPS distances", "moments"} <= names
+
+
+def test_every_descriptor_has_its_row() -> None:
+    rows = {
+        group.descriptor.kind
+        for group in paper_variants()
+        if isinstance(group, BagGroup) and group.preparation.name == "mended"
+        for variant in group.variants
+        if variant.name == f"{group.descriptor.name} · bag of features, by area · 48 words · mended"
+        and variant.headline
+    }
+    assert rows == set(DESCRIPTORS)
 
 
 def test_choosing_rows() -> None:
@@ -184,23 +198,28 @@ def test_choosing_rows() -> None:
         "default",
     ]
     assert len(choose_variants("all", ["paper"])) == len(paper_variants()) + 1
-    with pytest.raises(BenchmarkError, match="no variant is called 'spin images'"):
-        choose_variants("spin images", ["paper"])
+    with pytest.raises(BenchmarkError, match="no variant is called 'zernike'"):
+        choose_variants("zernike", ["paper"])
+
+
+def placed(spectrum: Spectrum) -> WorkingShape:
+    """A shape of this spectrum, whose mesh nobody looks at."""
+    return WorkingShape(Mesh(np.zeros((len(spectrum.mass), 3))), spectrum, Placement(np.zeros(3), 1.0))
 
 
 def test_a_soup_without_waves_has_the_values_of_what_the_spectrum_leaves_out() -> None:
     energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
     descriptor = Descriptor("WKS", "wks", energies, 0.02)
-    soup = Spectrum(np.zeros(3), np.eye(3), np.ones(3))
+    soup = placed(Spectrum(np.zeros(3), np.eye(3), np.ones(3)))
     np.testing.assert_array_equal(descriptor.values(soup, "soup"), np.full((3, 4), -10.0))
     # The third vertex lies on a part that no eigenvector reaches.
     vectors = np.vstack([np.linalg.qr(np.array([[1.0, 1, 0], [1, 0, 1], [1, 2, 5]]))[0][:2], np.zeros(3)])
-    partly = Spectrum(np.array([0.0, 5.0, 6.0]), vectors, np.ones(3))
+    partly = placed(Spectrum(np.array([0.0, 5.0, 6.0]), vectors, np.ones(3)))
     np.testing.assert_array_equal(descriptor.values(partly, "partly")[2], np.full(4, -10.0))
 
 
 def test_a_shape_without_the_descriptor_is_told() -> None:
-    point = Spectrum(np.array([0.0, 1.0]), np.eye(2), np.ones(2))
+    point = placed(Spectrum(np.array([0.0, 1.0]), np.eye(2), np.ones(2)))
     energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
     with pytest.raises(MeshError, match=r"'point' has no WKS: .* two positive eigenvalues"):
         Descriptor("WKS", "wks", energies, 0.02).values(point, "point")

@@ -6,14 +6,20 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.evaluation.bag_variants import Preparation
-from shapegoogle_core.evaluation.baseline_variants import d2_group, shape_dna_group
-from shapegoogle_core.evaluation.baselines import d2_distribution, shape_dna
+from shapegoogle_core.evaluation.baseline_variants import mesh_groups, spectrum_groups
+from shapegoogle_core.evaluation.baselines import (
+    d2_distribution,
+    diffusion_distances,
+    gps_distances,
+    shape_dna,
+    surface_moments,
+)
 from shapegoogle_core.settings import PRESETS
 from shapegoogle_core.spectrum import compute_spectrum
 
 
 def test_shape_dna_is_compared_by_the_euclidean_distance(workshop, collection) -> None:
-    group = shape_dna_group(Preparation("paper", PRESETS["paper"]))
+    group = spectrum_groups(Preparation("paper", PRESETS["paper"]), seed=0)[0]
     (entry,) = group.match(workshop, collection.queries[:2], collection.database)
     first, second = (
         shape_dna(compute_spectrum(shape.mesh(), 200, "cotangent"))
@@ -23,8 +29,25 @@ def test_shape_dna_is_compared_by_the_euclidean_distance(workshop, collection) -
     assert entry.bytes_per_shape == 4 * 49
 
 
+def test_distances_and_moments_are_compared_by_l1(workshop, collection) -> None:
+    groups = [*spectrum_groups(Preparation("paper", PRESETS["paper"]), seed=3)[1:], mesh_groups(3)[1]]
+    names = ["diffusion distances", "GPS distances", "moments"]
+    assert [group.variants[0].name for group in groups] == names
+    shapes = (collection.queries[1], collection.database[3])
+    spectra = [compute_spectrum(shape.mesh(), 200, "cotangent") for shape in shapes]
+    expected = [
+        [diffusion_distances(spectrum, seed=3) for spectrum in spectra],
+        [gps_distances(spectrum, seed=3) for spectrum in spectra],
+        [surface_moments(shape.mesh()) for shape in shapes],
+    ]
+    for group, (first, second) in zip(groups, expected, strict=True):
+        (entry,) = group.match(workshop, collection.queries[:2], collection.database)
+        np.testing.assert_allclose(entry.distances[1, 3], np.abs(first - second).sum(), rtol=0.02)
+        assert 0 < entry.describe_seconds < 10
+
+
 def test_d2_is_compared_by_l1(workshop, collection) -> None:
-    (entry,) = d2_group(5).match(workshop, collection.queries[:1], collection.database)
+    (entry,) = mesh_groups(5)[0].match(workshop, collection.queries[:1], collection.database)
     first, second = (
         d2_distribution(shape.mesh(), seed=5) for shape in (collection.queries[0], collection.database[3])
     )

@@ -45,7 +45,7 @@ class Known:
                     np.sort(np.delete(row, own))[min(query.strength, 3) - 1] - 0.5 if query.strength else 0
                 )
         for variant in self.variants:
-            yield Matched(variant, distances, 0.25, 12)
+            yield Matched(variant, distances, 0.25, 12, 0.125)
 
 
 def run(group: Known, collection: Collection, cache: BenchmarkCache, labelled=()) -> BenchmarkResult:
@@ -59,7 +59,7 @@ def test_ranks_are_those_of_the_distances(collection, cache, tmp_path: Path) -> 
     (variant,) = result.variants
     assert [outcome.rank for outcome in variant.outcomes] == [1, 1, 1, 2, 2, 2]
     assert variant.table["scale"][:2] == [100, 75]
-    assert (variant.seconds, variant.bytes_per_shape) == (0.25, 12)
+    assert (variant.seconds, variant.bytes_per_shape, variant.describe_seconds) == (0.25, 12, 0.125)
     assert result.counts == {"database": 5, "nulls": 3, "negatives": 2, "queries": 6}
     assert (result.collection, result.seed, result.problems) == ("lumps", 4, ())
 

@@ -18,7 +18,7 @@ from shapegoogle_core.evaluation.spectra_cache import (
     SEARCH_CODE,
     SIGNATURE_CODE,
     BenchmarkCache,
-    cached_spectrum,
+    cached_shape,
     code_digest,
     content_digest,
     digest,
@@ -97,13 +97,16 @@ def test_code_of_all_stages_is_found() -> None:
     assert len({code_digest(stage) for stage in stages}) == 4
 
 
-def test_a_spectrum_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy) -> None:
+def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy) -> None:
     settings = replace(PRESETS["paper"], eigenpairs=40)
-    first = cached_spectrum(cache, settings, "key", lambda: bumpy)
-    again = cached_spectrum(cache, settings, "key", lambda: pytest.fail("it is there"))
+    first = cached_shape(cache, settings, "key", lambda: bumpy)
+    again = cached_shape(cache, settings, "key", lambda: pytest.fail("it is there"))
     for name in ("eigenvalues", "eigenvectors", "mass"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
-    assert first.eigenvectors.dtype == np.float64
+        np.testing.assert_array_equal(getattr(first.spectrum, name), getattr(again.spectrum, name))
+    assert first.spectrum.eigenvectors.dtype == np.float64
+    np.testing.assert_array_equal(first.mesh.vertices, again.mesh.vertices)
+    np.testing.assert_array_equal(first.mesh.faces, again.mesh.faces)
+    np.testing.assert_allclose(again.placement.of(bumpy.vertices), again.mesh.vertices, atol=1e-9)
 
 
 def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:
@@ -116,7 +119,7 @@ def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:
 
     exact = working_shape(settings, bumpy).spectrum
     centers = heat_kernel_signature(exact, channel.parameters["times"], normalize=True)[::40]
-    kept = cached_spectrum(cache, settings, "key", lambda: bumpy)
+    kept = cached_shape(cache, settings, "key", lambda: bumpy).spectrum
     assert np.abs(pairs(kept) - pairs(exact)).sum() < 1e-5
 
 

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from shapegoogle_core import Mesh, compute_spectrum
+from shapegoogle_core.descriptors import spin_images
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
 from shapegoogle_core.registration.sample import farthest_points
-from shapegoogle_core.spin_images import spin_images
 
 
 @pytest.fixture(scope="module")

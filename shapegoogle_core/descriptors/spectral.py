@@ -12,6 +12,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectrum import Spectrum
 
 __all__ = [
+    "global_point_signature",
     "heat_kernel",
     "heat_kernel_signature",
     "log_heat_kernel_signature",
@@ -20,7 +21,7 @@ __all__ = [
 ]
 
 # A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
-_LEAST_HEAT = math.exp(-10)
+LEAST_HEAT = math.exp(-10)
 
 
 def _positive_times(times: ArrayLike) -> FloatArray:
@@ -102,7 +103,7 @@ def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArra
         ≥ -10: where the truncated spectrum has no heat at all, -10 stands for that.
     """
     kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
-    values: FloatArray = np.log(np.maximum(kernel, _LEAST_HEAT))
+    values: FloatArray = np.log(np.maximum(kernel, LEAST_HEAT))
     return values
 
 
@@ -215,4 +216,38 @@ def wave_kernel_signature(
     weights = np.exp(exponents - exponents.max(axis=0))  # shifted, so that no column underflows to zeros
     weights /= weights.sum(axis=0)
     values: FloatArray = spectrum.eigenvectors[:, positive] ** 2 @ weights
+    return values
+
+
+def global_point_signature(spectrum: Spectrum, count: int = 25) -> FloatArray:
+    """Global point signature of every vertex (Rustamov 2007).
+
+    GPS(x) = (φ₁(x)/√λ₁, φ₂(x)/√λ₂, …) over the positive eigenvalues
+
+    Distances between signatures come from the Green's function of the surface, so they are intrinsic; a
+    single number is not: an eigenfunction has no sign of its own, and those of one eigenvalue any basis.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+    count : int
+        How many eigenfunctions.
+
+    Returns
+    -------
+    values : (n, count) array
+        Without unit: the size of the shape does not matter. A coarse mesh has fewer eigenfunctions; 0, to
+        which the values fall, stands for the others.
+
+    Raises
+    ------
+    ValueError
+        If count < 1.
+    """
+    if count < 1:
+        raise ValueError(f"a global point signature needs at least one eigenfunction, not {count}")
+    # Relative to the largest, so in any unit: the zeros of the parts have no square root to divide by.
+    positive = np.flatnonzero(spectrum.eigenvalues > 1e-8 * spectrum.eigenvalues[-1])[:count]
+    values = np.zeros((len(spectrum.mass), count))
+    values[:, : len(positive)] = spectrum.eigenvectors[:, positive] / np.sqrt(spectrum.eigenvalues[positive])
     return values

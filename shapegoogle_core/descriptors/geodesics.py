@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""Distances along a surface, near every vertex, and their histograms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges, vertex_areas
+
+__all__ = ["geodesic_histograms", "geodesic_neighbors", "surface_graph"]
+
+# So many sources at a time: their rows of distances, mostly infinite, take little memory.
+_TOGETHER = 500
+
+
+def surface_graph(mesh: Mesh) -> csr_array:
+    """Straight ways along a surface: its edges, and across each edge between the two corners opposite to it.
+
+    With edges alone, the shortest way would be up to 15 % too long on equilateral triangles, whose directions
+    lie 60° apart, and more on others. The ways across, straight where both triangles are laid flat, halve
+    that angle, which leaves 3.5 %.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    lengths : (n, n) sparse array
+        Symmetric, in the unit of the vertices.
+    """
+    edges, _ = unique_edges(mesh)
+    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
+    across, across_lengths = _ways_across(mesh)
+    start, end = np.concatenate([edges, across]).astype(np.int64).T
+    weights = np.concatenate([lengths, across_lengths])
+    count = len(mesh.vertices)
+    # Two corners may be neighbours as well, or see each other across several edges: the shortest way counts.
+    keys = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.lexsort((weights, keys))
+    keys, first = np.unique(keys[order], return_index=True)
+    weights = weights[order][first]
+    low, high = np.divmod(keys, count)
+    pairs = np.concatenate([low, high]), np.concatenate([high, low])
+    return csr_array((np.concatenate([weights, weights]), pairs), shape=(count, count))
+
+
+def _ways_across(mesh: Mesh) -> tuple[NDArray[np.int64], FloatArray]:
+    """Pairs of corners opposite to an edge of two faces, and how far they are apart with the faces laid flat.
+
+    Left out where the straight line between them does not cross the edge.
+    """
+    faces = mesh.faces.astype(np.int64)
+    corner = faces.ravel()
+    sides = np.sort(np.stack([faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()], axis=1), axis=1)
+    keys = sides[:, 0] * len(mesh.vertices) + sides[:, 1]
+    order = np.argsort(keys, kind="stable")
+    _, start, count = np.unique(keys[order], return_index=True, return_counts=True)
+    start = start[count == 2]
+    one, other = order[start], order[start + 1]
+    a, b = (mesh.vertices[sides[one, side]] for side in (0, 1))
+    length = np.linalg.norm(b - a, axis=1)
+    along = (b - a) / np.maximum(length, np.finfo(float).tiny)[:, None]
+    # Each corner by its place along the edge and its height over it.
+    places, heights = [], []
+    for half in (one, other):
+        offset = mesh.vertices[corner[half]] - a
+        place = (offset * along).sum(axis=1)
+        places.append(place)
+        heights.append(np.linalg.norm(offset - place[:, None] * along, axis=1))
+    height = heights[0] + heights[1]
+    crossing = np.divide(
+        places[0] * heights[1] + places[1] * heights[0], height, out=np.full(len(one), -1.0), where=height > 0
+    )
+    straight = (crossing >= 0) & (crossing <= length) & (corner[one] != corner[other])
+    pairs = np.stack([corner[one], corner[other]], axis=1)[straight]
+    return pairs, np.hypot(places[0] - places[1], height)[straight]
+
+
+def geodesic_neighbors(
+    mesh: Mesh, radius: float
+) -> Iterator[tuple[slice, NDArray[np.int64], NDArray[np.int64], FloatArray]]:
+    """Find what lies within a distance along the surface from each vertex, for some vertices at a time.
+
+    Distances are lengths of shortest ways over `surface_graph`, by Dijkstra's algorithm.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    radius : float
+        As a share of the root of the surface's area.
+
+    Yields
+    ------
+    chunk : slice
+        Of the vertices.
+    center : (p,) array of int
+        Counted from the start of the chunk, ascending.
+    neighbor : (p,) array of int
+        The center itself is one.
+    distance : (p,) array
+        As a share of the root of the surface's area; at most the radius.
+    """
+    graph = surface_graph(mesh)
+    graph.data /= math.sqrt(mesh.area)
+    for chunk in chunks(len(mesh.vertices), _TOGETHER):
+        # The neighbours are in order of their indices.
+        found = dijkstra(graph, indices=np.arange(chunk.start, chunk.stop), limit=radius)
+        center, neighbor = np.nonzero(found <= radius)
+        yield chunk, center, neighbor, found[center, neighbor]
+
+
+def geodesic_histograms(mesh: Mesh, radius: float = 0.3, bins: int = 8) -> FloatArray:
+    """Histogram of the distances along the surface to what is near, for every vertex.
+
+    The descriptor of Raviv et al. (2007) and Bronstein et al. (2009) (paper, section 1.1), each point
+    counting with its area: the k-th value is the area at distances from r √((k-1)/d) to r √(k/d), divided by
+    π r²/d, what it is on a plane. So it is 1 in the middle of a plane, less at tips and rims, and more at a
+    saddle; an isometry does not change it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    radius : float
+        r, as a share of the root of the surface's area.
+    bins : int
+        d
+
+    Returns
+    -------
+    histograms : (n, bins) array
+        Without unit.
+
+    Raises
+    ------
+    ValueError
+        If the radius is not positive or there are no bins.
+    """
+    check_radius(radius)
+    check_bins("bins", bins)
+    areas = vertex_areas(mesh) / mesh.area
+    histograms = np.empty((len(areas), bins))
+    for chunk, center, neighbor, distance in geodesic_neighbors(mesh, radius):
+        ring = np.minimum((distance / radius) ** 2 * bins, bins - 1).astype(np.int64)
+        summed = np.bincount(center * bins + ring, areas[neighbor], (chunk.stop - chunk.start) * bins)
+        histograms[chunk] = summed.reshape(-1, bins)
+    return np.asarray(histograms * (bins / (math.pi * radius**2)))

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""The descriptors that a channel of a model can have, by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from shapegoogle_core.descriptors.geodesics import geodesic_histograms
+from shapegoogle_core.descriptors.gradient_histograms import mesh_hog
+from shapegoogle_core.descriptors.shape_context import shape_contexts
+from shapegoogle_core.descriptors.spectral import (
+    global_point_signature,
+    heat_kernel_signature,
+    log_heat_kernel_signature,
+    scale_invariant_hks,
+    wave_kernel_signature,
+)
+from shapegoogle_core.descriptors.spin_image import vertex_spin_images
+from shapegoogle_core.descriptors.volumetric import volumetric_hks
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.spectrum import Spectrum
+
+__all__ = ["DESCRIPTORS"]
+
+
+def _hks(
+    _mesh: Mesh,
+    spectrum: Spectrum,
+    times: Sequence[float],
+    multiply_by_time: bool = False,
+    normalize: bool = False,
+) -> FloatArray:
+    return heat_kernel_signature(spectrum, times, multiply_by_time=multiply_by_time, normalize=normalize)
+
+
+def _log_hks(_mesh: Mesh, spectrum: Spectrum, times: Sequence[float]) -> FloatArray:
+    return log_heat_kernel_signature(spectrum, times)
+
+
+def _si_hks(
+    _mesh: Mesh,
+    spectrum: Spectrum,
+    alpha: float,
+    tau_start: float,
+    tau_end: float,
+    tau_step: float,
+    frequencies: int,
+) -> FloatArray:
+    tau = np.arange(tau_start, tau_end + tau_step / 2, tau_step)
+    return scale_invariant_hks(spectrum, alpha=alpha, tau=tau, frequencies=frequencies)
+
+
+def _wks(_mesh: Mesh, spectrum: Spectrum, low: float, high: float, count: int, sigma: float) -> FloatArray:
+    kernel = wave_kernel_signature(spectrum, np.linspace(low, high, count), sigma=sigma)
+    values: FloatArray = np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
+    return values
+
+
+def _gps(_mesh: Mesh, spectrum: Spectrum, count: int = 15) -> FloatArray:
+    # An eigenfunction has no sign of its own.
+    return np.abs(global_point_signature(spectrum, count))
+
+
+# Of histograms the root is taken: their Euclidean distance is then that of Hellinger, in which a difference
+# between small shares counts as well.
+
+
+def _spin_images(
+    mesh: Mesh, _spectrum: Spectrum, radius: float = 0.4, distances: int = 8, heights: int = 4
+) -> FloatArray:
+    return np.sqrt(vertex_spin_images(mesh, radius, (distances, heights)))
+
+
+def _shape_context(
+    mesh: Mesh,
+    _spectrum: Spectrum,
+    inner: float = 0.05,
+    outer: float = 1.0,
+    shells: int = 8,
+    elevations: int = 4,
+) -> FloatArray:
+    return np.sqrt(shape_contexts(mesh, inner, outer, shells, elevations))
+
+
+def _mesh_hog(
+    mesh: Mesh, _spectrum: Spectrum, radius: float = 0.2, sectors: int = 4, orientations: int = 8
+) -> FloatArray:
+    return mesh_hog(mesh, radius, sectors, orientations)
+
+
+def _geodesic_histogram(mesh: Mesh, _spectrum: Spectrum, radius: float = 0.3, bins: int = 8) -> FloatArray:
+    return np.sqrt(geodesic_histograms(mesh, radius, bins))
+
+
+def _volumetric_hks(
+    mesh: Mesh,
+    _spectrum: Spectrum,
+    times: Sequence[float] = (0.0016, 0.0032, 0.0064, 0.0128, 0.0256, 0.0512),
+    resolution: int = 30,
+    eigenpairs: int = 100,
+) -> FloatArray:
+    return volumetric_hks(mesh, times, resolution, eigenpairs)
+
+
+DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
+    "hks": _hks,
+    "log-hks": _log_hks,
+    "si-hks": _si_hks,
+    "wks": _wks,
+    "gps": _gps,
+    "spin-images": _spin_images,
+    "shape-context": _shape_context,
+    "mesh-hog": _mesh_hog,
+    "geodesic-histogram": _geodesic_histogram,
+    "volumetric-hks": _volumetric_hks,
+}
+"""Descriptors by name: called with a mesh, its spectrum and a channel's parameters, give (n, d) values.
+
+Times are in squared mesh units where the spectrum's are; lengths of the others are shares of the root of the
+mesh's area, so that the size does not matter."""

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""Shape context: how the rest of a shape lies around a point (Belongie, Malik, Puzicha 2002)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shapegoogle_core.descriptors.checks import check_bins, chunks
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_areas, vertex_normals
+
+__all__ = ["shape_contexts"]
+
+# So many contexts at a time: all offsets from them stay in the processor's cache.
+_TOGETHER = 100
+
+
+def shape_contexts(
+    mesh: Mesh, inner: float = 0.05, outer: float = 1.0, shells: int = 8, elevations: int = 4
+) -> FloatArray:
+    """Shape context of every vertex (paper, section 3.2).
+
+    A log-polar histogram of the offsets y - x to all other points of the shape. In space, as Frome et al.
+    (2004) have it, there is one angle to the normal n at x, and one about it, for which a surface has no
+    zero: bins along that angle are taken together, so that the histogram does not change with a rotation.
+    The first angle is taken without regard to the side, as the normals of many meshes point to either.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    inner, outer : float
+        Radii of the smallest and of the largest sphere, as shares of the root of the surface's area.
+    shells : int
+        How many bins in ‖y - x‖. The spheres between them grow geometrically from `inner` to `outer`; the
+        first shell is the inside of the first sphere, the last one holds all that is farther as well.
+    elevations : int
+        How many equal bins in |n · (y - x)| / ‖y - x‖, which cut a sphere into zones of equal area.
+
+    Returns
+    -------
+    contexts : (n, shells · elevations) array
+        Share of the area of the surface in each bin. A row sums to 1, but for the vertex itself, which lies
+        in no direction.
+
+    Raises
+    ------
+    ValueError
+        If there are no bins, or the radii do not ascend.
+    """
+    check_bins("shells and elevations", shells, elevations)
+    if not 0 < inner < outer < math.inf:
+        raise ValueError(f"radii must ascend from inner > 0 to outer, not {inner} and {outer}")
+    unit = math.sqrt(mesh.area)
+    points, normals, areas = mesh.vertices / unit, vertex_normals(mesh), vertex_areas(mesh) / unit**2
+    # n · y for all y at once is one matrix product; so is ‖y - x‖² but for the squares. About the centre,
+    # as squares of far coordinates would drown their differences.
+    points = points - areas @ points
+    squares = (points**2).sum(axis=1)
+    first, step = math.log(inner**2), math.log((outer / inner) ** 2) / max(shells - 1, 1)
+    contexts = []
+    for chunk in chunks(len(points), _TOGETHER):
+        heights = np.abs(normals[chunk] @ points.T - (normals[chunk] * points[chunk]).sum(axis=1)[:, None])
+        distances = squares + squares[chunk, None] - 2 * points[chunk] @ points.T
+        itself = np.arange(chunk.start, chunk.stop)
+        distances[np.arange(len(itself)), itself] = 0
+        apart = distances > 0
+        np.maximum(distances, np.finfo(float).tiny, out=distances)
+        shell = np.clip(np.ceil((np.log(distances) - first) / step), 0, shells - 1).astype(np.int32)
+        elevation = np.minimum(heights / np.sqrt(distances) * elevations, elevations - 1).astype(np.int32)
+        row = np.arange(len(itself), dtype=np.int32)[:, None]
+        cell = (row * shells + shell) * elevations + elevation
+        weights = np.where(apart, areas, 0)
+        summed = np.bincount(cell.ravel(), weights.ravel(), len(itself) * shells * elevations)
+        contexts.append(summed.reshape(len(itself), -1))
+    return np.concatenate(contexts)
