@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, unique_edges
+from shapegoogle_core.mesh.mesh import vertex_normals
 
 __all__ = ["TRANSFORMATIONS", "bend", "edge_length_changes", "scale_factor", "transform"]
 
@@ -257,14 +258,8 @@ def _local_scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 def _normals(mesh: Mesh) -> FloatArray:
     """Compute unit normals of the vertices, the same for all at one place; 0 where faces cancel out."""
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
     positions, place = _places(mesh)
-    corners = place[mesh.faces].ravel()
-    summed = np.stack([np.bincount(corners, weighted[:, axis], len(positions)) for axis in range(3)], axis=1)
-    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
-    normals: FloatArray = np.divide(summed, lengths, out=np.zeros_like(summed), where=lengths > 0)[place]
-    return normals
+    return vertex_normals(Mesh(positions, place[mesh.faces].astype(np.int32)))[place]
 
 
 def _sampling(mesh: Mesh, strength: int, rng: Random) -> Mesh:

@@ -13,10 +13,9 @@ from shapegoogle_core.keypoints.surroundings import (
     boundary_vertices,
     discs,
     maxima_in,
-    vertex_normals,
 )
 from shapegoogle_core.laplacian import Operator, build_operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_normals
 from shapegoogle_core.spectrum import Spectrum
 
 __all__ = ["diffusions", "mean_curvature", "mesh_dog", "salient_points"]

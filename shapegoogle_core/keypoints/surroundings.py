@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
 
-__all__ = ["adjacency", "boundary_vertices", "discs", "maxima_in", "vertex_normals"]
+__all__ = ["adjacency", "boundary_vertices", "discs", "maxima_in"]
 
 Indices = NDArray[np.int64]
 
@@ -110,15 +110,3 @@ def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
     mask = np.zeros(len(mesh.vertices), bool)
     mask[edges[face_counts == 1]] = True
     return mask
-
-
-def vertex_normals(mesh: Mesh) -> FloatArray:
-    """(n, 3) unit normals, weighted by the areas of faces; 0 where faces cancel out."""
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    corners = mesh.faces.ravel()
-    n = len(mesh.vertices)
-    summed = np.stack([np.bincount(corners, weighted[:, axis], n) for axis in range(3)], axis=1)
-    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
-    normals: FloatArray = np.divide(summed, lengths, out=np.zeros_like(summed), where=lengths > 0)
-    return normals
