@@ -13,8 +13,7 @@ import pytest
 import shapegoogle_core as sg
 from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.rendering import word_palette
-
-from .conftest import addon_name
+from tests.addon.conftest import addon_name
 
 
 @pytest.fixture(autouse=True)
