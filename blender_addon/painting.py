@@ -112,10 +112,10 @@ QUANTILES = (0.01, 0.99)
 # log2 t of the scale-invariant signature for a shape of area 1, as in the model that is shipped.
 SI_HKS_EXPONENTS = (-13.0, 0.0, 0.125)
 NO_WORD = (0.5, 0.5, 0.5)
-# Of keypoints, as in docs/images/keypoints.png: the surface, a point that hardly stands out, the strongest.
-NO_POINT, WEAK_POINT, STRONG_POINT = (0.78, 0.81, 0.86), (0.98, 0.75, 0.25), (0.85, 0.15, 0.15)
+# Of keypoints: the surface, a point that hardly stands out, the strongest. Light, as Blender shades them.
+NO_POINT, WEAK_POINT, STRONG_POINT = (0.78, 0.81, 0.86), (1.0, 0.8, 0.2), (1.0, 0.15, 0.1)
 # A spot has its full colour up to this share of its radius.
-SPOT_CORE = 0.7
+SPOT_CORE = 0.8
 
 
 @dataclass(frozen=True)
@@ -350,8 +350,7 @@ def paint_keypoints(keypoints: VertexKeypoints) -> list[Layer]:
     layers : list of Layer
         The response, 0 at all vertices but the keypoints, and the colour: a spot around each of them.
     """
-    # Responses of one shape differ by factors; the root keeps the weak ones apart from each other.
-    share = np.sqrt(keypoints.strength)[:, None]
+    share = keypoints.strength[:, None]
     spots = (1 - share) * WEAK_POINT + share * STRONG_POINT
     covered = np.clip(keypoints.coverage / (1 - SPOT_CORE), 0, 1)[:, None]
     colors = keypoints.prolongation @ linear_rgb((1 - covered) * NO_POINT + covered * spots)

@@ -31,8 +31,8 @@ __all__ = [
     "vertex_words",
 ]
 
-# Of the spots by which keypoints are seen, as a share of √area: about the balls of docs/images/keypoints.png.
-SPOT_RADIUS = 0.03
+# Of the spots by which keypoints are seen, as a share of √area: a horse's leg is nearly as wide.
+SPOT_RADIUS = 0.045
 
 
 @dataclass(frozen=True, eq=False)

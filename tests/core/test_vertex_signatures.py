@@ -14,6 +14,7 @@ import shapegoogle_core as sg
 from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.mesh import repair, repair_mapped
 from shapegoogle_core.prolongation import prolongation
+from shapegoogle_core.vertex_signatures import SPOT_RADIUS
 
 
 def unwelded(mesh: sg.Mesh) -> sg.Mesh:
@@ -189,7 +190,7 @@ class TestVertexKeypoints:
         assert (found.coverage[found.indices] == 1).all()
         assert found.strength[found.indices[0]] == 1
         away = np.linalg.norm(horse.vertices[:, None] - horse.vertices[found.indices], axis=2).min(axis=1)
-        assert (away[found.coverage > 0] < 0.03 * np.sqrt(horse.area)).all()
+        assert (away[found.coverage > 0] < SPOT_RADIUS * np.sqrt(horse.area)).all()
         assert (found.strength[found.coverage == 0] == 0).all()
 
     def test_where_nothing_stands_out_there_are_none(self):
