@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing attributes and colours onto the vertices of bpy meshes, and taking them away again.
 
-All names begin with "sg_": sg_hks, sg_hks_1 …, sg_sihks_0 …, sg_word, sg_weight_<word>, sg_heat, sg_color.
-Nothing else on a mesh is ever changed but which colour attribute is the active one; that is put back when the
-attributes are cleared.
+All names begin with "sg_": sg_hks, sg_hks_1 …, sg_sihks_0 …, sg_word, sg_weight_<word>, sg_heat,
+sg_keypoint, sg_color. Nothing else on a mesh is ever changed but which colour attribute is the active one,
+which is put back when the attributes are cleared; and what is selected, where that is asked for.
 """
 
 from __future__ import annotations
@@ -19,7 +19,17 @@ from numpy.typing import NDArray
 
 from .painting import COLOR, FAMILIES, Layer
 
-__all__ = ["PREFIX", "clear", "geometry_hash", "is_painted", "picked_vertex", "values_of", "write"]
+__all__ = [
+    "PREFIX",
+    "clear",
+    "geometry_hash",
+    "is_painted",
+    "picked_vertex",
+    "positive_vertices",
+    "select",
+    "values_of",
+    "write",
+]
 
 PREFIX = "sg_"
 # Custom property that keeps the user's own active colour attributes while ours is shown.
@@ -141,6 +151,54 @@ def picked_vertex(item: Any) -> int | None:
     if active is not None and selected[active]:
         return active
     return int(selected.argmax()) if selected.any() else None
+
+
+def positive_vertices(data: Any, name: str) -> NDArray[np.int64]:
+    """Find the vertices at which an attribute of ours is more than 0.
+
+    Parameters
+    ----------
+    data : bpy.types.Mesh
+        In edit mode or not.
+    name : str
+        Of an attribute of numbers.
+
+    Returns
+    -------
+    indices : (p,) array of int
+        Empty if there is no such attribute.
+    """
+    attribute = data.attributes.get(name)
+    if attribute is None or (attribute.data_type, attribute.domain) != ("FLOAT", "POINT"):
+        return np.empty(0, np.int64)
+    if not data.is_editmode:
+        return np.flatnonzero(np.greater(values_of(data, name), 0))
+    edited = bmesh.from_edit_mesh(data)
+    place = edited.verts.layers.float[name]
+    return np.flatnonzero([vertex[place] > 0 for vertex in edited.verts])
+
+
+def select(data: Any, vertices: NDArray[np.int64]) -> int:
+    """Select vertices of a mesh in edit mode with vertex selection, besides those that are selected.
+
+    Parameters
+    ----------
+    data : bpy.types.Mesh
+    vertices : (p,) array of int
+
+    Returns
+    -------
+    count : int
+        How many of them are selected now: hidden ones cannot be.
+    """
+    edited = bmesh.from_edit_mesh(data)
+    edited.verts.ensure_lookup_table()
+    shown = [edited.verts[index] for index in vertices.tolist() if not edited.verts[index].hide]
+    for vertex in shown:
+        vertex.select_set(True)
+    edited.select_flush(True)
+    bmesh.update_edit_mesh(data, loop_triangles=False, destructive=False)
+    return len(shown)
 
 
 def geometry_hash(item: Any) -> str:

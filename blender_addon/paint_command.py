@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import painted, spectra
-from .painting import CHANNELS, KINDS, LAPLACIANS, Painting, times_of
+from .painting import CHANNELS, DETECTORS, KINDS, LAPLACIANS, Painting, times_of
 from .scene import split_evaluated
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ attributes, on the vertices of each object's own mesh, before modifiers; lengths
   words      sg_word and sg_weight_<word>: the geometric word, the soft weights of the most frequent ones
   rgb        sg_hks_1 to sg_hks_3: three times, shown as red, green and blue
   heat       sg_heat: the heat kernel from --vertex
+  keypoints  sg_keypoint: how much a vertex that --detector finds stands out, 0 at all others
 and sg_color, linear colours of the last attribute asked for. Loose vertices get 0, and no word: -1.
 
 examples:
@@ -207,11 +208,13 @@ def _paint(item: Any, chosen: Painting, model: ShapeModel | None, options: argpa
 
 
 def _note(chosen: Painting, entry: Known, units: Any) -> str:
-    from shapegoogle_core import VertexWords
+    from shapegoogle_core import VertexSpectrum, VertexWords
 
     name = chosen.kind.lower().replace("_", "-")
     if isinstance(entry.result, VertexWords):
         return f"{name} of {chosen.channel}"
+    if not isinstance(entry.result, VertexSpectrum):
+        return f"{len(entry.result)} {name} of {chosen.detector}"
     if chosen.kind not in painted.TIMED:
         return name
     time_taken = times_of(chosen, entry.result.spectrum)[0]
@@ -227,6 +230,7 @@ def _painting(options: argparse.Namespace, kind: str) -> Painting:
         frequencies=options.frequencies,
         channel=options.words,
         weights=options.weights,
+        detector=options.detector,
         eigenpairs=options.eigenpairs,
         laplacian=options.laplacian,
         budget=options.simplify_above or None,
@@ -238,8 +242,8 @@ def _parser() -> argparse.ArgumentParser:
 
     parser = argparse.ArgumentParser(
         prog="paint_signatures",
-        description="Write heat kernel signatures and geometric words onto the meshes of a .blend file, "
-        "in a copy.",
+        description="Write heat kernel signatures, geometric words and keypoints onto the meshes of a .blend "
+        "file, in a copy.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -287,6 +291,12 @@ def _parser() -> argparse.ArgumentParser:
         help="of which descriptor (%(default)s)",
     )
     add("--weights", type=number_from(0), default=4, metavar="N", help="how many soft weights (%(default)s)")
+    add(
+        "--detector",
+        choices=[name for name, _, _ in DETECTORS],
+        default="hks-maxima",
+        help="of keypoints (%(default)s)",
+    )
     models = parser.add_mutually_exclusive_group()
     models.add_argument("--library", metavar="FILE", help="take the words from the model of this library")
     models.add_argument("--model", metavar="FILE", help="or from this model: a file, 'default' or 'paper'")

@@ -87,12 +87,12 @@ def apply(
     MeshError
         If the object has no such values.
     """
-    from shapegoogle_core import VertexWords
+    from shapegoogle_core import VertexSpectrum, VertexWords
 
     attributes.write(item.data, chosen.kind, spectra.paint_layers(item, chosen, entry, source), color=color)
     if isinstance(entry.result, VertexWords):
         bag_chart.show(item, entry.result.bag)
-    else:
+    elif isinstance(entry.result, VertexSpectrum):
         _ranges[item.session_uid] = _Range(*time_range(entry.result.spectrum), entry.size)
 
 

@@ -11,17 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from shapegoogle_core import Spectrum, VertexSpectrum, VertexWords
+    from shapegoogle_core import Spectrum, VertexKeypoints, VertexSpectrum, VertexWords
 
 __all__ = [
     "CHANNELS",
     "COLOR",
+    "DETECTORS",
     "FAMILIES",
+    "KEYPOINT",
     "KINDS",
     "LAPLACIANS",
     "Layer",
     "Painting",
     "linear_rgb",
+    "paint_keypoints",
     "paint_spectrum",
     "paint_words",
     "si_hks_exponents",
@@ -52,6 +55,18 @@ KINDS = (
         "Three times, from short to long, as one color: sg_hks_1 to sg_hks_3",
     ),
     ("HEAT", "Heat from a Vertex", "How heat spreads from the active vertex, or the first selected: sg_heat"),
+    (
+        "KEYPOINTS",
+        "Keypoints",
+        "Vertices that stand out, and how much: sg_keypoint, 0 at all others. The color shows spots around "
+        "them, the redder the stronger",
+    ),
+)
+DETECTORS = (
+    ("hks-maxima", "Heat Maxima", "Where heat stays longest: the tips of limbs, also when they are bent"),
+    ("mesh-dog", "Differences of Gaussians", "Extrema of the mean curvature over place and scale"),
+    ("salient-points", "Salient Points", "Where smoothing moves the surface most along its normal"),
+    ("harris-3d", "Harris Corners", "Where the surface is steep in every direction; slow on large meshes"),
 )
 CHANNELS = (
     ("hks", "HKS", "Words of heat kernel signatures at several times"),
@@ -76,6 +91,7 @@ LAPLACIANS = (
 )
 
 COLOR = "sg_color"
+KEYPOINT = "sg_keypoint"
 # Names of the attributes that painting a kind anew replaces.
 FAMILIES = {
     "HKS": r"sg_hks",
@@ -84,6 +100,7 @@ FAMILIES = {
     "WORDS": r"sg_word|sg_weight_\d+",
     "RGB": r"sg_hks_\d+",
     "HEAT": r"sg_heat",
+    "KEYPOINTS": KEYPOINT,
 }
 
 # Beyond these, e^(-λt) is 1e-4 for the last eigenvalue or for all but the first (Sun et al. 2009).
@@ -95,6 +112,10 @@ QUANTILES = (0.01, 0.99)
 # log2 t of the scale-invariant signature for a shape of area 1, as in the model that is shipped.
 SI_HKS_EXPONENTS = (-13.0, 0.0, 0.125)
 NO_WORD = (0.5, 0.5, 0.5)
+# Of keypoints: the surface, a point that hardly stands out, the strongest. Light, as Blender shades them.
+NO_POINT, WEAK_POINT, STRONG_POINT = (0.78, 0.81, 0.86), (1.0, 0.8, 0.2), (1.0, 0.15, 0.1)
+# A spot has its full colour up to this share of its radius.
+SPOT_CORE = 0.8
 
 
 @dataclass(frozen=True)
@@ -134,6 +155,8 @@ class Painting:
         Whose words: one of `CHANNELS`.
     weights : int
         For how many words, the most frequent of the shape, soft weights are written.
+    detector : str
+        What finds keypoints: one of `DETECTORS`.
     eigenpairs, laplacian, budget
         See `shapegoogle_core.vertex_spectrum`; not used for words.
     """
@@ -146,6 +169,7 @@ class Painting:
     shown: int = 1
     channel: str = "hks"
     weights: int = 4
+    detector: str = "hks-maxima"
     eigenpairs: int = 100
     laplacian: str = "robust"
     budget: int | None = 20_000
@@ -241,7 +265,7 @@ def paint_spectrum(painting: Painting, carried: VertexSpectrum, source: int | No
     Parameters
     ----------
     painting : Painting
-        Of any kind but WORDS.
+        Of any kind but WORDS and KEYPOINTS.
     carried : VertexSpectrum
     source : int, optional
         Vertex from which heat spreads, for the kind HEAT.
@@ -312,6 +336,25 @@ def paint_words(painting: Painting, words: VertexWords) -> list[Layer]:
         ),
         Layer(COLOR, _with_alpha(linear_rgb(palette[word]))),
     ]
+
+
+def paint_keypoints(keypoints: VertexKeypoints) -> list[Layer]:
+    """Attributes of a painting of keypoints.
+
+    Parameters
+    ----------
+    keypoints : VertexKeypoints
+
+    Returns
+    -------
+    layers : list of Layer
+        The response, 0 at all vertices but the keypoints, and the colour: a spot around each of them.
+    """
+    share = keypoints.strength[:, None]
+    spots = (1 - share) * WEAK_POINT + share * STRONG_POINT
+    covered = np.clip(keypoints.coverage / (1 - SPOT_CORE), 0, 1)[:, None]
+    colors = keypoints.prolongation @ linear_rgb((1 - covered) * NO_POINT + covered * spots)
+    return [Layer(KEYPOINT, keypoints.responses), Layer(COLOR, _with_alpha(colors))]
 
 
 def linear_rgb(srgb: FloatArray) -> FloatArray:

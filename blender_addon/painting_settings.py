@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from . import painted
-from .painting import CHANNELS, KINDS, LAPLACIANS, Painting
+from .painting import CHANNELS, DETECTORS, KINDS, LAPLACIANS, Painting
 
 __all__ = ["register", "settings_of", "unregister"]
 
@@ -57,6 +57,7 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         min=0,
         max=512,
     )
+    detector: EnumProperty(name="Detector", description="What finds the keypoints", items=DETECTORS)
     color: BoolProperty(
         name="Color", description="Also write the color attribute sg_color and show it", default=True
     )
@@ -102,6 +103,7 @@ def settings_of(scene: Any) -> Painting:
         shown=chosen.shown,
         channel=chosen.channel,
         weights=chosen.weights,
+        detector=chosen.detector,
         eigenpairs=chosen.eigenpairs,
         laplacian=chosen.laplacian,
         budget=chosen.budget,

@@ -110,7 +110,7 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
         _import_fbx(path)
     else:
         bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
-    objects = _mesh_objects()
+    objects = _shape_objects()
     if request.get("objects") == "assets":
         objects = _assets(objects) or objects
     with Path(request["output"]).open("wb") as output:
@@ -141,9 +141,10 @@ def _import_fbx(path: Path) -> None:
         bpy.ops.import_scene.fbx(filepath=str(path), use_anim=False)
 
 
-def _mesh_objects() -> list[Any]:
-    """Mesh objects of the open file, by name; those of linked libraries belong to another file."""
-    found = [item for item in bpy.data.objects if item.type == "MESH" and item.library is None]
+def _shape_objects() -> list[Any]:
+    """Meshes and point clouds of the open file, by name; those of linked libraries belong to another file."""
+    kinds = ("MESH", "POINTCLOUD")
+    found = [item for item in bpy.data.objects if item.type in kinds and item.library is None]
     return sorted(found, key=lambda item: item.name)
 
 
@@ -161,16 +162,19 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
     problems: list[str] = []
     first_of_data: dict[Any, int] = {}
     for item, evaluated in _evaluated(objects):
-        try:
-            mesh = evaluated.to_mesh()
-        except RuntimeError as error:
-            problems.append(f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers")
+        if item.type == "POINTCLOUD":
+            vertex_count, face_count = _write_positions(evaluated.data.points, output), 0
+        else:
+            try:
+                mesh = evaluated.to_mesh()
+            except RuntimeError as error:
+                problems.append(f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers")
+                continue
+            vertex_count, face_count = _write_arrays(mesh, output)
+            evaluated.to_mesh_clear()
+        if not vertex_count:
             continue
         matrix = evaluated.matrix_world
-        vertex_count, face_count = _write_arrays(mesh, output)
-        evaluated.to_mesh_clear()
-        if not face_count:
-            continue  # wires and single points are helpers, no shapes: as little a problem as a lamp
         twin_of = None
         if _is_plain(item) and _is_similarity(matrix):
             first = first_of_data.setdefault(item.data, len(shapes))
@@ -188,17 +192,28 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
 
 
 def _write_arrays(mesh: Any, output: BinaryIO) -> tuple[int, int]:
-    """Write vertices and triangles, if there are triangles; returns their numbers."""
+    """Write vertices and triangles; returns their numbers.
+
+    A mesh without triangles has no vertices either: wires and single points are helpers, no shapes, and as
+    little a problem as a lamp.
+    """
     mesh.calc_loop_triangles()
-    vertex_count, face_count = len(mesh.vertices), len(mesh.loop_triangles)
-    if face_count:
-        vertices = array("f", bytes(12 * vertex_count))
-        mesh.vertices.foreach_get("co", vertices)
-        faces = array("i", bytes(12 * face_count))
-        mesh.loop_triangles.foreach_get("vertices", faces)
-        vertices.tofile(output)
-        faces.tofile(output)
+    face_count = len(mesh.loop_triangles)
+    if not face_count:
+        return 0, 0
+    vertex_count = _write_positions(mesh.vertices, output)
+    faces = array("i", bytes(12 * face_count))
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    faces.tofile(output)
     return vertex_count, face_count
+
+
+def _write_positions(points: Any, output: BinaryIO) -> int:
+    """Write the places of vertices or points; returns their number."""
+    positions = array("f", bytes(12 * len(points)))
+    points.foreach_get("co", positions)
+    positions.tofile(output)
+    return len(points)
 
 
 def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
@@ -228,7 +243,7 @@ def _is_plain(item: Any) -> bool:
     """Whether an object looks as its data says: objects of the same data are then the same shape."""
     # In old files a parent deforms its children without any modifier.
     deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
-    return not item.modifiers and item.data.shape_keys is None and not deformed
+    return not item.modifiers and getattr(item.data, "shape_keys", None) is None and not deformed
 
 
 def _is_similarity(matrix: Any) -> bool:

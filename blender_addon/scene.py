@@ -21,6 +21,7 @@ __all__ = [
     "new_object",
     "query_meshes",
     "selected_part",
+    "shape_objects",
     "split_evaluated",
 ]
 
@@ -31,6 +32,11 @@ IntArray = NDArray[np.int32]
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
     """Those objects that are meshes, in the same order."""
     return [item for item in objects if item.type == "MESH"]
+
+
+def shape_objects(objects: Sequence[Any]) -> list[Any]:
+    """Those objects that may be shapes, meshes and point clouds, in the same order."""
+    return [item for item in objects if item.type in ("MESH", "POINTCLOUD")]
 
 
 def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:
@@ -93,13 +99,15 @@ def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
     Parameters
     ----------
     item : bpy.types.Object
-        A mesh object.
+        A mesh or a point cloud.
     depsgraph : bpy.types.Depsgraph, optional
         That of the context when left out.
 
     Returns
     -------
     mesh : Mesh
+        Without faces if there are points alone. Wires, edges without any face, have no points either: those
+        are not spread over a surface.
 
     Raises
     ------
@@ -169,19 +177,23 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
         if not len(part.faces):
             names = " and ".join(repr(item.name) for item in edited.values())
             verb = "has" if len(edited) == 1 else "have"
+            if not any(len(data.polygons) for data in edited):
+                raise MeshError(f"{names} {verb} no faces to select; leave edit mode to look for all points")
             raise MeshError(f"{names} {verb} no selected faces; select the faces to look for")
         return [part]
-    chosen = mesh_objects(context.selected_objects)
-    if not chosen and active is not None and active.type == "MESH":
-        chosen = [active]
+    chosen = shape_objects(context.selected_objects)
+    if not chosen and active is not None:
+        chosen = shape_objects([active])
     if not chosen:
-        raise MeshError("no mesh object is selected; select the shape to look for")
+        raise MeshError("no mesh or point cloud is selected; select the shape to look for")
     depsgraph = context.evaluated_depsgraph_get()
     if separate:
         chosen.sort(key=lambda item: item != active)
-        return [evaluated_mesh(item, depsgraph) for item in chosen]
-    name = joined_name([item.name for item in chosen])
-    return [_core_mesh(name, [_evaluated_arrays(item, depsgraph) for item in chosen])]
+    meshes = [evaluated_mesh(item, depsgraph) for item in chosen]
+    empty = [mesh.name for mesh in meshes if not len(mesh.vertices)]
+    if empty and (separate or len(empty) == len(meshes)):
+        raise MeshError(f"{empty[0]!r} has neither faces nor single points; select a mesh or a point cloud")
+    return meshes if separate else [_joined(meshes)]
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:
@@ -209,6 +221,32 @@ def joined_name(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
+def _joined(meshes: Sequence[Mesh]) -> Mesh:
+    """Join surfaces, or clouds of points; what is neither, such as wires, does not count among surfaces."""
+    from shapegoogle_core import MeshError
+
+    surfaces = [mesh for mesh in meshes if not mesh.is_point_cloud]
+    cloud = next((mesh for mesh in meshes if mesh.is_point_cloud and _is_cloud(mesh)), None)
+    if surfaces and cloud is not None:
+        raise MeshError(
+            f"{cloud.name!r} is a point cloud and {surfaces[0].name!r} a mesh, which cannot be one shape; "
+            "select one of them, or choose Examples"
+        )
+    parts = [(mesh.vertices, mesh.faces, np.eye(4)) for mesh in meshes]
+    return _core_mesh(joined_name([mesh.name for mesh in meshes]), parts)
+
+
+def _is_cloud(mesh: Mesh) -> bool:
+    from shapegoogle_core import MeshError
+    from shapegoogle_core.mesh import check_cloud
+
+    try:
+        check_cloud(mesh)
+    except MeshError:
+        return False
+    return True
+
+
 def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:
     """Objects of a layer collection and those below it whose collections do not keep them from being seen."""
     disabled = (
@@ -223,9 +261,14 @@ def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:
 def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:
     depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
     evaluated = item.evaluated_get(depsgraph)
+    if evaluated.type == "POINTCLOUD":
+        return _positions(evaluated.data.points), np.empty((0, 3), np.int32), _matrix(evaluated)
     data = evaluated.to_mesh()
     try:
-        return (*_arrays(data), _matrix(evaluated))
+        vertices, faces = _arrays(data)
+        if len(data.edges) and not len(faces):
+            vertices = vertices[:0]
+        return vertices, faces, _matrix(evaluated)
     finally:
         evaluated.to_mesh_clear()
 
@@ -236,12 +279,17 @@ def _matrix(item: Any) -> FloatArray:
 
 def _arrays(data: Any) -> tuple[FloatArray, IntArray]:
     """Vertices (n, 3) and triangles (m, 3) of a bpy mesh, in its own space."""
-    vertices = np.empty((len(data.vertices), 3), np.float32)
-    data.vertices.foreach_get("co", vertices.ravel())
     data.calc_loop_triangles()
     faces = np.empty((len(data.loop_triangles), 3), np.int32)
     data.loop_triangles.foreach_get("vertices", faces.ravel())
-    return vertices.astype(np.float64), faces
+    return _positions(data.vertices), faces
+
+
+def _positions(points: Any) -> FloatArray:
+    """(n, 3) places of vertices or points."""
+    places = np.empty((len(points), 3), np.float32)
+    points.foreach_get("co", places.ravel())
+    return places.astype(np.float64)
 
 
 def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray]]) -> Mesh:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The open scene as a source of the library: its mesh objects as they are now, saved or not."""
+"""The open scene as a source of the library: its meshes and point clouds as they are now, saved or not."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class SceneIndexing:
         self._library, self._model = library, model
         self._source = scene_source()
         # What is not evaluated has neither its modifiers nor, perhaps, its place.
-        shown, _ = scene.split_evaluated(scene.mesh_objects(context.scene.objects), context)
+        shown, _ = scene.split_evaluated(scene.shape_objects(context.scene.objects), context)
         # Names, not objects: those may be gone when it is their turn.
         self._waiting = deque(item.name for item in shown)
         self._total = len(self._waiting)
@@ -142,7 +142,7 @@ class SceneIndexing:
             except MeshError as error:
                 self._failed.append({"source": name, "error": str(error)})
                 continue
-            if mesh.is_point_cloud:
+            if mesh.is_point_cloud and (item.type == "MESH" or not len(mesh.vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
                 continue
             self._tasks[jobs.worker().submit(describe, self._library, mesh, UP_AXIS)] = name

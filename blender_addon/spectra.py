@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spectra and words of objects, kept while the file is open: the time slider has to follow the hand."""
+"""Spectra, words and keypoints of objects, kept while the file is open: the slider has to follow the hand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from . import attributes, painting, scene
 from .painting import Layer, Painting
 
 if TYPE_CHECKING:
-    from shapegoogle_core import ShapeModel, VertexSpectrum, VertexWords
+    from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
+
+    Result = VertexSpectrum | VertexWords | VertexKeypoints
 
 __all__ = ["Known", "Task", "clear", "key_of", "known", "paint_layers", "remember", "task_of"]
 
@@ -30,21 +32,24 @@ class Known:
 
     Attributes
     ----------
-    result : VertexSpectrum or VertexWords
+    result : VertexSpectrum, VertexWords or VertexKeypoints
     size : float
         Diagonal of its bounding box in world units.
     """
 
-    result: VertexSpectrum | VertexWords
+    result: Result
     size: float
 
     @property
     def bytes(self) -> int:
         """How much memory its arrays take."""
-        from shapegoogle_core import VertexWords
+        from shapegoogle_core import VertexSpectrum, VertexWords
 
         matrix, result = self.result.prolongation, self.result
-        functions = result.words if isinstance(result, VertexWords) else result.spectrum.eigenvectors
+        if isinstance(result, VertexSpectrum):
+            functions = result.spectrum.eigenvectors
+        else:
+            functions = result.words if isinstance(result, VertexWords) else result.strength
         return int(functions.nbytes + matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
 
 
@@ -86,7 +91,8 @@ def key_of(item: Any, chosen: Painting, model: ShapeModel | None) -> Key:
     geometry = attributes.geometry_hash(item)
     if chosen.kind == "WORDS":
         return geometry, None if model is None else model.identifier, chosen.channel
-    return geometry, chosen.eigenpairs, chosen.laplacian, chosen.budget
+    spectrum = geometry, chosen.eigenpairs, chosen.laplacian, chosen.budget
+    return (*spectrum, chosen.detector) if chosen.kind == "KEYPOINTS" else spectrum
 
 
 def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> Task:
@@ -109,7 +115,7 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
     MeshError
         If a coordinate is not finite, or the model has no such words.
     """
-    from shapegoogle_core import MeshError, vertex_spectrum, vertex_words
+    from shapegoogle_core import MeshError, vertex_keypoints, vertex_spectrum, vertex_words
 
     mesh = scene.base_mesh(item)
     count = len(mesh.vertices)
@@ -118,8 +124,11 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
     if chosen.kind != "WORDS" or model is None:
         solved = min(count, chosen.budget or count)
         seconds = 1e-6 * solved * chosen.eigenpairs + 2e-5 * count
-        arguments = mesh, chosen.eigenpairs, chosen.laplacian, chosen.budget
-        return Task(key, item.name, vertex_spectrum, arguments, size, seconds)
+        arguments = chosen.eigenpairs, chosen.laplacian, chosen.budget
+        if chosen.kind == "KEYPOINTS":
+            seconds += 1e-8 * solved**2  # discs of detectors
+            return Task(key, item.name, vertex_keypoints, (mesh, chosen.detector, *arguments), size, seconds)
+        return Task(key, item.name, vertex_spectrum, (mesh, *arguments), size, seconds)
     descriptors = [channel.descriptor for channel in model.settings.channels]
     if chosen.channel not in descriptors:
         raise MeshError(
@@ -137,7 +146,7 @@ def known(key: Key) -> Known | None:
     return entry
 
 
-def remember(task: Task, result: VertexSpectrum | VertexWords) -> Known:
+def remember(task: Task, result: Result) -> Known:
     """Keep a result; the oldest ones go when all together take more than `MOST_BYTES`."""
     entry = _cache[task.key] = Known(result, task.size)
     while len(_cache) > 1 and sum(each.bytes for each in _cache.values()) > MOST_BYTES:
@@ -170,8 +179,10 @@ def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None =
     MeshError
         If the object has no such values.
     """
-    from shapegoogle_core import MeshError, VertexWords
+    from shapegoogle_core import MeshError, VertexKeypoints, VertexWords
 
+    if isinstance(entry.result, VertexKeypoints):
+        return painting.paint_keypoints(entry.result)
     if isinstance(entry.result, VertexWords):
         return painting.paint_words(chosen, entry.result)
     if chosen.kind == "HEAT" and source is None:

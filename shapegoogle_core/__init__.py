@@ -24,7 +24,14 @@ from shapegoogle_core.mending import Mending, mend
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
-from shapegoogle_core.vertex_signatures import VertexSpectrum, VertexWords, vertex_spectrum, vertex_words
+from shapegoogle_core.vertex_signatures import (
+    VertexKeypoints,
+    VertexSpectrum,
+    VertexWords,
+    vertex_keypoints,
+    vertex_spectrum,
+    vertex_words,
+)
 from shapegoogle_core.words import hard_words, soft_words
 
 __all__ = [
@@ -41,6 +48,7 @@ __all__ = [
     "ShapeModel",
     "ShapeSignature",
     "Spectrum",
+    "VertexKeypoints",
     "VertexMatch",
     "VertexSpectrum",
     "VertexWords",
@@ -60,6 +68,7 @@ __all__ = [
     "scale_invariant_hks",
     "soft_words",
     "spatially_sensitive_bag",
+    "vertex_keypoints",
     "vertex_spectrum",
     "vertex_words",
     "wave_kernel_signature",

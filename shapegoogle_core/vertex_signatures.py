@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Spectrum and words of a mesh as it is: computed on a clean copy, known at every one of its own vertices."""
+"""Spectrum, words and keypoints of a mesh as it is: computed on a clean copy, known at its own vertices."""
 
 from __future__ import annotations
 
@@ -8,18 +8,31 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import KDTree
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.bags import bag_of_features
 from shapegoogle_core.describing import channel_words, working_shape
+from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh, check_surface, repair_mapped
-from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.mesh.mesh import FloatArray, unique_edges
 from shapegoogle_core.mesh.resampling import simplify
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.prolongation import vertex_prolongation
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 
-__all__ = ["VertexSpectrum", "VertexWords", "vertex_spectrum", "vertex_words"]
+__all__ = [
+    "VertexKeypoints",
+    "VertexSpectrum",
+    "VertexWords",
+    "vertex_keypoints",
+    "vertex_spectrum",
+    "vertex_words",
+]
+
+# Of the spots by which keypoints are seen, as a share of √area: a horse's leg is nearly as wide.
+SPOT_RADIUS = 0.045
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +119,44 @@ class VertexWords:
         return word
 
 
+@dataclass(frozen=True, eq=False)
+class VertexKeypoints:
+    """Keypoints of a mesh, as vertices of its own.
+
+    Attributes
+    ----------
+    indices : (p,) array of int
+        Vertices of the mesh, the strongest first.
+    response : (p,) array
+        As in `Keypoints`.
+    prolongation : (n, m) sparse array
+        As in `VertexSpectrum`.
+    strength, coverage : (m,) array
+        Of spots around the keypoints, by which they are seen where a single vertex is too small, on the clean
+        copy: the response of the nearest keypoint along the surface, as a share of the strongest; and 1 at
+        the keypoint, 0 where none is near.
+    simplified : bool
+        As in `VertexSpectrum`.
+    """
+
+    indices: NDArray[np.int64]
+    response: FloatArray
+    prolongation: csr_array
+    strength: FloatArray
+    coverage: FloatArray
+    simplified: bool
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+    @property
+    def responses(self) -> FloatArray:
+        """(n,) response at each vertex of the mesh; 0 at all that are no keypoints."""
+        values = np.zeros(self.prolongation.shape[0])
+        values[self.indices] = self.response
+        return values
+
+
 def vertex_spectrum(
     mesh: Mesh, k: int = 100, laplacian: str = "robust", budget: int | None = None
 ) -> VertexSpectrum:
@@ -133,18 +184,52 @@ def vertex_spectrum(
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
     """
-    check_surface(mesh)
-    repaired, place = repair_mapped(mesh)
-    check_surface(repaired)
-    simplified = budget is not None and len(repaired.vertices) > budget
-    if budget is not None and simplified:
-        copy = simplify(repaired, budget)
-        check_surface(copy)
-        matrix = vertex_prolongation(copy, mesh, mesh.vertices, np.full(len(mesh.vertices), -1))
-    else:
-        copy = repaired
-        matrix = vertex_prolongation(copy, mesh, mesh.vertices, place)
+    copy, matrix, simplified = _clean_copy(mesh, budget)
     return VertexSpectrum(compute_spectrum(copy, k, laplacian), matrix, simplified)
+
+
+def vertex_keypoints(
+    mesh: Mesh,
+    detector: str = "hks-maxima",
+    k: int = 100,
+    laplacian: str = "robust",
+    budget: int | None = None,
+) -> VertexKeypoints:
+    """Find the keypoints of a mesh in whatever state, among its own vertices.
+
+    They are detected on the copy that `vertex_spectrum` makes, and moved to the nearest vertex of the mesh
+    that belongs to a face; of two that come to the same vertex the stronger remains.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    detector : str
+        See `detect_keypoints`. Its parameters have their defaults.
+    k, laplacian, budget
+        As in `vertex_spectrum`. Detectors look at discs whose size grows with the square of the resolution:
+        a budget of some thousand vertices is what they are made for.
+
+    Returns
+    -------
+    keypoints : VertexKeypoints
+
+    Raises
+    ------
+    ValueError
+        If there is no such detector.
+    MeshError
+        If the mesh has no surface, or its eigenproblem cannot be solved.
+    """
+    copy, matrix, simplified = _clean_copy(mesh, budget)
+    found = detect_keypoints(copy, compute_spectrum(copy, k, laplacian), detector)
+    used = np.unique(mesh.faces)
+    _, near = KDTree(mesh.vertices[used]).query(copy.vertices[found.indices])
+    vertices, first = np.unique(used[near], return_index=True)
+    order = np.argsort(first)  # the strongest come first, and stay there
+    strength, coverage = _spots(copy, found.indices, found.response)
+    return VertexKeypoints(
+        vertices[order], found.response[first[order]], matrix, strength, coverage, simplified
+    )
 
 
 def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords:
@@ -176,3 +261,36 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     points = shape.placement.of(mesh.vertices)
     matrix = vertex_prolongation(shape.mesh, mesh, points, np.full(len(points), -1))
     return VertexWords(words, matrix, bag_of_features(words, shape.spectrum.mass))
+
+
+def _clean_copy(mesh: Mesh, budget: int | None) -> tuple[Mesh, csr_array, bool]:
+    """Repair a mesh, and simplify it above a budget; with the way back, and whether it was simplified."""
+    check_surface(mesh)
+    repaired, place = repair_mapped(mesh)
+    check_surface(repaired)
+    if budget is None or len(repaired.vertices) <= budget:
+        return repaired, vertex_prolongation(repaired, mesh, mesh.vertices, place), False
+    copy = simplify(repaired, budget)
+    check_surface(copy)
+    anywhere = np.full(len(mesh.vertices), -1)
+    return copy, vertex_prolongation(copy, mesh, mesh.vertices, anywhere), True
+
+
+def _spots(mesh: Mesh, indices: NDArray[np.int64], response: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Strength and coverage, as in `VertexKeypoints`, of spots around vertices."""
+    n = len(mesh.vertices)
+    if not len(indices):
+        return np.zeros(n), np.zeros(n)
+    edges, _ = unique_edges(mesh)
+    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
+    radius = SPOT_RADIUS * np.sqrt(mesh.area)
+    graph = csr_array((lengths, (edges[:, 0], edges[:, 1])), shape=(n, n))
+    distance, _, source = dijkstra(
+        graph, directed=False, indices=indices, min_only=True, limit=radius, return_predecessors=True
+    )
+    of_vertex = np.zeros(n)
+    of_vertex[indices] = response / response.max()
+    near = np.isfinite(distance)
+    strength = np.zeros(n)
+    strength[near] = of_vertex[source[near]]
+    return strength, np.where(near, 1 - np.minimum(distance, radius) / radius, 0.0)

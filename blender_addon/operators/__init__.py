@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the user presses, one file for each verb."""
 
-from . import duplicates, examples, index, library, paint, place, query, train, transfer
+from . import duplicates, examples, index, library, paint, place, query, select, train, transfer
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (index, library, query, examples, place, transfer, paint, duplicates, train)
+_MODULES = (index, library, query, examples, place, transfer, paint, select, duplicates, train)
 
 
 def register() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paint signatures and words onto the selected objects, and clear them again."""
+"""Paint signatures, words and keypoints onto the selected objects, and clear them again."""
 
 from __future__ import annotations
 
@@ -232,14 +232,20 @@ def _show_colors(context: Any) -> None:
 
 
 def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str:
-    from shapegoogle_core import VertexSpectrum, VertexWords
+    from shapegoogle_core import VertexKeypoints, VertexSpectrum, VertexWords
 
     objects = repr(done[0][0].name) if len(done) == 1 else f"{len(done)} objects"
     results = [entry.result for _, entry in done]
     if isinstance(results[0], VertexWords):
         return f"Painted {objects}: {len(results[0].bag)} words of {chosen.channel}"
-    simplified = any(isinstance(result, VertexSpectrum) and result.simplified for result in results)
+    simplified = any(
+        isinstance(result, (VertexSpectrum, VertexKeypoints)) and result.simplified for result in results
+    )
     copy = f", computed on a copy of {chosen.budget:,} vertices" if simplified else ""
+    if chosen.kind == "KEYPOINTS":
+        count = sum(len(result) for result in results if isinstance(result, VertexKeypoints))
+        points = "1 keypoint" if count == 1 else f"{count or 'no'} keypoints"
+        return f"Painted {objects}: {points} of {chosen.detector}{copy}"
     if len(done) == 1 and chosen.kind in painted.TIMED:
         return f"Painted {objects} at {painted.scale_text(done[0][0], chosen, units)}{copy}"
     return f"Painted {objects}{copy}"

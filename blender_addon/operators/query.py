@@ -44,18 +44,14 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a mesh and a library."""
+        """There is a shape and a library."""
         if session_of(context).searching:
             cls.poll_message_set("Searching already")
             return False
         active = context.active_object
-        chosen = scene.mesh_objects(context.selected_objects)
-        if (
-            not chosen
-            and (active is None or active.type != "MESH")
-            and not any(not example.unlike for example in _examples(context))
-        ):
-            cls.poll_message_set("Select a mesh object")
+        chosen = context.selected_objects if active is None else (*context.selected_objects, active)
+        if not scene.shape_objects(chosen) and all(example.unlike for example in _examples(context)):
+            cls.poll_message_set("Select a mesh or a point cloud")
             return False
         if not preferences(context).library_path().is_file():
             cls.poll_message_set("Index a library first")

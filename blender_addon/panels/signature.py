@@ -53,11 +53,15 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
         elif settings.kind == "WORDS":
             column.prop(settings, "channel")
             column.prop(settings, "weights")
+        elif settings.kind == "KEYPOINTS":
+            column.prop(settings, "detector")
         layout.prop(settings, "color")
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("shape_google.paint", icon="BRUSH_DATA")
         row.operator("shape_google.clear_paint", icon="X")
+        if settings.kind == "KEYPOINTS":
+            layout.operator("shape_google.select_keypoints", icon="VERTEXSEL")
         icon = 0 if item is None else bag_chart.icon_of(item)
         if settings.kind == "WORDS" and icon:
             layout.label(text=f"Bag of {item.name}")

@@ -19,6 +19,14 @@ def addon_name() -> str:
     return installed[0] if installed else "blender_addon"
 
 
+def to_point_cloud() -> bool:
+    """Turn the selected meshes into Blender's own point clouds, where it can (not yet in 4.2)."""
+    try:
+        return bpy.ops.object.convert(target="POINTCLOUD") == {"FINISHED"}
+    except TypeError:
+        return False
+
+
 @pytest.fixture(scope="session")
 def addon() -> ModuleType:
     """The add-on's package, enabled."""
@@ -35,7 +43,13 @@ def blender(addon: ModuleType, tmp_path: Path) -> ModuleType:
     """An empty scene, no results, and a library of its own that is not there yet, for every test."""
     if bpy.context.object is not None and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    for collection in (bpy.data.objects, bpy.data.meshes, bpy.data.armatures, bpy.data.images):
+    for collection in (
+        bpy.data.objects,
+        bpy.data.meshes,
+        bpy.data.pointclouds,
+        bpy.data.armatures,
+        bpy.data.images,
+    ):
         for block in list(collection):
             collection.remove(block)
     preferences = bpy.context.preferences.addons[addon.__name__].preferences

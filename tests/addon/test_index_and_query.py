@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import Library, ShapeGoogleError
+from shapegoogle_core.evaluation.creatures import make_creature
+from shapegoogle_core.mesh.mesh import face_areas
+from tests.addon.conftest import to_point_cloud
 
 
 @pytest.fixture
@@ -273,6 +276,62 @@ def test_the_scene_itself(preferences, session) -> None:
     bpy.ops.shape_google.choose_match(index=1)
     assert bpy.ops.shape_google.select_match() == {"FINISHED"}
     assert [item.name for item in bpy.context.selected_objects] == ["Second"]
+
+
+def scan(kind: str, count: int = 6000):
+    """A mesh of vertices alone, spread over a creature at random."""
+    mesh = make_creature(kind, 100, 2000).pose(0)
+    random = np.random.default_rng(3)
+    corners = mesh.vertices[mesh.faces]
+    areas = face_areas(mesh)
+    chosen = corners[random.choice(len(corners), count, p=areas / areas.sum())]
+    data = bpy.data.meshes.new("Scan")
+    data.from_pydata(np.einsum("nk,nki->ni", random.dirichlet(np.ones(3), count), chosen).tolist(), [], [])
+    item = bpy.data.objects.new(f"Scan of {kind}", data)
+    bpy.context.collection.objects.link(item)
+    bpy.ops.object.select_all(action="DESELECT")
+    item.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    return item
+
+
+def test_points_find_their_mesh_and_mesh_its_points(addon, preferences, session) -> None:
+    """Vertices without faces are looked for; kept are only objects of the kind point cloud."""
+    kinds = ("horse", "octopus", "human")
+    new_object = importlib.import_module(f"{addon.__name__}.scene").new_object
+    for kind in kinds:
+        new_object(bpy.context, make_creature(kind, 100, 2000).pose(0), kind)
+    preferences.use_scene = True
+    for kind in kinds:
+        scan(kind)
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "3 shapes of this scene"
+    for kind in kinds:
+        item = bpy.data.objects[f"Scan of {kind}"]
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.context.view_layer.objects.active = item
+        item.select_set(True)
+        assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+        assert (session.matches[0].name, len(session.matches)) == (kind, 3)
+    item.scale = 1, 1, -1
+    bpy.context.view_layer.update()
+    if not to_point_cloud():
+        return
+    item = bpy.context.object
+    assert item.type == "POINTCLOUD"
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert session.matches[0].name == "human"
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 shapes of this scene"
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.context.view_layer.objects.active = bpy.data.objects["human"]
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert [match.name for match in session.matches[:2]] == ["human", "Scan of human"]
+    # To paint on there is no surface.
+    bpy.context.view_layer.objects.active = item
+    item.select_set(True)
+    assert not bpy.ops.shape_google.paint.poll()
+    assert not bpy.ops.shape_google.mark_match.poll()
 
 
 def test_append_and_mark(indexed: Path, preferences, session) -> None:

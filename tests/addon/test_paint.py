@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import shapegoogle_core as sg
+from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.rendering import word_palette
+from tests.addon.conftest import addon_name
 
 
 @pytest.fixture(autouse=True)
@@ -47,6 +49,22 @@ def add_blob(subdivisions: int = 4, name: str = "Blob"):
         vertex.co *= 1 + 0.2 * np.sin(3 * vertex.co.x) + 0.15 * np.cos(4 * vertex.co.y + vertex.co.z)
     bpy.context.view_layer.update()
     return item
+
+
+def add_creature(kind: str = "horse", vertex_count: int = 2000):
+    """A body with limbs, which has keypoints of every detector."""
+    mesh = make_creature(kind, 120, vertex_count).pose("rest")
+    item = importlib.import_module(f"{addon_name()}.scene").new_object(bpy.context, mesh, "Creature")
+    bpy.context.view_layer.objects.active = item
+    item.select_set(True)
+    bpy.context.view_layer.update()
+    return item
+
+
+def selected_vertices(item) -> np.ndarray:
+    selected = np.empty(len(item.data.vertices), bool)
+    item.data.vertices.foreach_get("select", selected)
+    return np.flatnonzero(selected)
 
 
 def paint(kind: str, **values) -> set[str]:
@@ -179,6 +197,97 @@ class TestValues:
         assert not own_names(item)
 
 
+class TestKeypoints:
+    @pytest.mark.parametrize("detector", sg.keypoints.DETECTORS)
+    def test_are_those_of_the_core(self, modules, detector):
+        item = add_creature()
+        assert paint("KEYPOINTS", detector=detector, eigenpairs=60) == {"FINISHED"}
+        mesh = modules.scene.base_mesh(item)
+        expected = sg.detect_keypoints(mesh, sg.compute_spectrum(mesh, 60), detector)
+        response = modules.attributes.values_of(item.data, "sg_keypoint")
+        assert len(expected) > 3
+        assert set(np.flatnonzero(response)) == set(expected.indices)
+        assert np.allclose(response[expected.indices], expected.response)
+
+    def test_choices_are_those_of_the_core(self, modules):
+        assert [name for name, _, _ in modules.painting.DETECTORS] == list(sg.keypoints.DETECTORS)
+
+    def test_spots_are_seen_and_the_strongest_is_reddest(self, modules):
+        item = add_creature()
+        paint("KEYPOINTS")
+        response = modules.attributes.values_of(item.data, "sg_keypoint")
+        colors = modules.attributes.values_of(item.data, "sg_color")[:, :3]
+        surface = modules.painting.linear_rgb(np.array(modules.painting.NO_POINT))
+        plain = np.isclose(colors, surface, atol=1e-5).all(axis=1)
+        assert 0.8 < plain.mean() < 0.99
+        assert not plain[response > 0].any()
+        strongest = modules.painting.linear_rgb(np.array(modules.painting.STRONG_POINT))
+        assert np.allclose(colors[response.argmax()], strongest, atol=1e-5)
+
+    def test_are_selected_in_edit_mode(self, modules):
+        item, plain = add_creature(), add_blob()
+        item.select_set(True)
+        plain.select_set(False)
+        paint("KEYPOINTS")
+        points = np.flatnonzero(modules.attributes.values_of(item.data, "sg_keypoint"))
+        # The active object, which is selected too, has no keypoints: nothing of it is selected.
+        plain.select_set(True)
+        assert bpy.ops.shape_google.select_keypoints() == {"FINISHED"}
+        assert item.mode == "EDIT"
+        assert tuple(bpy.context.tool_settings.mesh_select_mode) == (True, False, False)
+        bpy.ops.mesh.select_all(action="SELECT")
+        assert bpy.ops.shape_google.select_keypoints() == {"FINISHED"}  # again, in edit mode
+        for each, expected in ((item, points), (plain, [])):
+            each.update_from_editmode()
+            assert np.array_equal(selected_vertices(each), expected)
+
+    def test_undo_leaves_edit_mode(self):
+        item = add_creature()
+        paint("KEYPOINTS")
+        before = selected_vertices(item)
+        bpy.ops.ed.undo_push(message="painted")
+        bpy.ops.shape_google.select_keypoints()
+        bpy.ops.ed.undo_push(message="selected")
+        bpy.ops.ed.undo()
+        item = bpy.data.objects["Creature"]
+        assert item.mode == "OBJECT"
+        assert np.array_equal(selected_vertices(item), before)
+        assert own_names(item) == {"sg_keypoint", "sg_color"}
+        bpy.ops.ed.redo()
+        item = bpy.data.objects["Creature"]
+        assert item.mode == "EDIT"
+        item.update_from_editmode()
+        assert 0 < len(selected_vertices(item)) < len(before)  # a new mesh has all selected
+
+    def test_without_keypoints_there_is_nothing_to_select(self, modules):
+        item = add_blob()
+        assert not bpy.ops.shape_google.select_keypoints.poll()
+        item.data.attributes.new("sg_keypoint", "FLOAT", "POINT")
+        assert bpy.ops.shape_google.select_keypoints() == {"CANCELLED"}
+        assert item.mode == "OBJECT"
+
+    def test_hidden_ones_stay_unselected(self, modules):
+        item = add_creature()
+        paint("KEYPOINTS")
+        points = np.flatnonzero(modules.attributes.values_of(item.data, "sg_keypoint"))
+        item.data.vertices[points[0]].hide = True
+        bpy.ops.shape_google.select_keypoints()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert np.array_equal(selected_vertices(item), points[1:])
+
+    def test_other_detectors_in_edit_mode_and_clearing(self, modules):
+        item = add_creature()
+        paint("KEYPOINTS", detector="hks-maxima")
+        bpy.ops.object.mode_set(mode="EDIT")
+        paint("KEYPOINTS", detector="salient-points")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        expected = sg.vertex_keypoints(modules.scene.base_mesh(item), "salient-points")
+        response = modules.attributes.values_of(item.data, "sg_keypoint")
+        assert set(np.flatnonzero(response)) == set(expected.indices)
+        assert bpy.ops.shape_google.clear_paint() == {"FINISHED"}
+        assert not own_names(item)
+
+
 class TestUncleanMeshes:
     def test_heat_crosses_split_edges_and_loose_vertices_are_0(self, modules):
         item = add_blob()
@@ -201,7 +310,7 @@ class TestUncleanMeshes:
 
     def test_suzanne_has_loose_eyes(self, modules):
         bpy.ops.mesh.primitive_monkey_add()
-        for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT"):
+        for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT", "KEYPOINTS"):
             assert paint(kind) == {"FINISHED"}
         for name in own_names(bpy.context.object):
             assert np.isfinite(modules.attributes.values_of(bpy.context.object.data, name)).all()
@@ -320,7 +429,7 @@ class TestUndoAndClear:
         item.data.attributes.default_color_name = "mine"
         item.data["note"] = "keep"
         before = [(attribute.name, attribute.data_type) for attribute in item.data.attributes]
-        for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT"):
+        for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT", "KEYPOINTS"):
             paint(kind)
         assert len(own_names(item)) > 15
         assert bpy.ops.shape_google.clear_paint() == {"FINISHED"}

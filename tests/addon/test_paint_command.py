@@ -120,6 +120,18 @@ def test_heat_needs_a_vertex_that_is_there(main, source, capsys):
     assert main([*arguments, "7"]) == 0
 
 
+def test_keypoints_of_a_detector(main, source, addon, capsys):
+    output = source.with_name("out.blend")
+    arguments = ["--object", "Ball", "--attribute", "keypoints", "--detector", "harris-3d"]
+    assert main([str(source), "--output", str(output), *arguments]) == 0
+    assert " keypoints of harris-3d; 162 vertices" in capsys.readouterr().err
+    bpy.ops.wm.open_mainfile(filepath=str(output))
+    item = bpy.data.objects["Ball"]
+    modules = [importlib.import_module(f"{addon.__name__}.{name}") for name in ("attributes", "scene")]
+    found = sg.vertex_keypoints(modules[1].base_mesh(item), "harris-3d")
+    assert np.allclose(modules[0].values_of(item.data, "sg_keypoint"), found.responses)
+
+
 def test_the_source_is_never_saved_over(main, source, capsys, tmp_path):
     before = digest(source)
     link = tmp_path / "link.blend"
@@ -146,6 +158,7 @@ def test_file_that_is_no_blend(main, tmp_path, capsys, content):
         ["in.blend", "--output", "x", "--scale", "2"],
         ["in.blend", "--output", "x", "--attribute", "beauty"],
         ["in.blend", "--output", "x", "--times", "0"],
+        ["in.blend", "--output", "x", "--attribute", "keypoints", "--detector", "corners"],
     ],
 )
 def test_wrong_usage(main, arguments):

@@ -18,6 +18,7 @@ import pytest
 
 from shapegoogle_core import MeshError
 from shapegoogle_core.indexing import end_external_readers, read_shapes
+from tests.addon.conftest import to_point_cloud
 
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits and ends processes so")
 
@@ -150,6 +151,27 @@ def test_wires_and_lamps_are_no_shapes(read, tmp_path: Path) -> None:
     found = read(save(tmp_path / "scene.blend"))
     assert not found.shapes
     assert not found.problems
+
+
+def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read, tmp_path: Path) -> None:
+    points = np.random.default_rng(1).random((40, 3)).astype(np.float32)
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata(points.tolist(), [], [])
+    objects = [bpy.data.objects.new(name, mesh) for name in ("Vertices", "Scan")]
+    objects.append(bpy.data.objects.new("Empty", bpy.data.pointclouds.new("Empty")))
+    for item in objects:
+        bpy.context.collection.objects.link(item)
+    objects[1].scale = 1, 2, -3
+    bpy.ops.object.select_all(action="DESELECT")
+    objects[1].select_set(True)
+    bpy.context.view_layer.objects.active = objects[1]
+    converted = to_point_cloud()
+    found = read(save(tmp_path / "scene.blend"))
+    assert not found.problems
+    assert [shape.object_name for shape in found.shapes] == ["Scan"] * converted
+    for shape in found.shapes:
+        assert shape.mesh.is_point_cloud
+        np.testing.assert_allclose(shape.mesh.vertices, points * [1, 2, -3], atol=1e-6)
 
 
 def test_scripts_in_files_do_not_run(read, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import MeshError
+from tests.addon.conftest import to_point_cloud
 
 
 @pytest.fixture
@@ -99,6 +100,76 @@ def test_the_selected_faces_of_all_objects_in_edit_mode(scene) -> None:
     # The twin is not counted once more: it is the same mesh, edited once.
     assert (part.name, len(part.faces)) == ("First and 1 more, selected part", 6)
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def add_points(name: str, points: np.ndarray, edges=()):
+    """A mesh of vertices without faces, as an imported scan is."""
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(points.tolist(), edges, [])
+    item = bpy.data.objects.new(name, data)
+    bpy.context.collection.objects.link(item)
+    bpy.ops.object.select_all(action="DESELECT")
+    item.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    return item
+
+
+def some_points(count: int = 30) -> np.ndarray:
+    return np.random.default_rng(5).random((count, 3))
+
+
+def test_points_without_faces_are_a_shape(scene) -> None:
+    item = add_points("Scan", some_points())
+    item.scale = 2, 2, 2
+    (cloud,) = scene.query_meshes(bpy.context)
+    assert cloud.is_point_cloud
+    assert np.allclose(cloud.vertices, 2 * some_points(), atol=1e-6)
+    other = add_points("Rest", some_points() + 3)
+    item.select_set(True)
+    (both,) = scene.query_meshes(bpy.context)
+    assert (len(both.vertices), both.is_point_cloud) == (60, True)
+    assert len(scene.query_meshes(bpy.context, separate=True)) == 2
+    bpy.context.view_layer.objects.active = other
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(MeshError, match=r"'Rest' .*leave edit mode to look for all points"):
+        scene.query_meshes(bpy.context)
+
+
+def test_points_and_surfaces_are_not_joined_but_helpers_are_passed_over(scene) -> None:
+    cube = add("Cube")
+    add_points("Helper", some_points(2))
+    add_points("Wire", some_points(20), [(index, index + 1) for index in range(19)])
+    for item in bpy.context.scene.objects:
+        item.select_set(True)
+    (shape,) = scene.query_meshes(bpy.context)
+    assert len(shape.faces) == 12
+    add_points("Scan", some_points())
+    cube.select_set(True)
+    with pytest.raises(MeshError, match="'Scan' is a point cloud and 'Cube' a mesh"):
+        scene.query_meshes(bpy.context)
+    assert len(scene.query_meshes(bpy.context, separate=True)) == 2
+
+
+def test_a_wire_is_no_point_cloud(scene) -> None:
+    bpy.ops.mesh.primitive_circle_add()
+    for separate in (False, True):
+        with pytest.raises(MeshError, match="'Circle' has neither faces nor single points"):
+            scene.query_meshes(bpy.context, separate=separate)
+
+
+def test_a_point_cloud_object_is_a_shape(scene) -> None:
+    item = add_points("Scan", some_points())
+    item.scale = 2, 2, 2
+    if not to_point_cloud():
+        pytest.skip("this Blender makes no point clouds of meshes")
+    assert bpy.context.object.type == "POINTCLOUD"
+    (cloud,) = scene.query_meshes(bpy.context)
+    assert (cloud.name, cloud.is_point_cloud) == ("Scan", True)
+    assert np.allclose(cloud.vertices, 2 * some_points(), atol=1e-6)
+    bpy.data.pointclouds.new("Nothing")
+    empty = bpy.data.objects.new("Nothing", bpy.data.pointclouds["Nothing"])
+    bpy.context.collection.objects.link(empty)
+    assert scene.evaluated_mesh(empty).vertices.shape == (0, 3)
 
 
 def select_faces(item, count: int) -> None:

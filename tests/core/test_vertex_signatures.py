@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Spectra and words of unclean and of large meshes, at their own vertices."""
+"""Spectra, words and keypoints of unclean and of large meshes, at their own vertices."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from trimesh.proximity import closest_point_naive
 
 import shapegoogle_core as sg
+from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.mesh import repair, repair_mapped
 from shapegoogle_core.prolongation import prolongation
+from shapegoogle_core.vertex_signatures import SPOT_RADIUS
 
 
 def unwelded(mesh: sg.Mesh) -> sg.Mesh:
@@ -145,3 +147,62 @@ class TestVertexWords:
         assert np.allclose(few, words.weights()[:, [3, 1]])
         assert few[-1].tolist() == [0, 0]
         assert words.heaviest[-1] == -1
+
+
+@pytest.fixture(scope="module")
+def horse():
+    return make_creature("horse", 120, 1500).pose("rest")
+
+
+class TestVertexKeypoints:
+    @pytest.mark.parametrize("detector", sg.keypoints.DETECTORS)
+    def test_are_those_of_the_mesh_where_it_is_clean(self, horse, detector):
+        found = sg.vertex_keypoints(horse, detector, k=60)
+        expected = sg.detect_keypoints(horse, sg.compute_spectrum(horse, 60), detector)
+        assert len(found) > 3
+        assert np.array_equal(found.indices, expected.indices)
+        assert np.array_equal(found.response, expected.response)
+        assert not found.simplified
+        assert np.array_equal(np.flatnonzero(found.responses), np.sort(expected.indices))
+
+    def test_come_back_to_vertices_of_an_unclean_mesh_in_their_place(self, horse):
+        soup = unwelded(horse)
+        mesh = sg.Mesh(np.concatenate([[[9, 9, 9]], soup.vertices]), soup.faces + 1)
+        found = sg.vertex_keypoints(mesh)
+        expected = sg.vertex_keypoints(horse)
+        # The same places, in the same order; a loose vertex is none, wherever it is.
+        assert np.array_equal(mesh.vertices[found.indices], horse.vertices[expected.indices])
+        assert found.responses.shape == (len(mesh.vertices),)
+
+    def test_a_simplified_copy_has_them_at_the_same_tips(self):
+        mesh = make_creature("horse", 120, 8000).pose("rest")
+        exact, near = (sg.vertex_keypoints(mesh, k=60, budget=budget) for budget in (None, 2000))
+        assert near.simplified
+        assert len(near) == len(exact)
+        distances = np.linalg.norm(
+            mesh.vertices[near.indices, None] - mesh.vertices[exact.indices], axis=2
+        ).min(axis=0)
+        assert distances.max() < 0.05 * np.sqrt(mesh.area)
+        assert (np.diff(near.response) <= 0).all()
+
+    def test_spots_lie_around_them(self, horse):
+        found = sg.vertex_keypoints(horse)
+        assert (found.coverage[found.indices] == 1).all()
+        assert found.strength[found.indices[0]] == 1
+        away = np.linalg.norm(horse.vertices[:, None] - horse.vertices[found.indices], axis=2).min(axis=1)
+        assert (away[found.coverage > 0] < SPOT_RADIUS * np.sqrt(horse.area)).all()
+        assert (found.strength[found.coverage == 0] == 0).all()
+
+    def test_where_nothing_stands_out_there_are_none(self):
+        sphere = trimesh.creation.icosphere(3)
+        sphere = sg.Mesh(sphere.vertices, sphere.faces, "ball")
+        found = sg.vertex_keypoints(sphere, "hks-maxima", k=60)
+        assert len(found) == 0
+        assert not found.coverage.any()
+        assert not found.responses.any()
+
+    def test_wrong_detector_and_no_surface(self, horse):
+        with pytest.raises(ValueError, match="detector must be one of"):
+            sg.vertex_keypoints(horse, "corners", k=5)
+        with pytest.raises(sg.MeshError, match="'rod'"):
+            sg.vertex_keypoints(sg.Mesh(np.eye(4, 3), [], "rod"))

@@ -93,6 +93,18 @@ def test_signature(window, library, horse):
     save(window.picture(), "signature")
 
 
+def test_keypoints(window, horse):
+    window.clean_scene(horse, NAME)
+    window.run(
+        "settings = bpy.context.scene.shape_google_painting\n"
+        "settings.kind, settings.detector = 'KEYPOINTS', 'salient-points'"
+    )
+    window.open("Signature")
+    window.press("bpy.ops.shape_google.paint")
+    window.wait(lambda state: "sg_keypoint" in state["objects"][NAME]["attributes"], "keypoints painted")
+    save(window.picture(), "keypoints_in_blender")
+
+
 def test_duplicates(window, library, horse):
     window.clean_scene(horse, "Horse A")
     window.ask("add_object", str(horse), "Horse B", [1.5, 0, 0])

@@ -181,6 +181,29 @@ def test_paint_signature_slide_and_undo(window, query):
     assert colorful(window.picture("window")) == pytest.approx(colorful(before), abs=0.01)
 
 
+def test_keypoints_are_painted_selected_and_undone(window, query):
+    window.clean_scene(query, NAME)
+    window.run("bpy.context.scene.shape_google_painting.kind = 'KEYPOINTS'")
+    window.open("Signature")
+    before = window.picture("window")
+    window.press("bpy.ops.shape_google.paint")
+    window.wait(lambda state: "sg_keypoint" in state["objects"][NAME]["attributes"], "keypoints painted")
+    # Some tips are on the far side: a few spots, and all else nearly grey.
+    assert colorful(before) + 0.0003 < colorful(window.picture("window")) < colorful(before) + 0.02
+    window.press("shape_google.select_keypoints")
+    selected = window.run(
+        "import bmesh, bpy\n"
+        f"mesh = bmesh.from_edit_mesh(bpy.data.objects[{NAME!r}].data)\n"
+        "result = sum(vertex.select for vertex in mesh.verts)"
+    )
+    assert 3 < selected < 20
+    assert window.run("result = bpy.context.mode") == "EDIT_MESH"
+    window.undo()
+    window.settle()
+    assert window.run("result = bpy.context.mode") == "OBJECT"
+    assert "sg_keypoint" in window.ask("state")["objects"][NAME]["attributes"]
+
+
 def test_duplicates_are_found_linked_and_unlinked(window, query):
     window.clean_scene(query, "First")
     window.ask("add_object", str(query), "Second", [2, 0, 0])
