@@ -11,13 +11,17 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bmesh
-import numpy as np
-from numpy.typing import NDArray
 
 from .painting import COLOR, FAMILIES, Layer
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+else:
+    from .lazy_numpy import np
 
 __all__ = ["PREFIX", "clear", "geometry_hash", "is_painted", "picked_vertex", "values_of", "write"]
 

@@ -5,21 +5,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from .mesh_data import WorldMesh, differing_data, world_mesh
 from .scene import split_evaluated
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+else:
+    from .lazy_numpy import np
+
 __all__ = ["Linked", "link_data"]
 
-FloatArray = NDArray[np.float64]
-
 # Blender keeps matrices in single precision: places far from the origin are less exact.
-SINGLE = 4 * float(np.finfo(np.float32).eps)
+SINGLE = 4 * 2.0**-23  # four times the step from 1 to the next float32
 HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
 # Of these kinds a parent deforms its children, as a modifier would.
 DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}

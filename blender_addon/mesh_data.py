@@ -7,17 +7,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import attributes
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core.mesh.congruence import Congruence, PolygonMesh
 
-__all__ = ["WorldMesh", "differing_data", "world_mesh"]
+    Indices = NDArray[np.int64]
+else:
+    from .lazy_numpy import np
 
-Indices = NDArray[np.int64]
+__all__ = ["WorldMesh", "differing_data", "world_mesh"]
 
 # Relative or absolute difference up to which two numbers are the same.
 CLOSE = 1e-4

@@ -7,11 +7,17 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core import Mesh
+
+    FloatArray = NDArray[np.float64]
+    IntArray = NDArray[np.int32]
+else:
+    from .lazy_numpy import np
 
 __all__ = [
     "base_mesh",
@@ -23,9 +29,6 @@ __all__ = [
     "selected_part",
     "split_evaluated",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int32]
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:

@@ -8,13 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import attributes, painting, scene
 from .painting import Layer, Painting
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from shapegoogle_core import ShapeModel, VertexSpectrum, VertexWords
+else:
+    from .lazy_numpy import np
 
 __all__ = ["Known", "Task", "clear", "key_of", "known", "paint_layers", "remember", "task_of"]
 

@@ -6,19 +6,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import attributes, scene
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core import Mesh, VertexMatch
     from shapegoogle_core.correspondence import SurfacePoints
 
-__all__ = ["Layers", "Source", "Target", "Transferred", "read_source", "read_target", "transfer"]
+    FloatArray = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+else:
+    from .lazy_numpy import np
 
-FloatArray = NDArray[np.float64]
-Indices = NDArray[np.int64]
+__all__ = ["Layers", "Source", "Target", "Transferred", "read_source", "read_target", "transfer"]
 
 # Smaller weights of a group are left out: interpolation would spread every group over all faces it touches.
 LEAST_WEIGHT = 1e-3
