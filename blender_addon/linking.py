@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from .mesh_arrays import vertex_positions
 from .mesh_data import WorldMesh, differing_data, world_mesh
 from .scene import split_evaluated
 
@@ -226,9 +227,8 @@ def _tolerance() -> float:
 
 def _box(data: Any) -> FloatArray:
     """(8, 3) corners of the box around a mesh, in its own space."""
-    points = np.empty(3 * len(data.vertices), np.float32)
-    data.vertices.foreach_get("co", points)
-    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+    points = vertex_positions(data)
+    low, high = points.min(axis=0), points.max(axis=0)
     choice = np.array([[index >> axis & 1 for axis in range(3)] for index in range(8)], bool)
     return np.asarray(np.where(choice, high, low), np.float64)
 
@@ -242,12 +242,11 @@ def _evaluated(context: Any, item: Any) -> FloatArray:
     evaluated = item.evaluated_get(context.evaluated_depsgraph_get())
     data = evaluated.to_mesh()
     try:
-        points = np.empty(3 * len(data.vertices), np.float32)
-        data.vertices.foreach_get("co", points)
+        points = vertex_positions(data)
     finally:
         evaluated.to_mesh_clear()
     matrix: FloatArray = np.array(evaluated.matrix_world, np.float64)
-    return np.asarray(points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3], np.float64)
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float64)
 
 
 def _same_points(one: FloatArray, two: FloatArray, allowed: float) -> bool:

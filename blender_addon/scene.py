@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from . import mesh_arrays
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -130,10 +132,8 @@ def selected_part(items: Sequence[Any]) -> Mesh:
         item.update_from_editmode()
         data = item.data
         vertices, faces = _arrays(data)
-        chosen = np.zeros(len(data.polygons), bool)
-        data.polygons.foreach_get("select", chosen)
-        polygon = np.empty(len(faces), np.int32)
-        data.loop_triangles.foreach_get("polygon_index", polygon)
+        chosen = mesh_arrays.read(data.polygons, "select", 1, bool)[:, 0]
+        polygon = mesh_arrays.read(data.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
         faces = faces[chosen[polygon]]
         if len(faces):
             used, corners = np.unique(faces, return_inverse=True)
@@ -239,12 +239,7 @@ def _matrix(item: Any) -> FloatArray:
 
 def _arrays(data: Any) -> tuple[FloatArray, IntArray]:
     """Vertices (n, 3) and triangles (m, 3) of a bpy mesh, in its own space."""
-    vertices = np.empty((len(data.vertices), 3), np.float32)
-    data.vertices.foreach_get("co", vertices.ravel())
-    data.calc_loop_triangles()
-    faces = np.empty((len(data.loop_triangles), 3), np.int32)
-    data.loop_triangles.foreach_get("vertices", faces.ravel())
-    return vertices.astype(np.float64), faces
+    return mesh_arrays.vertex_positions(data).astype(np.float64), mesh_arrays.triangles(data)
 
 
 def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray]]) -> Mesh:
