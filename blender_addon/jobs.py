@@ -33,7 +33,7 @@ __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up_soon", "watch"
 
 T = TypeVar("T")
 
-# How often the main thread looks for results, in seconds: half of it is lost, and nothing is drawn for a look.
+# How often the main thread looks for results, in seconds; nothing is drawn for a look.
 INTERVAL = 0.02
 # How long a background Blender may take to end by itself after it was asked to.
 PATIENCE = 5.0

@@ -227,10 +227,12 @@ def select_creature(size: int) -> None:
         steps += 1
     mesh = make_creature(KIND, SEED, size // 4**steps).pose(SEED)
     for _ in range(steps):
-        mesh = sg.Mesh(*trimesh.remesh.subdivide(mesh.vertices, mesh.faces), mesh.name)
+        vertices, faces = trimesh.remesh.subdivide(mesh.vertices, mesh.faces)  # type: ignore[no-untyped-call]
+        mesh = sg.Mesh(vertices, faces, mesh.name)
     item = module("scene").new_object(bpy.context, mesh, f"creature {size}")
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other == item)
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    item.select_set(True)
     bpy.context.view_layer.objects.active = item
     bpy.context.view_layer.update()
 
