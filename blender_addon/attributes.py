@@ -11,13 +11,18 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bmesh
-import numpy as np
-from numpy.typing import NDArray
 
+from . import mesh_arrays
 from .painting import COLOR, FAMILIES, Layer
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+else:
+    from .lazy_numpy import np
 
 __all__ = [
     "PREFIX",
@@ -218,12 +223,9 @@ def geometry_hash(item: Any) -> str:
     if item.mode == "EDIT":
         item.update_from_editmode()
     data = item.data
-    coordinates = np.empty(3 * len(data.vertices), np.float32)
-    data.vertices.foreach_get("co", coordinates)
-    corners = np.empty(len(data.loops), np.int32)
-    data.loops.foreach_get("vertex_index", corners)
-    starts = np.empty(len(data.polygons), np.int32)
-    data.polygons.foreach_get("loop_start", starts)
+    coordinates = mesh_arrays.vertex_positions(data).ravel()
+    corners = mesh_arrays.corner_vertices(data)
+    starts = mesh_arrays.read(data.polygons, "loop_start", 1, np.int32)[:, 0]
     linear = np.array(item.matrix_world, np.float64)[:3, :3]
     metric = linear.T @ linear  # all that lengths on the surface depend on
     largest = float(np.abs(metric).max())

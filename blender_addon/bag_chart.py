@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 import bpy.utils.previews
-import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from PIL import Image
+else:
+    from .lazy_numpy import np
 
 __all__ = ["clear", "draw_chart", "icon_of", "show"]
 

@@ -8,16 +8,18 @@ Blender.
 
 from __future__ import annotations
 
+import importlib
 import json
 import subprocess
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
@@ -31,8 +33,8 @@ __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up_soon", "watch"
 
 T = TypeVar("T")
 
-# How often the main thread looks for results, in seconds: a redraw takes longer on a slow machine.
-INTERVAL = 0.1
+# How often the main thread looks for results, in seconds; nothing is drawn for a look.
+INTERVAL = 0.02
 # How long a background Blender may take to end by itself after it was asked to.
 PATIENCE = 5.0
 KEPT_LINES = 100
@@ -57,6 +59,9 @@ def worker() -> Worker:
 def warm_up_soon(library: Path, counted: Callable[[int], None]) -> None:
     """Have the worker process open a library in a moment, once for each: cheap enough for a panel's draw.
 
+    The core is imported for this process too: by another thread, since it would stop the window for half a
+    second.
+
     Parameters
     ----------
     library : Path
@@ -68,13 +73,22 @@ def warm_up_soon(library: Path, counted: Callable[[int], None]) -> None:
         return
     _warm.add(library)
 
-    def start() -> None:
-        from shapegoogle_core.library.tasks import warm_up
+    def ask(tasks: ModuleType) -> None:
+        if library in _warm:  # else the add-on was switched off meanwhile
+            watch(worker().submit(tasks.warm_up, library), counted, ignore)
 
-        # What is wrong with a library is said to whoever asks it something.
-        watch(worker().submit(warm_up, library), counted, lambda _error: None)
+    def ignore(_error: BaseException) -> None:
+        """Leave it to whoever asks the library something to say what is wrong."""
 
-    bpy.app.timers.register(start, first_interval=INTERVAL)
+    watch(_import_core(), ask, ignore)
+
+
+def _import_core() -> Future[ModuleType]:
+    """Import in another thread what tasks are sent with; numpy comes along."""
+    importer = ThreadPoolExecutor(1)
+    imported = importer.submit(importlib.import_module, "shapegoogle_core.library.tasks")
+    importer.shutdown(wait=False)
+    return imported
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:

@@ -5,21 +5,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
+from .mesh_arrays import vertex_positions
 from .mesh_data import WorldMesh, differing_data, world_mesh
 from .scene import split_evaluated
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    FloatArray = NDArray[np.float64]
+else:
+    from .lazy_numpy import np
+
 __all__ = ["Linked", "link_data"]
 
-FloatArray = NDArray[np.float64]
-
 # Blender keeps matrices in single precision: places far from the origin are less exact.
-SINGLE = 4 * float(np.finfo(np.float32).eps)
+SINGLE = 4 * 2.0**-23  # four times the step from 1 to the next float32
 HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
 # Of these kinds a parent deforms its children, as a modifier would.
 DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
@@ -222,9 +227,8 @@ def _tolerance() -> float:
 
 def _box(data: Any) -> FloatArray:
     """(8, 3) corners of the box around a mesh, in its own space."""
-    points = np.empty(3 * len(data.vertices), np.float32)
-    data.vertices.foreach_get("co", points)
-    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+    points = vertex_positions(data)
+    low, high = points.min(axis=0), points.max(axis=0)
     choice = np.array([[index >> axis & 1 for axis in range(3)] for index in range(8)], bool)
     return np.asarray(np.where(choice, high, low), np.float64)
 
@@ -238,12 +242,11 @@ def _evaluated(context: Any, item: Any) -> FloatArray:
     evaluated = item.evaluated_get(context.evaluated_depsgraph_get())
     data = evaluated.to_mesh()
     try:
-        points = np.empty(3 * len(data.vertices), np.float32)
-        data.vertices.foreach_get("co", points)
+        points = vertex_positions(data)
     finally:
         evaluated.to_mesh_clear()
     matrix: FloatArray = np.array(evaluated.matrix_world, np.float64)
-    return np.asarray(points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3], np.float64)
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float64)
 
 
 def _same_points(one: FloatArray, two: FloatArray, allowed: float) -> bool:

@@ -7,17 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import attributes
+from .mesh_arrays import corner_vertices, read, vertex_positions
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core.mesh.congruence import Congruence, PolygonMesh
 
-__all__ = ["WorldMesh", "differing_data", "world_mesh"]
+    Indices = NDArray[np.int64]
+else:
+    from .lazy_numpy import np
 
-Indices = NDArray[np.int64]
+__all__ = ["WorldMesh", "differing_data", "world_mesh"]
 
 # Relative or absolute difference up to which two numbers are the same.
 CLOSE = 1e-4
@@ -84,14 +87,14 @@ def world_mesh(item: Any) -> WorldMesh | None:
         item.update_from_editmode()
     data = item.data
     matrix = np.array(item.matrix_world, np.float64)
-    points = _read(data.vertices, "co", 3, np.float32).astype(np.float64)
+    points = vertex_positions(data).astype(np.float64)
     vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False) if np.isfinite(matrix).all() else np.zeros(3)
     if not len(points) or not np.isfinite(vertices).all() or scales[2] <= 1e-9 * scales[0]:
         return None
-    corners = _read(data.loops, "vertex_index", 1, np.int32).ravel().astype(np.int64)
-    sizes = _read(data.polygons, "loop_total", 1, np.int32).ravel().astype(np.int64)
-    edges = _read(data.edges, "vertices", 2, np.int32).astype(np.int64)
+    corners = corner_vertices(data).astype(np.int64)
+    sizes = read(data.polygons, "loop_total", 1, np.int32).ravel().astype(np.int64)
+    edges = read(data.edges, "vertices", 2, np.int32).astype(np.int64)
     corner_ids = np.arange(len(corners))
     if np.linalg.det(matrix[:3, :3]) < 0:
         starts = np.repeat(np.cumsum(sizes) - sizes, sizes)
@@ -134,14 +137,8 @@ def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) 
     return names + _differing_attributes(one, two, orders)
 
 
-def _read(collection: Any, name: str, width: int, dtype: Any) -> NDArray[Any]:
-    values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(name, values)
-    return values.reshape(-1, width)
-
-
 def _same_seams(one: Any, two: Any, order: Indices) -> bool:
-    seams = [_read(data.edges, "use_seam", 1, bool).ravel() for data in (one, two)]
+    seams = [read(data.edges, "use_seam", 1, bool).ravel() for data in (one, two)]
     return bool((seams[0] == seams[1][order]).all())
 
 
@@ -169,7 +166,7 @@ def _same_normals(first: WorldMesh, second: WorldMesh, congruence: Congruence, c
     normals = []
     turn = congruence.matrix[:3, :3] @ first.matrix[:3, :3], second.matrix[:3, :3]
     for data, linear in zip((one, two), turn, strict=True):
-        placed = _read(data.corner_normals, "vector", 3, np.float32) @ np.linalg.inv(linear)
+        placed = read(data.corner_normals, "vector", 3, np.float32) @ np.linalg.inv(linear)
         normals.append(placed / np.maximum(np.linalg.norm(placed, axis=1, keepdims=True), 1e-12))
     return bool(np.abs(normals[0] - normals[1][corners]).max(initial=0) <= CLOSE_NORMALS)
 
@@ -218,7 +215,7 @@ def _values(attribute: Any) -> NDArray[Any]:
     if properties[name].type == "STRING":
         return np.array([[entry.value] for entry in attribute.data])
     dtype = {"BOOLEAN": bool, "INT": np.int32}.get(properties[name].type, np.float32)
-    return _read(attribute.data, name, max(1, properties[name].array_length), dtype)
+    return read(attribute.data, name, max(1, properties[name].array_length), dtype)
 
 
 def _close(one: NDArray[Any], two: NDArray[Any]) -> bool:

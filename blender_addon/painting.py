@@ -7,11 +7,15 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core import Spectrum, VertexKeypoints, VertexSpectrum, VertexWords
+
+    FloatArray = NDArray[np.float64]
+else:
+    from .lazy_numpy import np
 
 __all__ = [
     "CHANNELS",
@@ -32,8 +36,6 @@ __all__ = [
     "time_range",
     "times_of",
 ]
-
-FloatArray = NDArray[np.float64]
 
 # Identifier, label and tooltip, as Blender's enumerations take them.
 KINDS = (

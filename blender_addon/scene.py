@@ -7,11 +7,19 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
+
+from . import mesh_arrays
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core import Mesh
+
+    FloatArray = NDArray[np.float64]
+    IntArray = NDArray[np.int32]
+else:
+    from .lazy_numpy import np
 
 __all__ = [
     "base_mesh",
@@ -24,9 +32,6 @@ __all__ = [
     "shape_objects",
     "split_evaluated",
 ]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int32]
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
@@ -135,10 +140,8 @@ def selected_part(items: Sequence[Any]) -> Mesh:
         item.update_from_editmode()
         data = item.data
         vertices, faces = _arrays(data)
-        chosen = np.zeros(len(data.polygons), bool)
-        data.polygons.foreach_get("select", chosen)
-        polygon = np.empty(len(faces), np.int32)
-        data.loop_triangles.foreach_get("polygon_index", polygon)
+        chosen = mesh_arrays.read(data.polygons, "select", 1, bool)[:, 0]
+        polygon = mesh_arrays.read(data.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
         faces = faces[chosen[polygon]]
         if len(faces):
             used, corners = np.unique(faces, return_inverse=True)
@@ -262,7 +265,11 @@ def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArr
     depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
     evaluated = item.evaluated_get(depsgraph)
     if evaluated.type == "POINTCLOUD":
-        return _positions(evaluated.data.points), np.empty((0, 3), np.int32), _matrix(evaluated)
+        return (
+            mesh_arrays.read(evaluated.data.points, "co", 3, np.float32).astype(np.float64),
+            np.empty((0, 3), np.int32),
+            _matrix(evaluated),
+        )
     data = evaluated.to_mesh()
     try:
         vertices, faces = _arrays(data)
@@ -279,17 +286,7 @@ def _matrix(item: Any) -> FloatArray:
 
 def _arrays(data: Any) -> tuple[FloatArray, IntArray]:
     """Vertices (n, 3) and triangles (m, 3) of a bpy mesh, in its own space."""
-    data.calc_loop_triangles()
-    faces = np.empty((len(data.loop_triangles), 3), np.int32)
-    data.loop_triangles.foreach_get("vertices", faces.ravel())
-    return _positions(data.vertices), faces
-
-
-def _positions(points: Any) -> FloatArray:
-    """(n, 3) places of vertices or points."""
-    places = np.empty((len(points), 3), np.float32)
-    points.foreach_get("co", places.ravel())
-    return places.astype(np.float64)
+    return mesh_arrays.vertex_positions(data).astype(np.float64), mesh_arrays.triangles(data)
 
 
 def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray]]) -> Mesh:

@@ -8,15 +8,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import attributes, painting, scene
 from .painting import Layer, Painting
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
 
     Result = VertexSpectrum | VertexWords | VertexKeypoints
+else:
+    from .lazy_numpy import np
 
 __all__ = ["Known", "Task", "clear", "key_of", "known", "paint_layers", "remember", "task_of"]
 
@@ -119,8 +121,9 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
 
     mesh = scene.base_mesh(item)
     count = len(mesh.vertices)
-    used = mesh.vertices[np.unique(mesh.faces)]
-    size = float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
+    used = np.zeros(count, bool)
+    used[mesh.faces] = True
+    size = float(np.linalg.norm(np.ptp(mesh.vertices[used], axis=0))) if used.any() else 0.0
     if chosen.kind != "WORDS" or model is None:
         solved = min(count, chosen.budget or count)
         seconds = 1e-6 * solved * chosen.eigenpairs + 2e-5 * count

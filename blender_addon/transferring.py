@@ -6,19 +6,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from . import attributes, scene
+from . import attributes, mesh_arrays, scene
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from shapegoogle_core import Mesh, VertexMatch
     from shapegoogle_core.correspondence import SurfacePoints
 
-__all__ = ["Layers", "Source", "Target", "Transferred", "read_source", "read_target", "transfer"]
+    FloatArray = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+else:
+    from .lazy_numpy import np
 
-FloatArray = NDArray[np.float64]
-Indices = NDArray[np.int64]
+__all__ = ["Layers", "Source", "Target", "Transferred", "read_source", "read_target", "transfer"]
 
 # Smaller weights of a group are left out: interpolation would spread every group over all faces it touches.
 LEAST_WEIGHT = 1e-3
@@ -161,15 +163,11 @@ def read_target(item: Any) -> Target:
     """
     mesh, _ = _mesh_and_loops(item)
     data = item.data
-    polygon = np.empty(len(mesh.faces), np.int32)
-    data.loop_triangles.foreach_get("polygon_index", polygon)
+    polygon = mesh_arrays.read(data.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
     centers = np.unique(polygon, return_index=True)[1]
-    vertices = np.empty(len(data.loops), np.int32)
-    data.loops.foreach_get("vertex_index", vertices)
-    sizes = np.empty(len(data.polygons), np.int32)
-    data.polygons.foreach_get("loop_total", sizes)
+    sizes = mesh_arrays.read(data.polygons, "loop_total", 1, np.int32)[:, 0]
     polygons = np.repeat(np.arange(len(sizes)), sizes)
-    return Target(mesh, centers, vertices.astype(np.int64), polygons)
+    return Target(mesh, centers, mesh_arrays.corner_vertices(data).astype(np.int64), polygons)
 
 
 def transfer(
@@ -227,17 +225,14 @@ def transfer(
 
 def _mesh_and_loops(item: Any) -> tuple[Mesh, Indices]:
     mesh = scene.base_mesh(item)
-    loops = np.empty((len(mesh.faces), 3), np.int32)
-    item.data.loop_triangles.foreach_get("loops", loops.ravel())
+    loops = mesh_arrays.read(item.data.loop_triangles, "loops", 3, np.int32)
     if np.linalg.det(np.array(item.matrix_world, np.float64)[:3, :3]) < 0:
         loops = loops[:, ::-1]  # as `base_mesh` turns the faces of a mirrored object
     return mesh, loops.astype(np.int64)
 
 
 def _read(values: Any, name: str, width: int) -> FloatArray:
-    read = np.empty((len(values), width), np.float32)
-    values.foreach_get(name, read.ravel())
-    return read.astype(np.float64)
+    return mesh_arrays.read(values, name, width, np.float32).astype(np.float64)
 
 
 def _group_weights(item: Any) -> dict[str, FloatArray]:

@@ -35,8 +35,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         """Lay the panel out."""
         layout = self.layout
         session = session_of(context)
-        # Whoever looks at this panel is about to ask the library something.
-        jobs.warm_up_soon(preferences(context).library_path(), _show_count)
+        warm_up(context)
         row = layout.row(align=True)
         row.scale_y = 1.3
         if session.searching:
@@ -59,6 +58,11 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         hidden = len(session.matches) - len(shown)
         if hidden:
             layout.label(text=f"{hidden} hidden by the filters", icon="FILTER")
+
+
+def warm_up(context: Any) -> None:
+    """Get ready: whoever looks at a panel is about to ask the library something, or to paint."""
+    jobs.warm_up_soon(preferences(context).library_path(), _show_count)
 
 
 def _show_count(shapes: int) -> None:

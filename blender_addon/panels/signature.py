@@ -9,6 +9,7 @@ import bpy
 
 from .. import bag_chart, painted
 from ..painting_settings import settings_of
+from .search import warm_up
 
 __all__ = ["register", "unregister"]
 
@@ -29,6 +30,7 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         """Lay the panel out."""
+        warm_up(context)
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
