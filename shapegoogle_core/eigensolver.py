@@ -298,7 +298,7 @@ def _block_lanczos(
     projected = np.zeros((capacity + BLOCK, capacity + BLOCK))  # B in the basis: block tridiagonal
     size = BLOCK
     has_two_new = True  # blocks that were not made orthogonal to the whole basis; the start was
-    check_at = 1.5 * (below + above)
+    check_at = 1.7 * (below + above)  # none was ever done before
     while True:
         block = slice(size - BLOCK, size)
         remainder = basis[:, locked + size : locked + size + BLOCK]
@@ -326,7 +326,7 @@ def _block_lanczos(
             if full or excess.max(initial=0.0) <= 1:
                 break
             # A block gains about a digit at best: wait that long before the next look.
-            check_at = size + BLOCK * max(1, int(np.log10(min(excess.max(), 1e8))))
+            check_at = size + BLOCK * np.ceil(np.log10(min(excess.max(), 1e8)))
         size += BLOCK
     wanted = wanted[excess <= 1]
     wanted = wanted[np.argsort(factor.shift + 1 / thetas[wanted])]
