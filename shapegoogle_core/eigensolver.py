@@ -52,6 +52,13 @@ class _Pencil:
         """Multiply by A."""
         return block if self.mass is None else np.asfortranarray(self.mass @ block)
 
+    def inner(self, one: FloatArray, other: FloatArray) -> FloatArray:
+        """Inner products in A of the columns of one with those of the other."""
+        if not one.size:
+            return np.empty((one.shape[1], other.shape[1]))
+        # Half the time of numpy's `one.T @ other` where the columns are few.
+        return np.asarray(dgemm(1.0, one, self.weigh(other), trans_a=True))
+
     def shifted(self, shift: float) -> sparse.csc_matrix:
         """W - σA."""
         if self.mass is not None:
@@ -79,11 +86,12 @@ class _Pairs:
 
     def joined(self, other: _Pairs) -> _Pairs:
         """Return the union of two disjoint sets."""
-        if not len(self.values):
-            return other
         values = np.concatenate([self.values, other.values])
+        vectors = np.hstack([self.vectors, other.vectors])
         ascending = np.argsort(values, kind="stable")
-        return _Pairs(values[ascending], np.hstack([self.vectors, other.vectors])[:, ascending])
+        if (np.diff(ascending) == 1).all():  # always, unless a second search was needed
+            return _Pairs(values, vectors)
+        return _Pairs(values[ascending], vectors[:, ascending])
 
 
 def smallest_pairs(
@@ -132,7 +140,10 @@ def smallest_pairs(
         known = _Pairs(np.zeros(1), np.asfortranarray(flat[:, None] / np.sqrt(mass.sum())))
     pairs = _complete_pairs(pencil, k, known)
     vectors = np.empty_like(pairs.vectors)
-    vectors[order] = pairs.vectors if scale is None else pairs.vectors * scale[:, None]
+    place = np.argsort(order)
+    # Column by column, each of which fits a cache.
+    for target, vector in zip(vectors.T, pairs.vectors.T, strict=True):
+        target[:] = (vector if scale is None else vector * scale)[place]
     return pairs.values, vectors
 
 
@@ -333,7 +344,7 @@ def _block_lanczos(
     # Bx/θ instead of x: a step of inverse iteration that costs no solve. It takes out the rough part of the
     # error, which W would blow up.
     steps = np.concatenate([directions[:, wanted], coupling @ directions[block, wanted] / thetas[wanted]])
-    vectors = basis[:, locked : locked + size + BLOCK] @ steps
+    vectors = np.asarray(dgemm(1.0, basis[:, locked : locked + size + BLOCK], steps))
     has_next = size - above - 1 >= below and thetas[size - above - 1] > 0
     following = factor.shift + 1 / thetas[size - above - 1] if has_next else np.inf
     return _Pairs(factor.shift + 1 / thetas[wanted], vectors), float(following)
@@ -341,7 +352,7 @@ def _block_lanczos(
 
 def _subtract_projection(pencil: _Pencil, basis: FloatArray, block: FloatArray) -> FloatArray:
     """Make a block A-orthogonal to an A-orthonormal basis, in place, and return QᵀA times the block."""
-    parts: FloatArray = basis.T @ pencil.weigh(block)
+    parts = pencil.inner(basis, block)
     if parts.size:
         # block -= basis @ parts, without a copy of that size
         dgemm(-1.0, basis, parts, beta=1.0, c=block, overwrite_c=1)
@@ -372,13 +383,13 @@ def _orthonormalise(
     """
     coupling = np.eye(block.shape[1])
     for _ in range(8):
-        gram = block.T @ pencil.weigh(block)
+        gram = pencil.inner(block, block)
         if np.abs(gram - np.eye(len(gram))).max() < 1e-13:
             return coupling
         norms = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
         variances, directions = np.linalg.eigh(gram / np.outer(norms, norms))
         spreads = np.sqrt(np.maximum(variances, np.finfo(float).eps * len(gram)))
-        block[:] = block @ (directions / norms[:, None] / spreads)
+        block[:] = dgemm(1.0, block, directions / norms[:, None] / spreads)
         coupling = (spreads[:, None] * directions.T * norms) @ coupling
         if variances[0] < 1e-4 or norms.min() < 1e-8 * reference:
             _subtract_projection(pencil, basis, block)
