@@ -84,7 +84,7 @@ def build_operator(mesh: Mesh, laplacian: str = "robust") -> Operator:
             f"{mesh.name!r} has no faces, and the {laplacian!r} Laplacian needs them; "
             f"{POINT_CLOUD!r} does without"
         )
-    elif unused := len(mesh.vertices) - len(np.unique(mesh.faces)):
+    elif unused := int((np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) == 0).sum()):
         raise MeshError(f"{mesh.name!r} has {unused} vertices that no face uses; call repair() first")
     try:
         operator = LAPLACIANS[laplacian](mesh)

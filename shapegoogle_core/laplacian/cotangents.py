@@ -37,9 +37,12 @@ def _cotangent_stiffness(mesh: Mesh) -> sparse.csc_array:
     start = mesh.faces[:, [1, 2, 0]].ravel()
     end = mesh.faces[:, [2, 0, 1]].ravel()
     weights = half_cotangents.ravel()
-    rows = np.concatenate([start, end, start, end])
-    columns = np.concatenate([end, start, start, end])
-    values = np.concatenate([-weights, -weights, weights, weights])
+    # Summed before, the diagonal spares the matrix half of its duplicate entries.
+    diagonal = np.bincount(start, weights, n) + np.bincount(end, weights, n)
+    vertices = np.arange(n, dtype=start.dtype)
+    rows = np.concatenate([start, end, vertices])
+    columns = np.concatenate([end, start, vertices])
+    values = np.concatenate([-weights, -weights, diagonal])
     return sparse.csc_array(sparse.coo_array((values, (rows, columns)), shape=(n, n)))
 
 

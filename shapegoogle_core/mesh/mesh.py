@@ -154,9 +154,9 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
     face_counts : (e,) array of int
         1 on an open boundary, 2 inside a manifold surface, more on a non-manifold edge.
     """
-    half_edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    start, end = mesh.faces.ravel(), mesh.faces[:, [1, 2, 0]].ravel()
     # One integer per edge sorts ten times faster than rows do.
-    keys = half_edges[:, 0].astype(np.int64) * len(mesh.vertices) + half_edges[:, 1]
+    keys = np.minimum(start, end).astype(np.int64) * len(mesh.vertices) + np.maximum(start, end)
     unique_keys, face_counts = np.unique(keys, return_counts=True)
     edges = np.stack(np.divmod(unique_keys, max(len(mesh.vertices), 1)), axis=1).astype(np.int32)
     return edges, face_counts

@@ -9,9 +9,11 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lapy import Solver, TriaMesh
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from shapegoogle_core import spectrum as spectrum_module
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.laplacian import LAPLACIANS, build_operator
+from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS, build_operator
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.spectrum import compute_spectrum
 
@@ -211,3 +213,22 @@ def test_long_strip(laplacian, shapes):
     spectrum = compute_spectrum(shapes.rectangle(100.0, 1.0, 600), 20, laplacian)
     expected = (np.pi * np.arange(20) / 100) ** 2
     np.testing.assert_allclose(spectrum.eigenvalues[1:], expected[1:], rtol=0.01)
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+def test_blas_has_one_thread_meanwhile_and_its_own_number_afterwards(boundary, monkeypatch, shapes):
+    def blas_threads() -> set[int]:
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    seen = []
+    solve = spectrum_module.smallest_pairs
+
+    def watched(*arguments, **options):
+        seen.append(blas_threads())
+        return solve(*arguments, **options)
+
+    monkeypatch.setattr(spectrum_module, "smallest_pairs", watched)
+    with threadpool_limits(2, user_api="blas"):
+        compute_spectrum(shapes.rectangle(2.0, 1.0, 30), 10, "cotangent", boundary)
+        assert blas_threads() == {2}
+    assert seen == [{1}]
