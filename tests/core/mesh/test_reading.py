@@ -579,7 +579,7 @@ def test_memory_running_out_is_said(tmp_path, monkeypatch):
     def exhausted(path, max_faces):
         raise MemoryError
 
-    monkeypatch.setitem(read_mesh.__globals__["_CHECKS"], ".obj", exhausted)
+    monkeypatch.setitem(read_mesh.__globals__["_READERS"], ".obj", exhausted)
     refuse(write(tmp_path, "a.obj", obj()), "memory")
 
 
