@@ -192,7 +192,7 @@ def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
 
 
 def _repeated(keys: NDArray[np.uint64]) -> NDArray[np.int64]:
-    """Indices of all entries whose key is there more than once."""
+    """Find all entries whose key is there more than once."""
     ordered = np.sort(keys)  # without indices: twice as fast, and mostly there are none
     repeated = ordered[1:][ordered[1:] == ordered[:-1]]
     return np.flatnonzero(np.isin(keys, repeated)) if repeated.size else np.empty(0, np.int64)
