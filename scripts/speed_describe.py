@@ -4,9 +4,9 @@
 
     python3 scripts/speed_describe.py OUTPUT [--sizes N...] [--repeats N]
 
-For each number of vertices a creature that nothing was learnt from is written as binary PLY and as OBJ. A process
-of its own reads and describes each file with the shipped model, on one thread: processor time of every stage,
-medians over the repeats, and the most memory that the first time took. Imports do not count.
+For each number of vertices a creature that nothing was learnt from is written as binary PLY and as OBJ. A
+process of its own reads and describes each file with the shipped model, on one thread: processor time of
+every stage, medians over the repeats, and the most memory that the first time took. Imports do not count.
 
 Writes speed_describe.json and speed_describe.png into the folder OUTPUT. Memory needs Linux.
 """

@@ -198,13 +198,15 @@ def _flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         part = scene.geometry[name]
         points = np.asarray(part.vertices, np.float64)
         triangles = np.asarray(getattr(part, "faces", ()), np.int64).reshape(-1, 3)
-        strange = triangles[(triangles < 0) | (triangles >= len(points))]
-        if len(strange):
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
+            strange = triangles[(triangles < 0) | (triangles >= len(points))][0]
             raise FormatError(
-                f"has a face that names vertex {strange[0]}, but its part has {len(points):,} vertices "
+                f"has a face that names vertex {strange}, but its part has {len(points):,} vertices "
                 "(counted from 0); it is damaged or was cut short"
             )
-        vertices.append(points @ transform[:3, :3].T + transform[:3, 3])
+        if not np.array_equal(transform, np.eye(4)):
+            points = points @ transform[:3, :3].T + transform[:3, 3]
+        vertices.append(points)
         mirrored = np.linalg.det(transform[:3, :3]) < 0
         faces.append((triangles[:, ::-1] if mirrored else triangles) + count)
         count += len(points)

@@ -154,12 +154,12 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     cell along each set of axes, at least one has no wall between two points within the tolerance.
     Sorting cells needs no list of pairs, which has n² entries when many points crowd in one place.
     """
-    everything = np.arange(len(vertices))
+    first = _first_at_place(vertices)
+    places = np.flatnonzero(first == np.arange(len(vertices)))
     if tolerance <= 0:
-        first = _first_in_group(_hash(vertices + 0.0))  # + 0.0: minus zero is zero
-        same = (vertices[first] == vertices).all(axis=1)
-        return np.where(same, first, everything)  # two places with one hash, if ever, stay apart
-    cells = (vertices - vertices.min(axis=0)) / (2 * tolerance)
+        return first
+    points = vertices[places]
+    cells = (points - points.min(axis=0)) / (2 * tolerance)
     crowded = _may_share_a_cell(cells)
     cells = cells[crowded]
     links = []
@@ -170,11 +170,28 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
         links.append(np.stack([linked, leader[linked]]))
     row, column = np.concatenate(links, axis=1)
     if row.size == 0:
-        return everything
+        return first
     graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(len(cells), len(cells)))
     _, label = connected_components(graph, directed=False)
-    everything[crowded] = crowded[_first_in_group(label)]
-    return everything
+    leader_of_place = places.copy()
+    leader_of_place[crowded] = places[crowded[_first_in_group(label)]]
+    rank = np.empty(len(vertices), np.int64)
+    rank[places] = np.arange(len(places))
+    welded: NDArray[np.int64] = leader_of_place[rank[first]]
+    return welded
+
+
+def _first_at_place(vertices: FloatArray) -> NDArray[np.int64]:
+    """For each vertex the first one with the same coordinates."""
+    everything = np.arange(len(vertices))
+    keys = _hash(vertices + 0.0)  # + 0.0: minus zero is zero
+    candidates = _repeated(keys)
+    if candidates.size == 0:
+        return everything
+    first = everything.copy()
+    first[candidates] = candidates[_first_in_group(keys[candidates])]
+    same = (vertices[first] == vertices).all(axis=1)
+    return np.where(same, first, everything)  # two places with one hash, if ever, stay apart
 
 
 def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
@@ -186,16 +203,22 @@ def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
     cell = np.floor(coarse)
     coarse -= cell
     wall = 1.5 / COARSE  # no two in one cell are farther than one from each other; the rest is for rounding
-    chosen = ((coarse < wall) | (coarse > 1 - wall)).any(axis=1)
+    chosen: NDArray[np.bool_] = np.any((coarse < wall) | (coarse > 1 - wall), axis=1)
     chosen[_repeated(_hash(cell))] = True
     return np.flatnonzero(chosen)
 
 
 def _repeated(keys: NDArray[np.uint64]) -> NDArray[np.int64]:
     """Find all entries whose key is there more than once."""
-    ordered = np.sort(keys)  # without indices: twice as fast, and mostly there are none
-    repeated = ordered[1:][ordered[1:] == ordered[:-1]]
-    return np.flatnonzero(np.isin(keys, repeated)) if repeated.size else np.empty(0, np.int64)
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():  # mostly; sorting without indices is twice as fast
+        return np.empty(0, np.int64)
+    order = np.argsort(keys)
+    same = keys[order[1:]] == keys[order[:-1]]
+    repeated = np.zeros(len(keys), bool)
+    repeated[order[1:][same]] = True
+    repeated[order[:-1][same]] = True
+    return np.flatnonzero(repeated)
 
 
 def _hash(rows: FloatArray | NDArray[np.int64]) -> NDArray[np.uint64]:
@@ -224,7 +247,8 @@ def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float
         longest = np.maximum.reduce([_lengths(b - a), _lengths(c - b), _lengths(a - c)])
         flat[block] = cross_lengths(b - a, c - a) <= tolerance * longest
     a, b, c = faces.T
-    return flat | (a == b) | (b == c) | (c == a)
+    flat |= (a == b) | (b == c) | (c == a)
+    return flat
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:
