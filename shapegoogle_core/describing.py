@@ -14,7 +14,7 @@ from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.laplacian import POINT_CLOUD, build_operator
 from shapegoogle_core.mending import mend, mend_cloud
 from shapegoogle_core.mesh import Mesh, check_cloud, check_surface, repair
-from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.mesh.mesh import FloatArray, used_vertices
 from shapegoogle_core.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum, compute_spectrum
 from shapegoogle_core.words import hard_words, soft_words
@@ -116,11 +116,12 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement
     if mesh.is_point_cloud:
         return _prepare_cloud(settings, mesh)
     check_surface(mesh)
-    used, corner = np.unique(mesh.faces, return_inverse=True)  # a stray vertex far off must not set the scale
-    low, high = mesh.vertices[used].min(axis=0), mesh.vertices[used].max(axis=0)
+    used, faces = used_vertices(mesh.faces, len(mesh.vertices))  # a stray vertex must not set the scale
+    vertices = mesh.vertices[used]
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
     origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
-    centered = Mesh((mesh.vertices[used] - origin) / size, corner.reshape(-1, 3), mesh.name)
+    centered = Mesh((vertices - origin) / size, faces, mesh.name)
     mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
     area = mended.area
     if not area > 0:

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What a file must pass before trimesh parses it, and the spelling in which trimesh reads it right.
 
-Seen with trimesh 5.2. Other geometry than the file's, without a word: OBJ with indented or tabbed lines,
-relative indices or index 0; texts that end too early or hold what is no number; STL whose name holds the
-word vertex; vertices split at texture seams. Refused though sound: binary PLY with polygons of several sizes,
-which Blender writes, and texts outside UTF-8 without another package.
+Seen with trimesh 5.2. Other geometry than the file's, without a word: texts that end too early or hold what
+is no number; STL whose name holds the word vertex. Refused though sound: binary PLY with polygons of several
+sizes, which Blender writes, and texts outside UTF-8 without another package. OBJ is read in `obj.py`.
 """
 
 from __future__ import annotations
@@ -12,14 +11,13 @@ from __future__ import annotations
 import re
 import struct
 from array import array
-from collections.abc import Iterator
 from itertools import islice, takewhile
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Checked", "FormatError", "check_face_count", "check_obj", "check_off", "check_ply", "check_stl"]
+__all__ = ["Checked", "FormatError", "check_face_count", "check_off", "check_ply", "check_stl"]
 
 
 class FormatError(Exception):
@@ -40,46 +38,6 @@ def check_face_count(count: int, max_faces: int) -> None:
             f"has {count:,} faces or more, above the limit of {max_faces:,}; "
             "simplify it first, or raise max_faces"
         )
-
-
-def check_obj(data: bytes, max_faces: int) -> Checked:
-    """Of a Wavefront OBJ keep positions and faces, with single blanks and absolute corners."""
-    text = re.sub(rb"(?:\\\r?\n|[ \t\r\f\v])+", b" ", re.sub(rb"#.*", b"", data))
-    lines = re.findall(rb"^ ?([vf] .*)", text, re.MULTILINE)
-    check_face_count(sum(line.startswith(b"f") for line in lines), max_faces)
-    sound = re.compile(rb"v(?: [-+.\w]+){3}(?: .*)?|f(?: [-+]?0*[1-9]\d*(?:/\S*)?)+ ?").fullmatch
-    damaged = next((line for line in lines if not sound(line)), None)
-    if damaged is not None:
-        raise FormatError(
-            f"has a line {damaged[:60].decode('latin-1')!r} that cannot be read; it is damaged or was cut "
-            "short: copy or export it again"
-        )
-    vertices = [b" ".join(line.split(b" ", 4)[:4]) for line in lines if line.startswith(b"v")]
-    faces = list(_absolute_faces(lines))
-    if not vertices:
-        raise FormatError("has no vertex lines: it is empty, or no OBJ file; export it again")
-    triangle_count = sum(face.count(b" ") - 2 for face in faces)
-    check_face_count(triangle_count, max_faces)
-    return Checked(b"\n".join([*vertices, *faces, b""]), triangle_count)
-
-
-def _absolute_faces(lines: list[bytes]) -> Iterator[bytes]:
-    """Yield faces without texture and normals; negative corners count back from the vertices so far."""
-    vertex_count = 0
-    for line in lines:
-        if line.startswith(b"v"):
-            vertex_count += 1
-            continue
-        corners = re.sub(rb"/\S*", b"", line).split()[1:]
-        if b"-" in line:
-            absolute = [index + (vertex_count + 1) * (index < 0) for index in map(int, corners)]
-            if min(absolute) < 1:
-                raise FormatError(
-                    f"names vertex {min(map(int, corners))}, but only {vertex_count} stand above"
-                )
-            corners = [b"%d" % index for index in absolute]
-        if len(corners) > 2:  # fewer are a point or a line
-            yield b"f " + b" ".join(corners)
 
 
 def check_off(data: bytes, max_faces: int) -> Checked:

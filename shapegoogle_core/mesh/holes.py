@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.mesh import Mesh, face_areas
+from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
 
 __all__ = ["boundary_loops", "close_holes"]
 
@@ -138,10 +138,18 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
 
 def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Edges of one face only, in the direction of that face, and which face it is."""
-    half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
-    _, edge, count = np.unique(_edge_keys(half_edges, mesh), return_inverse=True, return_counts=True)
-    alone = np.flatnonzero(count[edge] == 1)
-    return half_edges[alone], alone // 3
+    edges, face_counts = unique_edges(mesh)
+    edges = edges[face_counts == 1]
+    if len(edges) == 0:
+        return np.empty((0, 2), np.int64), np.empty(0, np.int64)
+    on_boundary = np.zeros(len(mesh.vertices), bool)
+    on_boundary[edges] = True
+    # Only edges between two of these vertices need to be looked up.
+    both = on_boundary[mesh.faces] & on_boundary[np.roll(mesh.faces, -1, axis=1)]
+    face, side = np.nonzero(both)
+    half_edges = np.stack([mesh.faces[face, side], mesh.faces[face, (side + 1) % 3]], axis=1).astype(np.int64)
+    alone = np.isin(_edge_keys(half_edges, mesh), _edge_keys(edges.astype(np.int64), mesh))
+    return half_edges[alone], face[alone]
 
 
 def _edge_keys(half_edges: NDArray[np.int64], mesh: Mesh) -> NDArray[np.int64]:
@@ -153,7 +161,7 @@ def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
     """For each face the area of its part: all faces that are connected to it through edges."""
     half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
     keys = _edge_keys(half_edges, mesh)
-    order = np.argsort(keys, kind="stable")
+    order = np.argsort(keys)
     same = np.flatnonzero(np.diff(keys[order]) == 0)
     row, column = order[same] // 3, order[same + 1] // 3
     count = len(mesh.faces)

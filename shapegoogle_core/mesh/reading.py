@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.cloud import check_cloud
-from shapegoogle_core.mesh.formats import Checked, FormatError, check_obj, check_off, check_ply, check_stl
+from shapegoogle_core.mesh.formats import Checked, FormatError, check_off, check_ply, check_stl
 from shapegoogle_core.mesh.gltf import check_glb, check_gltf
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.obj import read_obj
 from shapegoogle_core.mesh.repair import check_surface
 from shapegoogle_core.mesh.scans import check_point_count, read_pcd, read_xyz
 
@@ -28,7 +29,6 @@ __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
 # What each file must pass before trimesh parses it.
 _CHECKS: dict[str, Callable[[bytes, int], Checked]] = {
-    ".obj": check_obj,
     ".ply": check_ply,
     ".stl": check_stl,
     ".off": check_off,
@@ -36,10 +36,13 @@ _CHECKS: dict[str, Callable[[bytes, int], Checked]] = {
     ".gltf": check_gltf,
 }
 
+# Formats that trimesh reads too slowly, or not as they are meant.
+_READERS: dict[str, Callable[[bytes, int], tuple[FloatArray, NDArray[np.int64]]]] = {".obj": read_obj}
+
 # Formats of points alone; trimesh reads only plain ones of them.
 _SCANS: dict[str, Callable[[bytes, int], FloatArray]] = {".xyz": read_xyz, ".pcd": read_pcd}
 
-MESH_SUFFIXES = frozenset(_CHECKS) | frozenset(_SCANS)
+MESH_SUFFIXES = frozenset(_CHECKS) | frozenset(_READERS) | frozenset(_SCANS)
 """What `read_mesh` reads, in lower case with the dot."""
 
 # Elsewhere vertices without faces are curves, or what an export has lost.
@@ -114,6 +117,8 @@ def read_mesh(
         if suffix in _SCANS:
             vertices = _SCANS[suffix](_read(path, max_faces), max_faces)
             faces = np.empty((0, 3), np.int64)
+        elif suffix in _READERS:
+            vertices, faces = _READERS[suffix](_read(path, max_faces), max_faces)
         else:
             checked = _CHECKS[suffix](_read(path, max_faces), max_faces)
             vertices, faces = _parse(checked.data, path, max_faces)
@@ -122,8 +127,8 @@ def read_mesh(
                     f"announces {checked.faces:,} triangles, but {len(faces):,} can be read; it is damaged "
                     "or was cut short: copy or export it again"
                 )
-            if not len(faces):
-                check_point_count(len(vertices), max_faces)
+        if not len(faces):
+            check_point_count(len(vertices), max_faces)
     except MeshError:
         raise
     except FormatError as error:
@@ -193,13 +198,15 @@ def _flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         part = scene.geometry[name]
         points = np.asarray(part.vertices, np.float64)
         triangles = np.asarray(getattr(part, "faces", ()), np.int64).reshape(-1, 3)
-        strange = triangles[(triangles < 0) | (triangles >= len(points))]
-        if len(strange):
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
+            strange = triangles[(triangles < 0) | (triangles >= len(points))][0]
             raise FormatError(
-                f"has a face that names vertex {strange[0]}, but its part has {len(points):,} vertices "
+                f"has a face that names vertex {strange}, but its part has {len(points):,} vertices "
                 "(counted from 0); it is damaged or was cut short"
             )
-        vertices.append(points @ transform[:3, :3].T + transform[:3, 3])
+        if not np.array_equal(transform, np.eye(4)):
+            points = points @ transform[:3, :3].T + transform[:3, 3]
+        vertices.append(points)
         mirrored = np.linalg.det(transform[:3, :3]) < 0
         faces.append((triangles[:, ::-1] if mirrored else triangles) + count)
         count += len(points)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, cross_lengths, face_areas, face_blocks, used_vertices
 
 __all__ = ["check_surface", "repair", "repair_mapped"]
 
@@ -20,6 +20,9 @@ WELD_TOLERANCE = 1e-6
 WELD_TOLERANCE_OF_EDGE = 1e-3
 # A surface with less area than this share of its squared extent is a line drawn with float32 rounding errors.
 LEAST_RELATIVE_AREA = 1e-7
+# Vertices that may be at one place are looked for in cells so many times larger first: of those, few hold two
+# vertices of any mesh.
+COARSE = 128
 
 
 def check_surface(mesh: Mesh) -> None:
@@ -52,7 +55,11 @@ def check_surface(mesh: Mesh) -> None:
         raise MeshError(f"{mesh.name!r}: all points of its faces coincide; export the mesh again")
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         area = mesh.area
-        relative_area = face_areas(Mesh(mesh.vertices / extent, mesh.faces)).sum() if extent < np.inf else 0.0
+        if 1e-100 < area < 1e100:
+            relative_area = area / extent**2
+        else:  # rounded or out of range, where the shape itself may be sound
+            scaled = face_areas(Mesh(mesh.vertices / extent, mesh.faces)) if extent < np.inf else np.zeros(1)
+            relative_area = float(scaled.sum())
     if relative_area <= LEAST_RELATIVE_AREA and extent < np.inf:
         raise MeshError(
             f"{mesh.name!r}: its faces have no area (all points lie on a line); export the mesh again"
@@ -119,21 +126,24 @@ def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     faces = representative[mesh.faces]
     faces = faces[~_degenerate(mesh.vertices, faces, tolerance)]
     faces = faces[_first_of_each(faces, len(mesh.vertices))]
-    used, compact = np.unique(faces, return_inverse=True)
+    used, compact = used_vertices(faces, len(mesh.vertices))
     place = np.full(len(mesh.vertices), -1)
     place[used] = np.arange(len(used))
-    return Mesh(mesh.vertices[used], compact.reshape(-1, 3), mesh.name), place[representative]
+    return Mesh(mesh.vertices[used], compact, mesh.name), place[representative]
 
 
 def _weld_tolerance(mesh: Mesh) -> float:
-    corners = mesh.vertices if mesh.is_point_cloud else mesh.vertices[mesh.faces.ravel()]
+    corners = mesh.vertices
+    if not mesh.is_point_cloud:
+        corners = corners[used_vertices(mesh.faces, len(corners))[0]]
     tolerance = WELD_TOLERANCE * float(np.linalg.norm(np.ptp(corners, axis=0)))
     if not mesh.is_point_cloud:
-        triangles = mesh.vertices[mesh.faces]
-        lengths = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).ravel()
-        lengths = lengths[lengths > 0]
-        if lengths.size:
-            tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * float(np.median(lengths)))
+        lengths = np.empty((3, len(mesh.faces)))
+        for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
+            lengths[:, block] = _lengths(b - a), _lengths(c - b), _lengths(a - c)
+        positive = lengths[lengths > 0]
+        if positive.size:
+            tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * float(np.median(positive)))
     return tolerance
 
 
@@ -144,33 +154,74 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     cell along each set of axes, at least one has no wall between two points within the tolerance.
     Sorting cells needs no list of pairs, which has n² entries when many points crowd in one place.
     """
-    first = _first_in_group(_hash(vertices + 0.0))  # + 0.0: minus zero is zero
-    same = (vertices[first] == vertices).all(axis=1)
-    first = np.where(same, first, np.arange(len(vertices)))  # two places with one hash, if ever, stay apart
+    first = _first_at_place(vertices)
     places = np.flatnonzero(first == np.arange(len(vertices)))
     if tolerance <= 0:
         return first
     points = vertices[places]
     cells = (points - points.min(axis=0)) / (2 * tolerance)
+    crowded = _may_share_a_cell(cells)
+    cells = cells[crowded]
     links = []
     for shift in np.ndindex(2, 2, 2):
         cell = np.floor(cells + 0.5 * np.array(shift))
         leader = _first_in_group(_hash(cell))
-        linked = np.flatnonzero((leader != np.arange(len(points))) & (cell[leader] == cell).all(axis=1))
+        linked = np.flatnonzero((leader != np.arange(len(cell))) & (cell[leader] == cell).all(axis=1))
         links.append(np.stack([linked, leader[linked]]))
     row, column = np.concatenate(links, axis=1)
     if row.size == 0:
         return first
-    graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(len(points), len(points)))
+    graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(len(cells), len(cells)))
     _, label = connected_components(graph, directed=False)
-    leader_of_place = places[_first_in_group(label)]
+    leader_of_place = places.copy()
+    leader_of_place[crowded] = places[crowded[_first_in_group(label)]]
     rank = np.empty(len(vertices), np.int64)
     rank[places] = np.arange(len(places))
     welded: NDArray[np.int64] = leader_of_place[rank[first]]
     return welded
 
 
-def _hash(rows: FloatArray) -> NDArray[np.uint64]:
+def _first_at_place(vertices: FloatArray) -> NDArray[np.int64]:
+    """For each vertex the first one with the same coordinates."""
+    everything = np.arange(len(vertices))
+    keys = _hash(vertices + 0.0)  # + 0.0: minus zero is zero
+    candidates = _repeated(keys)
+    if candidates.size == 0:
+        return everything
+    first = everything.copy()
+    first[candidates] = candidates[_first_in_group(keys[candidates])]
+    same = (vertices[first] == vertices).all(axis=1)
+    return np.where(same, first, everything)  # two places with one hash, if ever, stay apart
+
+
+def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
+    """Vertices that can be in one cell with another, in any of the grids, from coordinates in cells.
+
+    Two vertices in one cell are in one coarse cell as well, or both are close to a wall of those.
+    """
+    coarse = cells / COARSE
+    cell = np.floor(coarse)
+    coarse -= cell
+    wall = 1.5 / COARSE  # no two in one cell are farther than one from each other; the rest is for rounding
+    chosen: NDArray[np.bool_] = np.any((coarse < wall) | (coarse > 1 - wall), axis=1)
+    chosen[_repeated(_hash(cell))] = True
+    return np.flatnonzero(chosen)
+
+
+def _repeated(keys: NDArray[np.uint64]) -> NDArray[np.int64]:
+    """Find all entries whose key is there more than once."""
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():  # mostly; sorting without indices is twice as fast
+        return np.empty(0, np.int64)
+    order = np.argsort(keys)
+    same = keys[order[1:]] == keys[order[:-1]]
+    repeated = np.zeros(len(keys), bool)
+    repeated[order[1:][same]] = True
+    repeated[order[:-1][same]] = True
+    return np.flatnonzero(repeated)
+
+
+def _hash(rows: FloatArray | NDArray[np.int64]) -> NDArray[np.uint64]:
     """One 64-bit number per row of three: equal rows have equal numbers, others almost surely not."""
     bits = np.ascontiguousarray(rows).view(np.uint64)
     mixed = np.zeros(len(rows), np.uint64)
@@ -182,7 +233,7 @@ def _hash(rows: FloatArray) -> NDArray[np.uint64]:
     return mixed
 
 
-def _first_in_group(keys: NDArray[np.uint64] | IntArray) -> NDArray[np.int64]:
+def _first_in_group(keys: NDArray[np.integer]) -> NDArray[np.int64]:
     """For each entry the index of the first entry with the same key."""
     _, first, group = np.unique(keys, return_index=True, return_inverse=True)
     indices: NDArray[np.int64] = first[group]
@@ -191,17 +242,30 @@ def _first_in_group(keys: NDArray[np.uint64] | IntArray) -> NDArray[np.int64]:
 
 def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float) -> NDArray[np.bool_]:
     """Faces that name a vertex twice or are no higher than the tolerance."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    longest = np.maximum.reduce([np.linalg.norm(side, axis=1) for side in (b - a, c - b, a - c)])
-    repeated = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
-    flat: NDArray[np.bool_] = repeated | (double_area <= tolerance * longest)
+    flat = np.empty(len(faces), bool)
+    for block, (a, b, c) in face_blocks(vertices, faces):
+        longest = np.maximum.reduce([_lengths(b - a), _lengths(c - b), _lengths(a - c)])
+        flat[block] = cross_lengths(b - a, c - a) <= tolerance * longest
+    a, b, c = faces.T
+    flat |= (a == b) | (b == c) | (c == a)
     return flat
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Length of each row, to the last bit that of `numpy.linalg.norm`."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.int64]:
     """Return the indices of all faces that are the first on their three vertices, in order."""
-    low, middle, high = np.sort(faces, axis=1).T
+    low, high = faces.min(axis=1), faces.max(axis=1)
+    middle = faces.sum(axis=1) - low - high
+    everything = np.arange(len(faces))
+    candidates = _repeated(_hash(np.stack([low, middle, high], axis=1)))
+    if candidates.size == 0:
+        return everything
+    low, middle, high = low[candidates], middle[candidates], high[candidates]
     _, pair = np.unique(low * vertex_count + middle, return_inverse=True)
     _, first = np.unique(pair * vertex_count + high, return_index=True)
-    return np.sort(first)
+    return np.delete(everything, np.delete(candidates, first))

@@ -59,3 +59,14 @@ def test_figures_of_this_process(script):
     assert figures.cpu_seconds > 0
     assert process_figures.figures_of(2**22 + 1) is None
     assert figures.parent in process_figures.descendants(figures.parent)
+
+
+def test_from_a_file_to_a_signature(script, tmp_path):
+    speed_describe = script("speed_describe")
+    rows = speed_describe.measure([500], 1, tmp_path)
+    assert [(row["format"], row["faces"]) for row in rows] == [(".ply", 996), (".obj", 996)]
+    for row in rows:
+        assert all(row["stages"][stage] > 0 for stage in speed_describe.STAGES)
+        assert sum(row["stages"].values()) <= row["total"] + 1e-3
+    speed_describe.plot(rows, tmp_path / "plot.svg")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["plot.svg"]

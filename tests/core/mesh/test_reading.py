@@ -8,6 +8,7 @@ import json
 import os
 import re
 import struct
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -233,6 +234,37 @@ class TestObj:
         mesh = read_mesh(write(tmp_path, "seams.obj", text.encode()))
         assert np.array_equal(mesh.vertices, POINTS)
         assert mesh.faces.tolist() == [list(face) for face in TRIANGLES]
+
+    @pytest.mark.parametrize("seed", range(8))
+    def test_many_lines_at_once_are_read_as_one_by_one(self, tmp_path, seed):
+        """Polygons of all sizes, texture and normals, relative corners, weights and colours, in any mix."""
+        rng = np.random.default_rng(seed)
+        lines, vertices, faces = [], [], []
+        for _ in range(60):
+            vertices.append(rng.normal(size=3).tolist())
+            lines.append(
+                " ".join(["v", *map(repr, vertices[-1])]) + (" 1 0.5 0" if rng.random() < 0.2 else "")
+            )
+            if len(vertices) < 8 or (seed % 2 and rng.random() < 0.5):
+                continue
+            corners = rng.choice(len(vertices), rng.integers(1, 7) if seed % 4 else 4, replace=False)
+            faces += [(corners[0], *pair) for pair in pairwise(corners[1:])]
+            relative = rng.random() < 0.3
+            spelt = [str(corner - len(vertices) if relative else corner + 1) for corner in corners]
+            lines.append("f " + " ".join(one + rng.choice(["", "/7", "//7", "/7/7"]) for one in spelt))
+        mesh = read_mesh(write(tmp_path, "mix.obj", "\n".join(lines).encode()))
+        assert np.array_equal(mesh.vertices, vertices)
+        read, expected = (
+            sorted(np.roll(face, -np.argmin(face)).tolist() for face in every)
+            for every in (mesh.faces, faces)
+        )
+        assert read == expected
+
+    @pytest.mark.parametrize(
+        "face", ["f", "f ", "f 1 1.5 3", "f 1-2 3", "f 1, 2, 3", "f /1 2 3", "v 1 2 z 4"]
+    )
+    def test_lines_that_numbers_alone_would_not_show(self, tmp_path, face):
+        refuse(write(tmp_path, "bad.obj", face.encode() + b"\n" + obj()), f"a line {face.strip()!r}")
 
     @pytest.mark.parametrize("face", ["f 0 1 2", "f 1 2 99", "f 1 2 -9", "f 1 x 3", "v 1 2", "v 1 2 zz"])
     def test_damaged_lines(self, tmp_path, face):
@@ -579,7 +611,7 @@ def test_memory_running_out_is_said(tmp_path, monkeypatch):
     def exhausted(path, max_faces):
         raise MemoryError
 
-    monkeypatch.setitem(read_mesh.__globals__["_CHECKS"], ".obj", exhausted)
+    monkeypatch.setitem(read_mesh.__globals__["_READERS"], ".obj", exhausted)
     refuse(write(tmp_path, "a.obj", obj()), "memory")
 
 

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh, check_surface, repair, unique_edges
+from shapegoogle_core.mesh import Mesh, check_surface, face_areas, repair, unique_edges
+from shapegoogle_core.mesh.mesh import used_vertices
 
 BALL = trimesh.creation.icosphere(subdivisions=3)
 
@@ -171,3 +172,35 @@ class TestCheckSurface:
         with pytest.raises(MeshError, match="'thing'") as caught:
             check_surface(Mesh(vertices, faces, "thing"))
         assert words in str(caught.value)
+
+
+def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch):
+    rng = np.random.default_rng(0)
+    mesh = Mesh(rng.normal(size=(50, 3)), rng.integers(0, 50, (100, 3)))
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    expected = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    for faces_at_once in (7, 100, 1000):
+        monkeypatch.setitem(face_areas.__globals__, "FACES_AT_ONCE", faces_at_once)
+        assert np.array_equal(face_areas(mesh), expected)
+
+
+def test_edges_and_used_vertices_without_sorting():
+    faces = np.random.default_rng(0).integers(3, 40, (30, 3))
+    used, renumbered = used_vertices(faces, 50)
+    assert np.array_equal(used, np.unique(faces))
+    assert np.array_equal(used[renumbered], faces)
+    edges, counts = unique_edges(Mesh(np.zeros((50, 3)), faces))
+    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    expected, expected_counts = np.unique(sides, axis=0, return_counts=True)
+    assert np.array_equal(edges, expected)
+    assert np.array_equal(counts, expected_counts)
+
+
+def test_soup_with_rounding_errors_welds_as_pairs_within_the_tolerance_do():
+    """Vertices are compared only where there may be another; that must not lose any."""
+    rng = np.random.default_rng(0)
+    points = rng.uniform(size=(3000, 3))
+    crowd = points[rng.integers(0, 3000, 4000)]
+    step = 0.4e-6 * np.sqrt(3) * rng.uniform(-0.5, 0.5, crowd.shape)
+    cloud = repair(Mesh(np.concatenate([points, crowd + step, crowd])))
+    assert np.array_equal(cloud.vertices, points)

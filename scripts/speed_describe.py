@@ -1,0 +1,272 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Measure the way from a mesh file to a signature, stage by stage.
+
+    python3 scripts/speed_describe.py OUTPUT [--sizes N...] [--repeats N]
+
+For each number of vertices a creature that nothing was learnt from is written as binary PLY and as OBJ. A
+process of its own reads and describes each file with the shipped model, on one thread: processor time of
+every stage, medians over the repeats, and the most memory that the first time took. Imports do not count.
+
+Writes speed_describe.json and speed_describe.png into the folder OUTPUT. Memory needs Linux.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, contextmanager
+from functools import wraps
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from process_figures import figures_of
+
+import shapegoogle_core as sg
+from shapegoogle_core import describing, mending, model
+from shapegoogle_core.evaluation.creatures import make_creature
+from shapegoogle_core.launching import single_threaded
+from shapegoogle_core.mesh.resampling import simplify
+from shapegoogle_core.registration import LocalWords
+from shapegoogle_core.settings import DESCRIPTORS
+
+__all__ = ["STAGES", "measure", "plot"]
+
+Row = dict[str, Any]
+
+STAGES = (
+    "reading",
+    "mending",
+    "simplifying",
+    "smoothing",
+    "spectrum",
+    "descriptors",
+    "words",
+    "bags",
+    "sample",
+    "codes",
+)
+"""In the order in which they happen. "bags" are all that `shape_bags` does beside descriptors and words."""
+
+# What belongs to which stage. Time inside an inner one does not count for the outer one.
+WATCHED: tuple[tuple[Any, str, str], ...] = (
+    (sg, "read_mesh", "reading"),
+    (describing, "prepare_placed", "mending"),
+    (mending, "resample", "simplifying"),
+    (mending, "smooth", "smoothing"),
+    (describing, "compute_spectrum", "spectrum"),
+    (describing, "soft_words", "words"),
+    (model, "shape_bags", "bags"),
+    (model, "sample_surface", "sample"),
+    (sg.ShapeModel, "codes", "codes"),
+    (LocalWords, "code", "codes"),
+)
+
+FORMATS = (".ply", ".obj")
+GOALS = {1_000: 0.12, 10_000: 0.45, 100_000: 1.2, 1_000_000: 12.0}  # seconds of one core
+KIND, SEED, LARGEST_CREATURE = "horse", 100, 20_000
+
+
+def measure(sizes: Sequence[int], repeats: int, output: Path) -> list[Row]:
+    """Measure all sizes in both formats.
+
+    Parameters
+    ----------
+    sizes : sequence of int
+        Numbers of vertices.
+    repeats : int
+        Times are medians of so many.
+    output : Path
+        Folder for the mesh files, which are deleted again: 120 bytes for each vertex.
+
+    Returns
+    -------
+    rows : list of dict
+        One for each file. "stages" are seconds of processor time, "total" is that of the whole way with what
+        belongs to no stage, "start" that before the first file: imports, loading the model, describing a
+        sphere. "peak_mb" is all that the process held.
+    """
+    rows = []
+    with tempfile.TemporaryDirectory(dir=output) as folder, single_threaded():
+        for size in sizes:
+            mesh = make_mesh(size)
+            for suffix in FORMATS:
+                path = Path(folder, f"{size}{suffix}")
+                write_mesh(mesh, path)
+                with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
+                    row = process.submit(describe_file, path, repeats).result()
+                path.unlink()
+                rows.append({"size": size, "format": suffix, "repeats": repeats} | row)
+    return rows
+
+
+def make_mesh(size: int) -> sg.Mesh:
+    """Make a closed surface of so many vertices, irregular ones."""
+    import trimesh  # takes a second
+
+    mesh = make_creature(KIND, SEED, min(size, LARGEST_CREATURE)).rest
+    while len(mesh.vertices) < size:
+        # Curved, so that simplifying does not leave slivers on flat patches.
+        finer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).subdivide_loop(1)
+        mesh = sg.Mesh(np.asarray(finer.vertices), np.asarray(finer.faces, dtype=np.int32), name=mesh.name)
+    return mesh if len(mesh.vertices) == size else simplify(mesh, size)
+
+
+def write_mesh(mesh: sg.Mesh, path: Path) -> None:
+    """Write a mesh as binary PLY or as OBJ, with numbers of single precision."""
+    if path.suffix == ".obj":
+        with path.open("wb") as file:
+            np.savetxt(file, mesh.vertices, "v %.7g %.7g %.7g")
+            np.savetxt(file, mesh.faces + 1, "f %d %d %d")
+        return
+    faces = np.empty(len(mesh.faces), [("count", "u1"), ("vertices", "<i4", 3)])
+    faces["count"], faces["vertices"] = 3, mesh.faces
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(mesh.vertices)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    path.write_bytes(header.encode() + mesh.vertices.astype("<f4").tobytes() + faces.tobytes())
+
+
+class StageClock:
+    """Processor time of functions that call each other, each without those inside it.
+
+    Attributes
+    ----------
+    seconds : dict of str to float
+        By the name of the stage.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(STAGES, 0.0)
+        self._open: list[str] = []
+        self._since = 0.0
+
+    @contextmanager
+    def running(self, stage: str) -> Iterator[None]:
+        """Let the time inside the block count for a stage."""
+        self._count()
+        self._open.append(stage)
+        try:
+            yield
+        finally:
+            self._count()
+            self._open.pop()
+
+    def watch(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the same function, on the clock."""
+
+        @wraps(function)
+        def watched(*arguments: Any, **options: Any) -> Any:
+            with self.running(stage):
+                return function(*arguments, **options)
+
+        return watched
+
+    def _count(self) -> None:
+        now = time.process_time()
+        if self._open:
+            self.seconds[self._open[-1]] += now - self._since
+        self._since = now
+
+
+def describe_file(path: Path, repeats: int) -> Row:
+    """Read and describe a file again and again, in a new process."""
+    import trimesh
+
+    shipped = sg.load_model()
+    sphere = trimesh.creation.icosphere(4)
+    shipped.describe(sg.Mesh(sphere.vertices, sphere.faces))  # loads what is loaded when it is needed
+    start = time.process_time()
+    totals, clocks = [], []
+    for repeat in range(repeats):
+        clock = StageClock()
+        with ExitStack() as stack:
+            for owner, name, stage in WATCHED:
+                stack.enter_context(patch.object(owner, name, clock.watch(stage, getattr(owner, name))))
+            watched = {name: clock.watch("descriptors", value) for name, value in DESCRIPTORS.items()}
+            stack.enter_context(patch.dict(DESCRIPTORS, watched))
+            started = time.process_time()
+            mesh = sg.read_mesh(path)
+            shipped.describe(mesh)
+            totals.append(time.process_time() - started)
+        clocks.append(clock.seconds)
+        if repeat == 0:
+            figures = figures_of()
+    row: Row = {
+        "faces": len(mesh.faces),
+        "stages": {stage: round(statistics.median(each[stage] for each in clocks), 4) for stage in STAGES},
+        "total": round(statistics.median(totals), 4),
+        "totals": [round(total, 4) for total in totals],
+        "start": round(start, 2),
+    }
+    if figures is not None:
+        row["peak_mb"] = round(figures.peak_mb)
+    return row
+
+
+def plot(rows: Iterable[Row], path: Path) -> None:
+    """Draw the stages as stacked bars, each file's beside the time that it may take.
+
+    Parameters
+    ----------
+    rows : iterable of dict
+        As `measure` returns them.
+    path : Path
+        Of the picture, by its ending SVG, PNG or PDF.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    rows = list(rows)
+    sizes = list(dict.fromkeys(row["size"] for row in rows))
+    figure = Figure(figsize=(2.6 * len(sizes) + 1.6, 4.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, len(sizes), squeeze=False)[0]
+    for panel, size in zip(panels, sizes, strict=True):
+        files = [row for row in rows if row["size"] == size]
+        names = [row["format"] for row in files]
+        bottom = np.zeros(len(files))
+        for index, stage in enumerate(STAGES):
+            heights = np.array([row["stages"][stage] for row in files])
+            panel.bar(names, heights, 0.6, bottom=bottom, color=f"C{index}", label=stage)
+            bottom += heights
+        others = np.array([row["total"] for row in files]) - bottom
+        panel.bar(names, np.maximum(others, 0), 0.6, bottom=bottom, color="0.8", label="the rest")
+        if size in GOALS:
+            panel.axhline(GOALS[size], color="black", linestyle=":", label="at most")
+        panel.set(title=f"{size:,} vertices")
+    panels[0].set_ylabel("seconds of processor time")
+    once = dict(zip(*reversed(panels[-1].get_legend_handles_labels()), strict=True))
+    # As in the bars, the last stage on top.
+    figure.legend(list(once.values())[::-1], list(once)[::-1], loc="outside right center", fontsize="small")
+    figure.savefig(path, dpi=120)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    parser.add_argument("output", type=Path, metavar="OUTPUT")
+    parser.add_argument("--sizes", type=int, nargs="+", default=list(GOALS), metavar="N")
+    parser.add_argument("--repeats", type=int, default=5, metavar="N")
+    options = parser.parse_args()
+    options.output.mkdir(parents=True, exist_ok=True)
+    rows = measure(options.sizes, options.repeats, options.output)
+    for row in rows:
+        print(json.dumps(row))
+    (options.output / "speed_describe.json").write_text(json.dumps(rows, indent=1))
+    plot(rows, options.output / "speed_describe.png")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
