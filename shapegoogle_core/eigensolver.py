@@ -321,8 +321,8 @@ def _block_lanczos(
     _orthonormalise(pencil, basis[:, :locked], start)
     projected = np.zeros((capacity + BLOCK, capacity + BLOCK))  # B in the basis: block tridiagonal
     size = BLOCK
-    has_two_new = True  # blocks that were not made orthogonal to the whole basis; the start was
-    check_at = 1.7 * (below + above)  # none was ever done before
+    is_orthogonal = True  # the newest block, to the whole basis
+    check_at = 1.7 * (below + above)  # none was done before
     while True:
         block = slice(size - BLOCK, size)
         remainder = basis[:, locked + size : locked + size + BLOCK]
@@ -331,15 +331,16 @@ def _block_lanczos(
         parts = _subtract_projection(pencil, basis[:, locked + recent.start : locked + size], remainder)
         projected[recent, block] = parts
         projected[block, recent] = parts.T
-        if has_two_new := not has_two_new:
-            # What the recurrence leaves is orthogonal to rounding times max |θ| / ‖coupling‖, about 1e-12; it
-            # would grow by as much again in each step. Two blocks in one pass read the basis once for both.
-            new = basis[:, locked + size - BLOCK : locked + size + BLOCK]
-            _subtract_projection(pencil, basis[:, : locked + size - BLOCK], new)
-            _subtract_projection(pencil, new[:, :BLOCK], remainder)
+        # The recurrence alone leaves about 1e-12 of the earlier blocks, a thousand times more in each further
+        # step: max |θ| / ‖coupling‖. So every other block may wait, and two in one pass read the basis once.
+        is_orthogonal = not is_orthogonal
+        if is_orthogonal:
+            last_two = basis[:, locked + size - BLOCK : locked + size + BLOCK]
+            _subtract_projection(pencil, basis[:, : locked + size - BLOCK], last_two)
+            _subtract_projection(pencil, last_two[:, :BLOCK], remainder)
         coupling = _orthonormalise(pencil, basis[:, : locked + size], remainder, float(np.abs(parts).max()))
         full = size + 2 * BLOCK > capacity
-        if has_two_new and (size >= check_at or full):
+        if is_orthogonal and (size >= check_at or full):
             thetas, directions = np.linalg.eigh(projected[:size, :size])
             residuals = np.linalg.norm(coupling @ directions[block], axis=0)
             wanted = np.r_[0:below, size - above : size]
