@@ -134,8 +134,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             found = scene.mesh_objects(placing.bring_in(context, match.source, match.object_name))
             if not found:
                 raise PlacingError(
-                    f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after a change "
-                    "the library must be indexed again"
+                    f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after "
+                    "a change the library must be indexed again"
                 )
             if len(found) > 1 and not match.source.lower().endswith(".blend"):
                 raise PlacingError(
