@@ -124,6 +124,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
         if here == item:
             raise PlacingError(f"{item.name!r} is the match itself; select the object to transfer to")
+        if here is not None and here.type == "POINTCLOUD":
+            raise PlacingError(f"{match.name!r} is a point cloud, which has nothing to transfer")
         if here is not None and here.type == "MESH":
             return transferring.read_source(here, **wanted)
         selected = list(context.view_layer.objects.selected)
@@ -131,7 +133,10 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         try:
             found = scene.mesh_objects(placing.bring_in(context, match.source, match.object_name))
             if not found:
-                raise PlacingError(f"{match.name!r} holds no mesh any more; index the library again")
+                raise PlacingError(
+                    f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after "
+                    "a change the library must be indexed again"
+                )
             if len(found) > 1 and not match.source.lower().endswith(".blend"):
                 raise PlacingError(
                     f"{match.name!r} is imported as {len(found)} objects; append it, join them, and index "
