@@ -103,10 +103,11 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     Raises
     ------
     ValueError
-        If a parameter is out of range, or the tolerance cannot be proved.
+        If a parameter is out of range, the operator has values elsewhere than at vertices ("fem2", "fem3"), or
+        the tolerance cannot be proved.
     """
     t = _checked_times(operator, [time])
-    _check_tolerance(tolerance)
+    _check_asked(operator, tolerance)
     n = len(operator.lumped_mass)
     if not 0 <= source < n:
         raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
@@ -168,12 +169,13 @@ def full_heat_kernel_signature(
     Raises
     ------
     ValueError
-        If a parameter is out of range, the spectrum is of another operator, or the tolerance cannot be
-        proved, which happens on meshes that are very uneven.
+        If a parameter is out of range, the spectrum is of another operator, the operator has values elsewhere
+        than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on meshes that are
+        very uneven.
     numpy.linalg.LinAlgError
         If the stiffness has negative eigenvalues.
     """
-    _check_tolerance(tolerance)
+    _check_asked(operator, tolerance)
     mass = operator.lumped_mass
     if spectrum is not None and not (
         len(spectrum.mass) == len(mass) and np.allclose(spectrum.mass, mass, rtol=1e-6, atol=0)
@@ -287,7 +289,12 @@ def _checked_times(operator: Operator, times: ArrayLike) -> FloatArray:
     return t
 
 
-def _check_tolerance(tolerance: float) -> None:
+def _check_asked(operator: Operator, tolerance: float) -> None:
+    if operator.stiffness.shape[0] != len(operator.lumped_mass):
+        raise ValueError(
+            'heat at small times is known of operators with a value for each vertex, not of "fem2" and "fem3"; '
+            'take "fem1" on a finer mesh'
+        )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance must be between 0 and 1, not {tolerance}")
 

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.heat_diffusion import _ladder, full_heat_kernel, full_heat_kernel_signature
-from shapegoogle_core.laplacian import LAPLACIANS, Operator, build_operator
+from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh import Mesh, repair
 from shapegoogle_core.spectrum import Spectrum, operator_spectrum
 
 pytest.importorskip("skimage", reason="creatures need the optional extra 'demo'")
 
-OPERATORS = sorted(LAPLACIANS)
+OPERATORS = ("cotangent", "fem1", "robust")
 
 
 def joined(*meshes: Mesh) -> Mesh:
@@ -235,3 +235,12 @@ def test_refuses_what_it_cannot_do(bumpy, shapes):
     for other in (shapes.sphere(2), shapes.sphere(3)):
         with pytest.raises(ValueError, match="another mesh"):
             full_heat_kernel_signature(operator, 0.1, spectrum=operator_spectrum(build_operator(other), 5))
+
+
+@pytest.mark.parametrize("laplacian", ["fem2", "fem3"])
+def test_values_elsewhere_than_at_vertices_are_refused(laplacian, shapes):
+    operator = build_operator(shapes.sphere(1), laplacian)
+    with pytest.raises(ValueError, match="a value for each vertex"):
+        full_heat_kernel(operator, 0, 0.1)
+    with pytest.raises(ValueError, match="a value for each vertex"):
+        full_heat_kernel_signature(operator, [0.1])
