@@ -103,8 +103,8 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     Raises
     ------
     ValueError
-        If a parameter is out of range, the operator has values elsewhere than at vertices ("fem2", "fem3"), or
-        the tolerance cannot be proved.
+        If a parameter is out of range, the operator has values elsewhere than at vertices ("fem2", "fem3"),
+        or the tolerance cannot be proved.
     """
     t = _checked_times(operator, [time])
     _check_asked(operator, tolerance)
@@ -292,8 +292,8 @@ def _checked_times(operator: Operator, times: ArrayLike) -> FloatArray:
 def _check_asked(operator: Operator, tolerance: float) -> None:
     if operator.stiffness.shape[0] != len(operator.lumped_mass):
         raise ValueError(
-            'heat at small times is known of operators with a value for each vertex, not of "fem2" and "fem3"; '
-            'take "fem1" on a finer mesh'
+            'heat at small times is known of operators with a value for each vertex, not of "fem2" and '
+            '"fem3"; take "fem1" on a finer mesh'
         )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance must be between 0 and 1, not {tolerance}")
