@@ -41,6 +41,9 @@ _LIKELY = 0.9
 # Otherwise so many more of those that bags and their support in space together make the best, by
 # d exp(-k support) of the distance d of their bags.
 _NEXT, _SUPPORT_GAIN = 48, 5.0
+# And so many of those that share parts with the query. Counted by themselves: in a library of hundreds they are
+# all that is left, and would only take the places of others.
+_NEXT_RELATIVES = 16
 
 
 def verify(
@@ -84,7 +87,8 @@ def verify(
         verified = [_verified(model, query, *pair) for pair in _placed(store, model, matches[:_FIRST])]
         rest = [*matches[_FIRST:], *relatives]
         if rest and max(match.similarity for match in verified) < _LIKELY:
-            chosen = _worth_a_look(store, model, query, [*matches[_FIRST:SCREENED], *relatives])
+            chosen = _worth_a_look(store, model, query, matches[_FIRST:SCREENED], _NEXT)
+            chosen += _worth_a_look(store, model, query, relatives, _NEXT_RELATIVES)
             verified += [_verified(model, query, *pair) for pair in _placed(store, model, chosen)]
             taken = {match.shape_id for match in chosen}
             rest = [match for match in rest if match.shape_id not in taken]
@@ -100,9 +104,9 @@ def _doubted(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
 
 
 def _worth_a_look(
-    store: Store, model: ShapeModel, query: QueryOf, candidates: Sequence[Match]
+    store: Store, model: ShapeModel, query: QueryOf, candidates: Sequence[Match], count: int
 ) -> list[Match]:
-    """Choose the best by their bags and their support in space."""
+    """Choose so many of the best by their bags and their support in space."""
 
     def promise(match: Match, placed: Placed | None) -> float:
         return match.distance * math.exp(
@@ -111,7 +115,7 @@ def _worth_a_look(
 
     promises = [(promise(match, placed), match) for match, placed in _placed(store, model, candidates)]
     promises.sort(key=lambda pair: (pair[0], pair[1].rank_key))
-    return [match for _, match in promises[:_NEXT]]
+    return [match for _, match in promises[:count]]
 
 
 def _placed(
