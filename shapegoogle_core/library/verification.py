@@ -41,8 +41,8 @@ _LIKELY = 0.9
 # Otherwise so many more of those that bags and their support in space together make the best, by
 # d exp(-k support) of the distance d of their bags.
 _NEXT, _SUPPORT_GAIN = 48, 5.0
-# And so many of those that share parts with the query. Counted by themselves: in a library of hundreds they are
-# all that is left, and would only take the places of others.
+# And so many of those that share parts with the query. Counted by themselves: in a library of hundreds they
+# are all that is left, and would only take the places of others.
 _NEXT_RELATIVES = 16
 
 
