@@ -5,17 +5,25 @@
     python3 scripts/benchmark_speed.py [--sections spectra,…] [--sizes 1000,…] [--repeats 5] [--output FOLDER]
 
 spectra     eigenpairs from vertices and faces, against LaPy (with and without CHOLMOD) and pyfmaps
+describing  from a file to a signature, stage by stage (speed_describe.py)
+search      codes and libraries against their size, with numpy and with faiss (speed_search.py)
+indexing    one worker against two, memory over a long run (speed_indexing.py)
+blender     what people wait for in Blender (speed_blender.py: bpy, or the Blender in BLENDER or on PATH)
 
-Contestants take turns in one process on one thread, and medians are compared: ratios above 1 are slower
-than this package. The others are measured if they are installed (the extra "peers"). With --output the folder
-gets speed.json and a plot for each section. Exit code 0, or 2 for wrong usage.
+In "spectra" contestants take turns in one process on one thread, and medians are compared: ratios above 1 are
+slower than this package. The others are measured if they are installed (the extra "peers"). All other
+sections are scripts of their own, with their own sizes unless --sizes says others, and print a line of JSON
+for each row. With --output the folder gets all tables as JSON and a plot for each section. All of it takes
+more than an hour. Exit code 0, 1 if a section failed, or 2 for wrong usage.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -24,7 +32,14 @@ from speed import spectra
 from speed.measuring import Options, Row
 from speed.reporting import table, write_report
 
-SECTIONS: dict[str, Callable[[Options], Iterator[Row]]] = {"spectra": spectra.measure}
+RACES: dict[str, Callable[[Options], Iterator[Row]]] = {"spectra": spectra.measure}
+SCRIPTS = {
+    "describing": "speed_describe.py",
+    "search": "speed_search.py",
+    "indexing": "speed_indexing.py",
+    "blender": "speed_blender.py",
+}
+SECTIONS = (*RACES, *SCRIPTS)
 SIZES = (1_000, 10_000, 30_000, 100_000)
 
 
@@ -32,10 +47,8 @@ def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespac
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--sections", type=_sections, default=tuple(SECTIONS), metavar="NAME,…")
-    parser.add_argument(
-        "--sizes", type=_sizes, default=SIZES, metavar="N,…", help="such as numbers of vertices"
-    )
+    parser.add_argument("--sections", type=_sections, default=SECTIONS, metavar="NAME,…")
+    parser.add_argument("--sizes", type=_sizes, metavar="N,…", help="numbers of vertices, or of shapes")
     parser.add_argument("--repeats", type=_positive, default=5, metavar="N")
     parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write speed.json and plots")
     return parser.parse_args(arguments)
@@ -62,22 +75,37 @@ def _sizes(text: str) -> tuple[int, ...]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Measure the sections on one thread, print the table and write the report."""
+    """Measure the sections, print the tables and write the report."""
     from threadpoolctl import threadpool_limits
 
     rows: list[Row] = []
     with threadpool_limits(1):
-        for name in options.sections:
-            for row in SECTIONS[name](Options(options.sizes, options.repeats)):
+        for name in RACES.keys() & set(options.sections):
+            for row in RACES[name](Options(options.sizes or SIZES, options.repeats)):
                 rows.append(row)
                 print(
                     f"{name}: {row.task}, {row.size:,}: {row.contestant} {row.seconds:.3f} s", file=sys.stderr
                 )
-    print(table(rows))
-    if options.output is not None:
-        for path in write_report(rows, options.output):
-            print(f"wrote {path}")
-    return 0
+    if rows:
+        print(table(rows))
+        if options.output is not None:
+            for path in write_report(rows, options.output):
+                print(f"wrote {path}")
+    failed = [name for name in options.sections if name in SCRIPTS and not run_script(name, options)]
+    for name in failed:
+        print(f"the section {name!r} failed; see above", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def run_script(section: str, options: argparse.Namespace) -> bool:
+    """Run the script of a section; what it prints goes where this script's does."""
+    print(f"\n{section}", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, str(Path(__file__).with_name(SCRIPTS[section]))]
+        command += [str(options.output or folder), "--repeats", str(options.repeats)]
+        if options.sizes:
+            command += ["--sizes", *map(str, options.sizes)]
+        return subprocess.run(command, check=False).returncode == 0
 
 
 def main() -> int:

@@ -26,6 +26,15 @@ def test_times_spectra_and_writes_a_report(benchmark_speed, tmp_path, capsys):
     assert (tmp_path / "speed-spectra.png").stat().st_size > 10_000
 
 
+def test_other_sections_are_scripts(benchmark_speed, tmp_path, capfd):
+    arguments = ["--sections", "describing", "--sizes", "800", "--repeats", "1", "--output", str(tmp_path)]
+    assert benchmark_speed.run(benchmark_speed.parse_arguments(arguments)) == 0
+    assert "describing" in capfd.readouterr().out
+    rows = json.loads((tmp_path / "speed_describe.json").read_text())
+    assert {row["format"] for row in rows} == {".ply", ".obj"}
+    assert (tmp_path / "speed_describe.png").exists()
+
+
 def test_contestants_take_turns(benchmark_speed):
     from speed.measuring import Contestant, race
 
