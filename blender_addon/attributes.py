@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bmesh
@@ -183,13 +183,13 @@ def positive_vertices(data: Any, name: str) -> NDArray[np.int64]:
     return np.flatnonzero([vertex[place] > 0 for vertex in edited.verts])
 
 
-def select(data: Any, vertices: NDArray[np.int64]) -> int:
-    """Select vertices of a mesh in edit mode with vertex selection, besides those that are selected.
+def select(data: Any, vertices: Iterable[int]) -> int:
+    """Select vertices of a mesh in edit mode with vertex selection, and no others.
 
     Parameters
     ----------
     data : bpy.types.Mesh
-    vertices : (p,) array of int
+    vertices : iterable of int
 
     Returns
     -------
@@ -197,11 +197,15 @@ def select(data: Any, vertices: NDArray[np.int64]) -> int:
         How many of them are selected now: hidden ones cannot be.
     """
     edited = bmesh.from_edit_mesh(data)
+    edited.select_mode = {"VERT"}
+    for part in (edited.faces, edited.edges, edited.verts):
+        for element in part:
+            element.select_set(False)
     edited.verts.ensure_lookup_table()
-    shown = [edited.verts[index] for index in vertices.tolist() if not edited.verts[index].hide]
+    shown = [edited.verts[index] for index in vertices if not edited.verts[index].hide]
     for vertex in shown:
         vertex.select_set(True)
-    edited.select_flush(True)
+    edited.select_flush_mode()
     bmesh.update_edit_mesh(data, loop_triangles=False, destructive=False)
     return len(shown)
 

@@ -53,12 +53,12 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
             return {"CANCELLED"}
         if context.mode == "OBJECT":
             # The active one decides what kind of object is edited, and all selected ones of its kind are.
-            context.view_layer.objects.active = items[0]
+            if context.active_object is None or context.active_object.type != "MESH":
+                context.view_layer.objects.active = items[0]
             bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.select_mode(type="VERT")
-        bpy.ops.mesh.select_all(action="DESELECT")
+        context.tool_settings.mesh_select_mode = (True, False, False)
         edited = {item.data for item in context.objects_in_mode}
-        count = sum(attributes.select(data, vertices) for data, vertices in points.items() if data in edited)
+        count = sum(attributes.select(data, points.get(data, ())) for data in edited)
         hidden = f"; {total - count} more are hidden or not being edited" if count < total else ""
         self.report({"INFO"}, f"Selected {count} {'keypoint' if count == 1 else 'keypoints'}{hidden}")
         return {"FINISHED"}

@@ -224,6 +224,9 @@ class TestKeypoints:
         strongest = modules.painting.linear_rgb(np.array(modules.painting.STRONG_POINT))
         assert np.allclose(colors[response.argmax()], strongest, atol=1e-5)
 
+    @pytest.mark.skipif(
+        bpy.app.version < (4, 5), reason="Blender 4.2 and 4.3 crash when a later test opens a file"
+    )
     def test_are_selected_in_edit_mode(self, modules):
         item, plain = add_creature(), add_blob()
         item.select_set(True)
@@ -258,6 +261,7 @@ class TestKeypoints:
         assert item.mode == "EDIT"
         item.update_from_editmode()
         assert 0 < len(selected_vertices(item)) < len(before)  # a new mesh has all selected
+        bpy.ops.object.mode_set(mode="OBJECT")
 
     def test_without_keypoints_there_is_nothing_to_select(self, modules):
         item = add_blob()
