@@ -7,9 +7,9 @@ import numpy as np
 import scipy.sparse as sparse
 
 from shapegoogle_core.laplacian.operator import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas, vertex_areas
 
-__all__ = ["barycentric_areas", "corner_cotangents", "cotangent", "cotangent_voronoi", "voronoi_areas"]
+__all__ = ["corner_cotangents", "cotangent", "cotangent_voronoi", "voronoi_areas"]
 
 # A face lower than this share of its longest side counts as that high: a sliver's cotangents would
 # otherwise swamp its neighbours'. Relative, so it holds in any unit.
@@ -46,16 +46,6 @@ def _cotangent_stiffness(mesh: Mesh) -> sparse.csc_array:
     return sparse.csc_array(sparse.coo_array((values, (rows, columns)), shape=(n, n)))
 
 
-def barycentric_areas(mesh: Mesh) -> FloatArray:
-    """(n,) a third of the area of each vertex's faces, in squared mesh units."""
-    return _at_vertices(mesh, np.repeat(face_areas(mesh) / 3, 3))
-
-
-def _at_vertices(mesh: Mesh, at_corners: FloatArray) -> FloatArray:
-    """Sum (3m,) values at the corners of faces for each vertex."""
-    return np.asarray(np.bincount(mesh.faces.ravel(), at_corners, len(mesh.vertices)), np.float64)
-
-
 def voronoi_areas(mesh: Mesh) -> FloatArray:
     """Mixed Voronoi areas of the vertices (Meyer et al. 2003, section 3.3).
 
@@ -88,7 +78,7 @@ def voronoi_areas(mesh: Mesh) -> FloatArray:
     # The sum brings the factor: so it is the area for slivers too, whose cotangents are bounded.
     total = np.maximum(shares.sum(axis=1, keepdims=True), np.finfo(float).tiny)
     areas = shares / total * face_areas(mesh)[:, None]
-    return _at_vertices(mesh, areas.ravel())
+    return np.asarray(np.bincount(mesh.faces.ravel(), areas.ravel(), len(mesh.vertices)), np.float64)
 
 
 def cotangent(mesh: Mesh) -> Operator:
@@ -103,7 +93,7 @@ def cotangent(mesh: Mesh) -> Operator:
     operator : Operator
         The mass of a vertex is a third of the area of its faces.
     """
-    mass = sparse.csc_array(sparse.diags_array(barycentric_areas(mesh)))
+    mass = sparse.csc_array(sparse.diags_array(vertex_areas(mesh)))
     return Operator(_cotangent_stiffness(mesh), mass)
 
 

@@ -17,9 +17,9 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from shapegoogle_core.laplacian.cotangents import barycentric_areas, corner_cotangents
+from shapegoogle_core.laplacian.cotangents import corner_cotangents
 from shapegoogle_core.laplacian.operator import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas, unique_edges
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas, unique_edges, vertex_areas
 
 __all__ = ["fem1", "fem2", "fem3"]
 
@@ -155,7 +155,7 @@ def _lagrange(mesh: Mesh, degree: int) -> Operator:
     def assembled(values: FloatArray) -> sparse.csc_array:
         return sparse.csc_array(sparse.coo_array((values.ravel(), (rows, columns)), shape=(count, count)))
 
-    return Operator(assembled(stiffness), assembled(mass), barycentric_areas(mesh), boundary)
+    return Operator(assembled(stiffness), assembled(mass), vertex_areas(mesh), boundary)
 
 
 def _number(mesh: Mesh, nodes: NDArray[np.int64]) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
