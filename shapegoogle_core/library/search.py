@@ -101,6 +101,9 @@ class Search:
         nearest: list[int] = []
         for code, projection in zip(question.codes, question.projections, strict=True):
             rough = codes.nearest(code, ROUGH_PER_CANDIDATE * count).tolist()
+            if len(rough) <= count:  # all are wanted: their bags decide, and tell which are gone
+                nearest += rough
+                continue
             shape_ids, known = self._store.codes_of(rough, self._model.code_bits // 8)
             order = np.argsort(asymmetric_distances(known, projection), kind="stable")[:count]
             nearest += np.array(shape_ids, np.int64)[order].tolist()
@@ -113,11 +116,12 @@ class Search:
     ) -> list[Match]:
         """Compare the bags of the shapes that `nearest` finds in an index of codes."""
         for _ in range(2):
-            best, gone = self._compare(question, nearest(codes.current()), top)
+            index = codes.current()
+            best, gone = self._compare(question, nearest(index), top)
             if not gone:
                 return best
             # Removed since their codes were read, by whomever; others come in for them.
-            codes.current().discard(gone)
+            index.discard(gone)
         # More were removed than just these, so read all again.
         codes.forget()
         return self._compare(question, nearest(codes.current()), top)[0]
