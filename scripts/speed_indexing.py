@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 import trimesh
 from process_figures import ProcessFigures, descendants
+from speed_describe import write_mesh
 
 import shapegoogle_core as sg
 from shapegoogle_core.indexing import iterate_shapes
@@ -85,21 +86,13 @@ def measure(sizes: Sequence[int], repeats: int, output: Path) -> list[Row]:
 def write_meshes(folder: Path, count: int, subdivisions: int) -> None:
     """Write lumpy spheres, each another one, as binary PLY."""
     sphere = trimesh.creation.icosphere(subdivisions)
-    faces = np.empty(len(sphere.faces), [("count", "u1"), ("vertices", "<i4", 3)])
-    faces["count"], faces["vertices"] = 3, sphere.faces
-    header = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(sphere.vertices)}\n"
-        "property float x\nproperty float y\nproperty float z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
+    faces = sphere.faces.astype(np.int32)
     for seed in range(count):
         random = np.random.default_rng(seed)
         centers = random.standard_normal((8, 3))
         centers /= np.linalg.norm(centers, axis=1, keepdims=True)
         lumps = np.exp(-8 * (1 - sphere.vertices @ centers.T)) @ random.uniform(-0.3, 0.6, 8)
-        vertices = sphere.vertices * (1 + lumps)[:, None]
-        content = header.encode() + vertices.astype("<f4").tobytes() + faces.tobytes()
-        (folder / f"{seed:06}.ply").write_bytes(content)
+        write_mesh(sg.Mesh(sphere.vertices * (1 + lumps)[:, None], faces), folder / f"{seed:06}.ply")
 
 
 # -- one run ------------------------------------------------------------------------------------------------
