@@ -38,8 +38,8 @@ import shapegoogle_core as sg
 from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.library import NewShape
 from shapegoogle_core.library.code_index import CODE_TABLES, CodeTable, WordTable
-from shapegoogle_core.library.hamming import count_bits, count_bits_portable
-from shapegoogle_core.library.search import CANDIDATES
+from shapegoogle_core.library.hamming import asymmetric_distances, count_bits, count_bits_portable
+from shapegoogle_core.library.search import CANDIDATES, ROUGH_PER_CANDIDATE
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
 
 __all__ = ["measure", "plot"]
@@ -268,11 +268,12 @@ def sync_time(folder: Path, repeats: int) -> float:
 
 # -- recall -------------------------------------------------------------------------------------------------
 
-Vectors = tuple[sg.ShapeModel, NDArray[np.float32], Codes]
+# A model, what it compares of shapes, and their projections, whose signs are the codes.
+Vectors = tuple[sg.ShapeModel, NDArray[np.float32], NDArray[np.float32]]
 
 
 def made_up_vectors(size: int) -> Vectors:
-    """Make up what the shipped model compares, of shapes in families of ten, and their codes.
+    """Make up what the shipped model compares, of shapes in families of ten.
 
     Without families the nearest are all about as far as the others, and codes cannot tell them apart.
     """
@@ -284,30 +285,32 @@ def made_up_vectors(size: int) -> Vectors:
     vectors = np.repeat(families, 10, axis=0)[:size]
     vectors += 0.6 * random.standard_normal(vectors.shape) * spread
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    return model, vectors.astype(np.float32), codes_of(model, vectors)
-
-
-def codes_of(model: sg.ShapeModel, vectors: NDArray[Any]) -> Codes:
-    """Codes as `ShapeModel.codes` makes them of bags."""
-    return np.packbits(vectors.astype(np.float32) @ model.directions.T + model.thresholds > 0, axis=1)
+    vectors = vectors.astype(np.float32)
+    # As `ShapeModel.code_projections` makes them of bags.
+    return model, vectors, np.asarray(vectors @ model.directions.T + model.thresholds, np.float32)
 
 
 def real_vectors(path: Path) -> Vectors:
-    """Read what its model compares of the shapes of a library, and their codes."""
+    """Read what its model compares of the shapes of a library."""
     with sg.Library.open(path, read_only=True) as library:
-        signatures = [library.signature(record.shape_id) for record in library.shapes()]
-        codes = np.stack([signature.code for signature in signatures])
-        bags = np.stack([signature.bags for signature in signatures])
-        return library.model, library.model.comparable(bags), codes
+        bags = np.stack([library.signature(record.shape_id).bags for record in library.shapes()])
+        model = library.model
+        return model, model.comparable(bags), np.asarray(model.code_projections(bags), np.float32)
 
 
 def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
-    """Leave one out: the ten nearest others of some shapes, and where their codes stand."""
-    model, vectors, codes = shapes
+    """Leave one out: the ten nearest others of some shapes, and whether their codes make them candidates.
+
+    "asymmetric" as a search takes them: among `ROUGH_PER_CANDIDATE` times as many nearest codes those nearest
+    to the query before it is cut to bits.
+    """
+    model, vectors, projections = shapes
+    codes = np.packbits(projections > 0, axis=1)
     table = CODE_TABLES["numpy"](codes.shape[1])
     table.add(codes)
     queries = np.random.default_rng(1).choice(len(vectors), min(QUERIES, len(vectors)), replace=False)
-    found: dict[int, list[float]] = {count: [] for count in CANDIDATE_COUNTS if count < len(vectors)}
+    counts = [count for count in CANDIDATE_COUNTS if count < len(vectors)]
+    found: dict[tuple[str, int], list[float]] = {}
     for query in queries.tolist():
         if model.settings.metric == "cosine":
             distances = 1 - vectors @ vectors[query]
@@ -315,19 +318,23 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
             distances = np.abs(vectors - vectors[query]).sum(axis=1)
         distances[query] = np.inf
         nearest = np.argpartition(distances, 10)[:10]
-        by_code = table.nearest(codes[query], max(found) + 1)
+        by_code = table.nearest(codes[query], ROUGH_PER_CANDIDATE * max(counts) + 1)
         by_code = by_code[by_code != query]
-        for count, shares in found.items():
-            shares.append(float(np.isin(nearest, by_code[:count]).mean()))
-    for count, shares in found.items():
-        recall = round(statistics.mean(shares), 4)
+        for count in counts:
+            rough = by_code[: ROUGH_PER_CANDIDATE * count]
+            nearer = np.argsort(asymmetric_distances(codes[rough], projections[query]), kind="stable")
+            for distance, candidates in (("Hamming", by_code), ("asymmetric", rough[nearer])):
+                share = float(np.isin(nearest, candidates[:count]).mean())
+                found.setdefault((distance, count), []).append(share)
+    for (distance, count), shares in found.items():
         yield {
             "part": "recall",
             "kind": kind,
+            "distance": distance,
             "size": len(vectors),
             "bits": 8 * codes.shape[1],
             "candidates": count,
-            "recall": recall,
+            "recall": round(statistics.mean(shares), 4),
         }
 
 
@@ -379,12 +386,12 @@ def plot(rows: Iterable[Row], path: Path) -> None:
     library.set(
         title=f"library file (beyond {FULL_LIBRARY:,} shapes: small bags)", xlabel="shapes", ylabel="ms"
     )
-    measured = sorted({(row["kind"], row["size"]) for row in rows if row["part"] == "recall"})
-    for kind, size in measured:
+    recalled = [row for row in rows if row["part"] == "recall" and row["distance"] == "asymmetric"]
+    for kind, size in sorted({(row["kind"], row["size"]) for row in recalled}):
         points = [
             (row["candidates"], row["recall"])
-            for row in rows
-            if row["part"] == "recall" and (row["kind"], row["size"]) == (kind, size)
+            for row in recalled
+            if (row["kind"], row["size"]) == (kind, size)
         ]
         style = "-" if kind == "real" else ":"
         recall.semilogx(*zip(*points, strict=True), style, marker=".", label=f"{size:,} {kind} shapes")
