@@ -286,27 +286,30 @@ class ShapeModel:
         codes : (n, s/8) array of uint8
             Packed as by `numpy.packbits`.
         """
-        return np.packbits(self.code_projections(bags) > 0, axis=1)
+        return np.packbits(self.code_projections(self.embed(bags)) > 0, axis=1)
 
-    def code_projections(self, bags: FloatBags) -> FloatBags:
+    def code_projections(self, embedded: FloatBags) -> FloatBags:
         """Projections A f + b, whose signs are the codes.
 
         Parameters
         ----------
-        bags : (n, B) array
+        embedded : (n, p) array
+            f, bags as `embed` projects them.
 
         Returns
         -------
         projections : (n, s) array of float32
         """
-        return np.asarray(self.embed(bags) @ self.directions.T + self.thresholds, np.float32)
+        return np.asarray(embedded @ self.directions.T + self.thresholds, np.float32)
 
-    def comparable(self, bags: FloatBags) -> FloatBags:
+    def comparable(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
         """Vectors between which `row_distances` is this model's distance.
 
         Parameters
         ----------
         bags : (n, B) array
+        embedded : (n, p) array, optional
+            What `embed` makes of them, where it is known.
 
         Returns
         -------
@@ -314,7 +317,7 @@ class ShapeModel:
             "cosine": projected. "l1": the bags, divided by how many stand side by side.
         """
         if self.settings.metric == "cosine":
-            return self.embed(bags)
+            return self.embed(bags) if embedded is None else embedded
         count = sum(len(channel.bags) for channel in self.settings.channels)
         return np.asarray(bags, np.float32) / np.float32(count)
 

@@ -540,30 +540,30 @@ class Library:
         return by_evidence(self._store, self._model, groups, explained)
 
     def _check_signature(self, signature: ShapeSignature, name: str) -> None:
-        expected = (self._model.bag_size,), (self._model.code_bits // 8,)
-        if (signature.bags.shape, signature.code.shape) != expected:
+        misfit = _misfit(self._model, signature)
+        if misfit:
             raise LibraryError(
                 f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}): {signature.bags.size} bag entries and "
-                f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
-                f"{self._model.code_bits}; describe it with library.model"
-            )
-        if signature.sample is not None and self._model.settings.sample is None:
-            raise LibraryError(
-                f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}), which takes no samples of surfaces; describe it with "
-                "library.model"
-            )
-        local = self._model.settings.local
-        if signature.local_code is not None and signature.local_code.size != (
-            local.bits // 8 if local else 0
-        ):
-            raise LibraryError(
-                f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}): its local code does not fit; describe it with library.model"
+                f"({self._model.identifier}): {misfit}; describe it with library.model"
             )
         if not np.isfinite(round_bags(signature.bags)).all():
             raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")
+
+
+def _misfit(model: ShapeModel, signature: ShapeSignature) -> str:
+    """In what a signature is not of a model; empty if it may be."""
+    if (signature.bags.shape, signature.code.shape) != ((model.bag_size,), (model.code_bits // 8,)):
+        return (
+            f"{signature.bags.size} bag entries and {8 * signature.code.size} bits instead of "
+            f"{model.bag_size} and {model.code_bits}"
+        )
+    if signature.sample is not None and model.settings.sample is None:
+        return "that one takes no samples of surfaces"
+    local = model.settings.local
+    local_bytes = 0 if local is None else local.bits // 8
+    if signature.local_code is not None and signature.local_code.size != local_bytes:
+        return "its local code does not fit"
+    return ""
 
 
 def _is_file(path: Path) -> bool:
