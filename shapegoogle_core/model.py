@@ -227,20 +227,22 @@ class ShapeModel:
         codes : (n, s/8) array of uint8
             Packed as by `numpy.packbits`.
         """
-        return np.packbits(self.code_projections(self.embed(bags)) > 0, axis=1)
+        return np.packbits(self.code_projections(bags) > 0, axis=1)
 
-    def code_projections(self, embedded: FloatBags) -> FloatBags:
+    def code_projections(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
         """Projections A f + b, whose signs are the codes.
 
         Parameters
         ----------
-        embedded : (n, p) array
-            f, bags as `embed` projects them.
+        bags : (n, B) array
+        embedded : (n, p) array, optional
+            f: what `embed` makes of them, where it is known.
 
         Returns
         -------
         projections : (n, s) array of float32
         """
+        embedded = self.embed(bags) if embedded is None else embedded
         return np.asarray(embedded @ self.directions.T + self.thresholds, np.float32)
 
     def comparable(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:

@@ -62,11 +62,13 @@ class Question:
         self._model = model
         # One by one: the last bits of a product depend on how many rows it has.
         bags = [round_bags(signature.bags)[None] for signature in like]
-        embedded = [model.embed(one) for one in bags]
-        self._like = [model.comparable(*example) for example in zip(bags, embedded, strict=True)]
+        examples = [(one, model.embed(one)) for one in bags]
+        self._like = [model.comparable(*example) for example in examples]
         self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
-        self.projections: list[NDArray[np.float32]] = [model.code_projections(one)[0] for one in embedded]
+        self.projections: list[NDArray[np.float32]] = [
+            model.code_projections(*example)[0] for example in examples
+        ]
         self._sampled = [index for index, signature in enumerate(like) if signature.sample is not None]
         self.samples: list[SurfaceSample] = [
             signature.sample for signature in like if signature.sample is not None
