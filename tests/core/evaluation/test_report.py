@@ -276,6 +276,14 @@ def test_chosen_are_the_search_and_the_best_of_each_family(result):
     assert [entry.name for entry in chosen_variants(result, 1)] == [EVIL]
 
 
+def test_what_it_costs_stands_before_the_classes(result, collection, tmp_path):
+    page = write_report(result, collection, tmp_path).read_text(encoding="utf-8")
+    titles = re.findall(r"<button>(.*?)</button>", page)
+    first = ["variant", "average", "found first %", "equal error %", "bytes per shape", "ms per query"]
+    assert titles[:7] == [*first, "CPU ms to describe"]
+    assert {"noise", "scale", "family", "descriptor"} <= set(titles[7:])
+
+
 def test_text_table_lines_up(result):
     lines = text_table(result).splitlines()
     table = lines[next(i for i, line in enumerate(lines) if line.startswith("─")) :]
