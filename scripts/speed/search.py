@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from benchmark_duplicates import DECAY
@@ -277,9 +277,9 @@ def made_up_vectors(size: int) -> Vectors:
     vectors = np.repeat(families, 10, axis=0)[:size]
     vectors += 0.6 * random.standard_normal(vectors.shape) * spread
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    vectors = vectors.astype(np.float32)
+    compared = vectors.astype(np.float32)
     # As `ShapeModel.code_projections` makes them of bags.
-    return model, vectors, np.asarray(vectors @ model.directions.T + model.thresholds, np.float32)
+    return model, compared, np.asarray(compared @ model.directions.T + model.thresholds, np.float32)
 
 
 def real_vectors(path: Path) -> Vectors:
