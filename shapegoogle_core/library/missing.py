@@ -20,8 +20,7 @@ def missing_files(sources: Iterable[SourceRecord], folders: Iterable[str | os.Pa
     ----------
     sources : iterable of SourceRecord
     folders : iterable of str or path-like
-        Only files below these folders are looked at. Each must exist: on a drive that is not plugged in all
-        files are missing.
+        See `Library.remove_missing`.
 
     Returns
     -------
