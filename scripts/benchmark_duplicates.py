@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Measure the search for duplicates in a library of made-up shapes, a fifth of them planted duplicates.
 
-    python3 scripts/benchmark_duplicates.py [--shapes 100000] [--min-similarity 0.95] [--samples]
+    .venv/bin/python scripts/benchmark_duplicates.py [--shapes 100000] [--min-similarity 0.95] [--samples]
 
 Bags are drawn so that what the model compares spreads as on real shapes: over directions with falling
 variance. A duplicate lies in a random direction from a shape that has no other, at a random distance up to

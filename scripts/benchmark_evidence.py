@@ -192,6 +192,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
     parser.add_argument("--similarity", action="store_true", help="measure what a similarity means")
     options = parser.parse_args()
+    environment.enter(("demo",))
 
     from shapegoogle_core.evaluation.creatures import CREATURE_KINDS
     from shapegoogle_core.progress import progress_bar
@@ -214,5 +215,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    environment.enter(("demo",))
     sys.exit(main())

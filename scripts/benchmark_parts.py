@@ -123,6 +123,7 @@ def main() -> int:
     parser.add_argument("--queries", type=int, default=62, help="creatures that are cut (62)")
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
     options = parser.parse_args()
+    environment.enter(("demo",))
 
     from shapegoogle_core import Library
     from shapegoogle_core.evaluation.creatures import CREATURE_KINDS
@@ -188,5 +189,4 @@ def print_tables(
 
 
 if __name__ == "__main__":
-    environment.enter(("demo",))
     sys.exit(main())

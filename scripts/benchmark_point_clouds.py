@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Ask a library of procedural creatures with points of their surfaces, as scanners measure them.
 
-    python3 scripts/benchmark_point_clouds.py --kinds 31 --individuals 3
+    .venv/bin/python scripts/benchmark_point_clouds.py --kinds 31 --individuals 3
 
 For each kind of scan: how many find their own mesh first and among ten, and how far the heat kernel signature
 at a point of the scan is from that of the mesh at the nearest vertex (median over points, then over shapes).

@@ -2,45 +2,39 @@
 # SPDX-License-Identifier: MIT
 """Measure how fast things are, against what others use for them.
 
-    python3 scripts/benchmark_speed.py [--sections spectra,…] [--sizes 1000,…] [--repeats 5] [--output FOLDER]
+    python3 scripts/benchmark_speed.py [--sections spectra,…] [--sizes 1000,…] [--repeats N] [--output FOLDER]
 
 spectra     eigenpairs from vertices and faces, against LaPy (with and without CHOLMOD) and pyfmaps
-describing  from a file to a signature, stage by stage (speed_describe.py)
-search      codes and libraries against their size, with numpy and with faiss (speed_search.py)
-indexing    one worker against two, memory over a long run (speed_indexing.py)
-blender     what people wait for in Blender (speed_blender.py: bpy, or the Blender in BLENDER or on PATH)
+describing  from a file to a signature, stage by stage
+search      codes and libraries against their size, with numpy and with faiss
+indexing    one worker against two, memory over a long run
+blender     what people wait for in Blender (the one in BLENDER or on PATH; speed_blender.py for a bpy module)
 
-In "spectra" contestants take turns in one process on one thread, and medians are compared: ratios above 1 are
-slower than this package. The others are measured if they are installed (the extra "peers"). All other
-sections are scripts of their own, with their own sizes unless --sizes says others, and print a line of JSON
-for each row. With --output the folder gets all tables as JSON and a plot for each section. All of it takes
-more than an hour. Exit code 0, 1 if a section failed, or 2 for wrong usage.
+Each has its own sizes and repeats unless others are named; what exactly it measures is said in the module of
+its name in `speed`. In "spectra" contestants take turns in one process on one thread, and medians are
+compared: ratios above 1 are slower than this package. The others are measured if they are installed (the
+extra "peers"). A line of JSON is printed for each row; with --output the folder gets speed-SECTION.json and
+speed-SECTION.png. All of it takes more than an hour.
+
+Exit code 0, 1 if a section failed, or 2 for wrong usage.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
-import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+import traceback
+from collections.abc import Sequence
 from pathlib import Path
 
 import environment
-from speed import spectra
-from speed.measuring import Options, Row
-from speed.reporting import table, write_report
+from speed.measuring import Options
+from speed.reporting import line, write_figure, write_rows
 
-RACES: dict[str, Callable[[Options], Iterator[Row]]] = {"spectra": spectra.measure}
-SCRIPTS = {
-    "describing": "speed_describe.py",
-    "search": "speed_search.py",
-    "indexing": "speed_indexing.py",
-    "blender": "speed_blender.py",
-}
-SECTIONS = (*RACES, *SCRIPTS)
-SIZES = (1_000, 10_000, 30_000, 100_000)
+SECTIONS = ("spectra", "describing", "search", "indexing", "blender")
 
 
 def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
@@ -49,8 +43,9 @@ def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespac
     )
     parser.add_argument("--sections", type=_sections, default=SECTIONS, metavar="NAME,…")
     parser.add_argument("--sizes", type=_sizes, metavar="N,…", help="numbers of vertices, or of shapes")
-    parser.add_argument("--repeats", type=_positive, default=5, metavar="N")
-    parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write speed.json and plots")
+    parser.add_argument("--repeats", type=_positive, metavar="N", help="times are medians of so many")
+    parser.add_argument("--library", type=Path, metavar="FILE", help="a real one, for the recall of search")
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write figures and pictures")
     return parser.parse_args(arguments)
 
 
@@ -75,37 +70,37 @@ def _sizes(text: str) -> tuple[int, ...]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Measure the sections, print the tables and write the report."""
-    from threadpoolctl import threadpool_limits
-
-    rows: list[Row] = []
-    with threadpool_limits(1):
-        for name in RACES.keys() & set(options.sections):
-            for row in RACES[name](Options(options.sizes or SIZES, options.repeats)):
-                rows.append(row)
-                print(
-                    f"{name}: {row.task}, {row.size:,}: {row.contestant} {row.seconds:.3f} s", file=sys.stderr
-                )
-    if rows:
-        print(table(rows))
-        if options.output is not None:
-            for path in write_report(rows, options.output):
-                print(f"wrote {path}")
-    failed = [name for name in options.sections if name in SCRIPTS and not run_script(name, options)]
-    for name in failed:
-        print(f"the section {name!r} failed; see above", file=sys.stderr)
+    """Measure the sections one after the other; one that fails does not stop the others."""
+    failed = []
+    for section in options.sections:
+        try:
+            measure(section, options)
+        except Exception:
+            traceback.print_exc()
+            failed.append(section)
+    for section in failed:
+        print(f"the section {section!r} failed; see above", file=sys.stderr)
     return 1 if failed else 0
 
 
-def run_script(section: str, options: argparse.Namespace) -> bool:
-    """Run the script of a section; what it prints goes where this script's does."""
+def measure(section: str, options: argparse.Namespace) -> None:
+    """Measure a section, print its rows and write its files."""
     print(f"\n{section}", flush=True)
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, str(Path(__file__).with_name(SCRIPTS[section]))]
-        command += [str(options.output or folder), "--repeats", str(options.repeats)]
-        if options.sizes:
-            command += ["--sizes", *map(str, options.sizes)]
-        return subprocess.run(command, check=False).returncode == 0
+    # Imported now: they need what is installed only in the environment that `main` has entered.
+    module = importlib.import_module(f"speed.{section}")
+    if options.output is not None:
+        options.output.mkdir(parents=True, exist_ok=True)
+    rows = []
+    with tempfile.TemporaryDirectory(dir=options.output) as folder:
+        asked = Options(
+            options.sizes or module.SIZES, options.repeats or module.REPEATS, Path(folder), options.library
+        )
+        for row in module.measure(asked):
+            rows.append(row)
+            print(line(row), flush=True)
+    if options.output is not None:
+        print(f"wrote {write_rows(section, rows, options.output)}")
+        print(f"wrote {write_figure(section, module.draw(rows), options.output)}")
 
 
 def main() -> int:

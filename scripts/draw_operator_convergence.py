@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Draw docs/images/operator_convergence.png: the error of eigenvalues against degrees of freedom.
 
-    python scripts/draw_operator_convergence.py [--output FILE.png]
+    .venv/bin/python scripts/draw_operator_convergence.py [--output FILE.png]
 
 On a flat rectangle, free and held at its rim, and on a sphere, whose eigenvalues are known. Prints the orders
 in the length h of edges, from the two finest meshes of each. Needs matplotlib.

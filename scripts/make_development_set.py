@@ -82,6 +82,7 @@ def main() -> int:
     arguments = parser.parse_args()
     if arguments.output.exists() and any(arguments.output.iterdir()):
         parser.error(f"'{arguments.output}' is not empty; name a new folder, or shapes of two sets would mix")
+    environment.enter(("demo",))
     written = write_creatures(arguments.output, arguments.seed)
     if arguments.blend_meshes:
         written += write_blends(arguments.output, arguments.blend_meshes)
@@ -90,5 +91,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    environment.enter(("demo",))
     sys.exit(main())

@@ -63,6 +63,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--output", type=Path, default=REPOSITORY / "shapegoogle_core" / "models")
     arguments = parser.parse_args()
+    environment.enter(("demo",))
 
     from shapegoogle_core.progress import progress_bar
     from shapegoogle_core.settings import PRESETS
@@ -92,5 +93,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    environment.enter(("demo",))
     sys.exit(main())

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""What all commands share: exit codes, and kinds of numbers on the command line."""
+"""What all commands share: exit codes, kinds of numbers on the command line, words on stderr."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 
-__all__ = ["DONE", "INTERRUPTED", "SOME_FAILED", "UNUSABLE", "number_from", "positive_number", "share"]
+__all__ = ["DONE", "INTERRUPTED", "SOME_FAILED", "UNUSABLE", "number_from", "positive_number", "say", "share"]
 
 DONE = 0
 SOME_FAILED = 1
@@ -64,6 +65,11 @@ def share(text: str) -> float:
     if not 0 <= number <= 1:
         raise argparse.ArgumentTypeError(f"must be a number from 0 to 1, not {text!r}")
     return number
+
+
+def say(text: str) -> None:
+    """Print to stderr."""
+    print(text, file=sys.stderr, flush=True)
 
 
 def _number(text: str) -> float:

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.arguments import DONE, SOME_FAILED, number_from
-from shapegoogle_core.commands import say
+from shapegoogle_core.arguments import DONE, SOME_FAILED, number_from, say
 from shapegoogle_core.errors import BenchmarkError
 
 if TYPE_CHECKING:

@@ -10,14 +10,16 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
+from typing import TYPE_CHECKING
 
-from shapegoogle_core import benchmark_command, commands, duplicates_command
-from shapegoogle_core.arguments import INTERRUPTED, UNUSABLE, number_from, positive_number
-from shapegoogle_core.commands import say
+from shapegoogle_core import benchmark_command, duplicates_command
+from shapegoogle_core.arguments import INTERRUPTED, UNUSABLE, number_from, positive_number, say
+from shapegoogle_core.defaults import EXPLAINED
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.indexing import ExternalReader
 from shapegoogle_core.launching import orderly_end
-from shapegoogle_core.library.evidence import EXPLAINED
+
+if TYPE_CHECKING:
+    from shapegoogle_core.indexing import ExternalReader
 
 __all__ = ["main"]
 
@@ -65,10 +67,9 @@ def main(
     if reader is not None:
         chosen = [(offer.name, getattr(options, offer.name, offer.choices[0])) for offer in reader.offers]
         options.reader = replace(reader, options=tuple(chosen))
-    run: Callable[[argparse.Namespace], int] = options.run
     try:
         with orderly_end():
-            exit_code = run(options)
+            exit_code = _command(options.command)(options)
         sys.stdout.flush()
     except ShapeGoogleError as error:
         if options.verbose:
@@ -85,6 +86,20 @@ def main(
     return exit_code
 
 
+def _command(name: str) -> Callable[[argparse.Namespace], int]:
+    # Help, and saying what is wrong with a command line, need none of what they import.
+    from shapegoogle_core import commands
+
+    return {
+        "index": commands.index,
+        "query": commands.query,
+        "info": commands.info,
+        "duplicates": duplicates_command.duplicates,
+        "train": commands.train,
+        "benchmark": benchmark_command.benchmark,
+    }[name]
+
+
 def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program.partition(" {")[0],
@@ -98,13 +113,12 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     version = metadata.version("shapegoogle-core")
     parser.add_argument("--version", action="version", version=f"shapegoogle {version}")
-    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    subparsers = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND", required=True)
 
-    index = _command(
+    index = _add_command(
         subparsers,
         program,
         "index",
-        commands.index,
         "put the meshes of folders into a library; only new and changed files are read",
         "Files that cannot be read, take too long or crash their process are skipped and listed at the end.\n"
         "They are tried again when they change, or with --retry.\n\n"
@@ -143,11 +157,10 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     index.add_argument("--json", action="store_true", help="print one JSON object at the end")
     index.add_argument("--events", action="store_true", help="print one JSON object for each file")
 
-    query = _command(
+    query = _add_command(
         subparsers,
         program,
         "query",
-        commands.query,
         "find the shapes of a library that are most like a mesh",
         "With --json, one line for each mesh:\n"
         '  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}\n'
@@ -199,26 +212,24 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     query.add_argument("--json", action="store_true", help="print one JSON object for each answer")
 
-    info = _command(subparsers, program, "info", commands.info, "say what a library holds", "")
+    info = _add_command(subparsers, program, "info", "say what a library holds", "")
     _library_option(info)
     info.add_argument("--json", action="store_true", help="print one JSON object")
 
-    duplicates = _command(
+    duplicates = _add_command(
         subparsers,
         program,
         "duplicates",
-        duplicates_command.duplicates,
         "list copied files and shapes that are the same or hard to tell apart",
         duplicates_command.DETAILS,
     )
     _library_option(duplicates)
     duplicates_command.add_options(duplicates)
 
-    train = _command(
+    train = _add_command(
         subparsers,
         program,
         "train",
-        commands.train,
         "learn a model from your own shapes",
         "Needs at least 8 different shapes, better 100 varied ones, and about a second for each version.\n"
         "Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz\n\n"
@@ -253,11 +264,10 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     train.add_argument("--seed", type=int, default=0, metavar="N", help="of all random choices (%(default)s)")
     _jobs_option(train)
 
-    benchmark = _command(
+    benchmark = _add_command(
         subparsers,
         program,
         "benchmark",
-        benchmark_command.benchmark,
         "measure the search on collections of meshes, as the paper does",
         benchmark_command.DETAILS,
     )
@@ -273,11 +283,10 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     return parser
 
 
-def _command(
+def _add_command(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser],
     program: str,
     name: str,
-    run: Callable[[argparse.Namespace], int],
     summary: str,
     details: str,
 ) -> argparse.ArgumentParser:
@@ -292,7 +301,6 @@ def _command(
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="show where in the program an error arose"
     )
-    parser.set_defaults(run=run)
     return parser
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from shapegoogle_core.arguments import DONE, INTERRUPTED, SOME_FAILED
+from shapegoogle_core.arguments import DONE, INTERRUPTED, SOME_FAILED, say
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.indexing import (
     ExternalReader,
@@ -31,7 +31,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature, load_model
 from shapegoogle_core.progress import IndexProgress, progress_bar
 
-__all__ = ["index", "info", "query", "say", "train"]
+__all__ = ["index", "info", "query", "train"]
 
 Failures = list[tuple[Path, str]]
 
@@ -364,8 +364,3 @@ def _list_failures(failed: Failures) -> None:
 
 def _count(number: int, noun: str) -> str:
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
-def say(text: str) -> None:
-    """Print to stderr."""
-    print(text, file=sys.stderr, flush=True)

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import TYPE_CHECKING
 
 from shapegoogle_core.arguments import DONE, number_from
-from shapegoogle_core.library import DuplicateGroup, Library
-from shapegoogle_core.library.duplicate_evidence import EXPLAINED_MEMBERS
-from shapegoogle_core.library.duplicates import MIN_SIMILARITY
-from shapegoogle_core.progress import progress_bar
+from shapegoogle_core.defaults import EXPLAINED_MEMBERS, MIN_SIMILARITY
+
+if TYPE_CHECKING:
+    from shapegoogle_core.library import DuplicateGroup
 
 __all__ = ["DETAILS", "add_options", "duplicates"]
 
@@ -75,6 +76,9 @@ def duplicates(options: argparse.Namespace) -> int:
     -------
     exit_code : int
     """
+    from shapegoogle_core.library import Library
+    from shapegoogle_core.progress import progress_bar
+
     with Library.open(options.library, read_only=True) as library:
         groups = library.duplicates(
             options.min_similarity,

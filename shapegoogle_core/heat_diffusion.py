@@ -25,10 +25,9 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from shapegoogle_core.descriptors import heat_kernel_signature
-from shapegoogle_core.laplacian import Operator
+from shapegoogle_core.laplacian import Operator, factor_definite
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.selected_inverse import Levels, inverse_diagonal, level_structure
 from shapegoogle_core.spectrum import Spectrum
@@ -120,12 +119,7 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     unit[place] = 1.0
 
     def column(pole: float) -> FloatArray:
-        factor = splu(
-            sparse.csc_matrix(stiffness + pole * mass),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        factor = factor_definite(sparse.csc_matrix(stiffness + pole * mass))
         solution: FloatArray = factor.solve(unit)
         return solution
 

@@ -4,12 +4,10 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -20,69 +18,12 @@ from shapegoogle_core.describing import ChannelWords, FloatBags, channel_words, 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration import LocalWords, SurfaceSample, sample_surface
+from shapegoogle_core.model_file import arrays_of, damage_refused, pack, read_file, unpack
+from shapegoogle_core.registration import LocalWords, sample_surface
 from shapegoogle_core.settings import ModelSettings
+from shapegoogle_core.signature import ShapeSignature, WordMap
 
 __all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
-
-FORMAT = 1
-"""Version of the model file; a file with a higher one is refused."""
-
-SHIPPED = ("default", "paper")
-"""Models inside the package, made by `scripts/train_default_model.py`."""
-
-
-@dataclass(frozen=True, eq=False)
-class ShapeSignature:
-    """What the search knows of a shape.
-
-    Attributes
-    ----------
-    bags : (B,) array of float32
-        All bags of words and of pairs of words, side by side, as `ShapeModel.distances` compares them.
-    code : (s/8,) array of uint8
-        The binary code, packed as by `numpy.packbits`.
-    area : float
-        Of the mesh as given, in squared units. Of points without faces: of the surface they stand on.
-    vertex_count, face_count : int
-        Of the mesh as given.
-    sample : SurfaceSample or None
-        Points of the mended mesh, if the model's settings ask for them.
-    local_code : (s/8,) array of uint8 or None
-        The code of the sample's local words, if the model has an index of parts.
-    surface : Mesh or None
-        The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
-    """
-
-    bags: FloatBags
-    code: NDArray[np.uint8]
-    area: float
-    vertex_count: int
-    face_count: int
-    sample: SurfaceSample | None = None
-    local_code: NDArray[np.uint8] | None = None
-    surface: Mesh | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class WordMap:
-    """A shape at the working resolution with the words on its vertices.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        Mended and scaled to the model's area.
-    words : (n, V) array
-        θ(x), the distribution of each vertex over the words.
-    """
-
-    mesh: Mesh
-    words: FloatArray
-
-    @property
-    def nearest(self) -> NDArray[np.int64]:
-        """(n,) most likely word of each vertex."""
-        return np.asarray(self.words.argmax(axis=1), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -185,7 +126,7 @@ class ShapeModel:
     def identifier(self) -> str:
         """16 hex digits: a hash of all that ranks matches. Signatures are comparable iff these are equal."""
         digest = hashlib.sha256(json.dumps(self.settings.to_dict(), sort_keys=True).encode())
-        for name, array in sorted(self._arrays().items()):
+        for name, array in sorted(arrays_of(self._fields()).items()):
             digest.update(name.encode())
             digest.update(np.ascontiguousarray(array).tobytes())
         if self.agreement_gain:  # models from before it existed keep their identifier
@@ -288,25 +229,30 @@ class ShapeModel:
         """
         return np.packbits(self.code_projections(bags) > 0, axis=1)
 
-    def code_projections(self, bags: FloatBags) -> FloatBags:
+    def code_projections(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
         """Projections A f + b, whose signs are the codes.
 
         Parameters
         ----------
         bags : (n, B) array
+        embedded : (n, p) array, optional
+            f: what `embed` makes of them, where it is known.
 
         Returns
         -------
         projections : (n, s) array of float32
         """
-        return np.asarray(self.embed(bags) @ self.directions.T + self.thresholds, np.float32)
+        embedded = self.embed(bags) if embedded is None else embedded
+        return np.asarray(embedded @ self.directions.T + self.thresholds, np.float32)
 
-    def comparable(self, bags: FloatBags) -> FloatBags:
+    def comparable(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
         """Vectors between which `row_distances` is this model's distance.
 
         Parameters
         ----------
         bags : (n, B) array
+        embedded : (n, p) array, optional
+            What `embed` makes of them, where it is known.
 
         Returns
         -------
@@ -314,7 +260,7 @@ class ShapeModel:
             "cosine": projected. "l1": the bags, divided by how many stand side by side.
         """
         if self.settings.metric == "cosine":
-            return self.embed(bags)
+            return self.embed(bags) if embedded is None else embedded
         count = sum(len(channel.bags) for channel in self.settings.channels)
         return np.asarray(bags, np.float32) / np.float32(count)
 
@@ -382,41 +328,12 @@ class ShapeModel:
     def _projection(self) -> FloatBags:
         return self.projection.astype(np.float32)
 
-    def _header(self) -> str:
-        header = {
-            "format": FORMAT,
-            "settings": self.settings.to_dict(),
-            "similarity_half": self.similarity_half,
-            "similarity_slope": self.similarity_slope,
-            "trained_on": self.trained_on,
-            "agreement_gain": self.agreement_gain,
-            "verified_half": self.verified_half,
-            "verified_slope": self.verified_slope,
-        }
-        return json.dumps(header, sort_keys=True)
-
-    def _arrays(self) -> dict[str, NDArray[np.generic]]:
-        arrays: dict[str, NDArray[np.generic]] = {
-            "weights": self.weights,
-            "mean": self.mean,
-            "projection": self.projection,
-            "directions": self.directions,
-            "thresholds": self.thresholds,
-            "sigmas": np.array([words.sigma for words in self.vocabularies]),
-        }
-        for index, words in enumerate(self.vocabularies):
-            arrays[f"centers_{index}"] = words.centers
-        if self.local_words is not None:
-            arrays |= {
-                f"local_{entry.name}": getattr(self.local_words, entry.name) for entry in fields(LocalWords)
-            }
-        return arrays
+    def _fields(self) -> dict[str, object]:
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     def to_bytes(self) -> bytes:
         """Serialise: a numpy .npz archive whose entry `header` is JSON; nothing is pickled."""
-        buffer = io.BytesIO()
-        np.savez_compressed(buffer, allow_pickle=False, header=np.array(self._header()), **self._arrays())
-        return buffer.getvalue()
+        return pack(self._fields())
 
     @classmethod
     def from_bytes(cls, data: bytes, origin: str = "the model") -> ShapeModel:
@@ -437,43 +354,8 @@ class ShapeModel:
         ModelError
             If the data is no model, damaged, or of a newer version.
         """
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in archive.files}
-            header = json.loads(str(arrays["header"]))
-            if header["format"] > FORMAT:
-                raise ModelError(
-                    f"{origin} has format {header['format']}, newer than this version of Shape Google "
-                    f"can read (up to {FORMAT}); update Shape Google"
-                )
-            settings = ModelSettings.from_dict(header["settings"])
-            return cls(
-                settings=settings,
-                vocabularies=tuple(
-                    ChannelWords(arrays[f"centers_{index}"].astype(np.float64), float(sigma))
-                    for index, sigma in enumerate(arrays["sigmas"])
-                ),
-                weights=arrays["weights"].astype(np.float32),
-                mean=arrays["mean"].astype(np.float32),
-                projection=arrays["projection"].astype(np.float16),
-                directions=arrays["directions"].astype(np.float32),
-                thresholds=arrays["thresholds"].astype(np.float32),
-                similarity_half=float(header["similarity_half"]),
-                similarity_slope=float(header["similarity_slope"]),
-                trained_on=str(header["trained_on"]),
-                # Models made before surfaces were sampled do not have these.
-                agreement_gain=float(header.get("agreement_gain", 0.0)),
-                verified_half=float(header.get("verified_half", 1.0)),
-                verified_slope=float(header.get("verified_slope", 1.0)),
-                local_words=None if settings.local is None else _local_words(arrays),
-            )
-        except ModelError:
-            raise
-        except Exception as error:
-            # Damaged archives make zipfile, zlib, numpy and json fail in every way.
-            raise ModelError(
-                f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
-            ) from error
+        with damage_refused(origin):
+            return cls(**unpack(data, origin))
 
     def save(self, path: str | Path) -> None:
         """Write the model to a file, by convention `.npz`.
@@ -491,15 +373,6 @@ class ShapeModel:
             Path(path).write_bytes(self.to_bytes())
         except OSError as error:
             raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
-
-
-def _local_words(arrays: dict[str, NDArray[np.generic]]) -> LocalWords:
-    return LocalWords(
-        centers=arrays["local_centers"].astype(np.float32),
-        weights=arrays["local_weights"].astype(np.float32),
-        mean=arrays["local_mean"].astype(np.float32),
-        directions=arrays["local_directions"].astype(np.int8),
-    )
 
 
 def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:
@@ -538,15 +411,4 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     ModelError
         If there is no such file, or it is no model.
     """
-    key = "default" if path is None else str(path)
-    if key in SHIPPED:
-        data = (resources.files("shapegoogle_core") / "models" / f"{key}.npz").read_bytes()
-        return ShapeModel.from_bytes(data, f"the shipped model {key!r}")
-    try:
-        data = Path(key).read_bytes()
-    except OSError as error:
-        raise ModelError(
-            f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
-            f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
-        ) from error
-    return ShapeModel.from_bytes(data, repr(key))
+    return ShapeModel.from_bytes(*read_file(path))

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
-from shapegoogle_core.laplacian import POINT_CLOUD, Operator, build_operator, cotangent
-from shapegoogle_core.mesh.mesh import Mesh, unique_edges
+from shapegoogle_core.laplacian import POINT_CLOUD, Operator, build_operator, cotangent, factor_definite
+from shapegoogle_core.mesh.mesh import Mesh, boundary_vertices
 
 __all__ = ["smooth"]
 
@@ -53,10 +52,7 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
         return mesh
     if mesh.is_point_cloud:
         return _smoothed(mesh, time, build_operator(mesh, POINT_CLOUD), np.arange(len(mesh.vertices)))
-    edges, face_counts = unique_edges(mesh)
-    free = np.ones(len(mesh.vertices), bool)
-    free[edges[face_counts == 1]] = False
-    inner = np.flatnonzero(free)
+    inner = np.flatnonzero(~boundary_vertices(mesh))
     if len(inner) == 0:
         return mesh
     return _smoothed(mesh, time, cotangent(mesh), inner)
@@ -71,8 +67,6 @@ def _smoothed(mesh: Mesh, time: float, operator: Operator, inner: NDArray[np.int
     # Solved for the displacement, which is small, rather than for positions that may be far from the origin.
     force = -flow @ mesh.vertices
     system = csc_array(diags_array(mass) + flow)[inner][:, inner].tocsc()
-    # Symmetric with a positive definite real part: no pivoting, and an ordering for symmetric patterns.
-    factor = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     vertices = mesh.vertices.copy()
-    vertices[inner] += factor.solve(force[inner]).real
+    vertices[inner] += factor_definite(system).solve(force[inner]).real
     return Mesh(vertices, mesh.faces, mesh.name)

@@ -115,18 +115,3 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         if self.soft:
             return soft_words(descriptors, self.centers_, self.sigma_)
         return hard_words(descriptors, self.centers_)
-
-    def predict(self, X: FloatArray) -> np.ndarray:
-        """Nearest word of each descriptor.
-
-        Parameters
-        ----------
-        X : (n, d) array
-            Descriptors.
-
-        Returns
-        -------
-        word : (n,) array of int
-        """
-        nearest: np.ndarray = hard_words(check_features(self, X), self.centers_).argmax(axis=1)
-        return nearest

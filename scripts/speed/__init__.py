@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""What `benchmark_speed.py` measures: a module for each section, and the measuring and reporting they share.
+"""What `benchmark_speed.py` measures: a module for each section, and what they share.
 
-A section is a function that takes `Options` and yields a `Row` for each thing it timed; it is entered in
-`benchmark_speed.SECTIONS`.
+A section has
+
+- ``SIZES`` and ``REPEATS``, for whoever names none;
+- ``measure(options)``, which gives a row of figures for each thing that it timed, as a dict for JSON;
+- ``draw(rows)``, which makes a figure of them.
 """

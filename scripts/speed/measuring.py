@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Time alternatives against each other."""
+"""What every section is asked and answers, and timing alternatives against each other."""
 
 from __future__ import annotations
 
@@ -8,18 +8,36 @@ import importlib.util
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from statistics import median
 from typing import Any
 
 __all__ = ["Contestant", "Options", "Row", "installed", "race"]
 
+Row = dict[str, Any]
+"""Figures of one thing that was timed."""
+
 
 @dataclass(frozen=True)
 class Options:
-    """What every section is asked."""
+    """What every section is asked.
+
+    Attributes
+    ----------
+    sizes : tuple of int
+        Numbers of vertices or of shapes, as the section says.
+    repeats : int
+        Times are medians of so many.
+    folder : Path
+        For files that are deleted again.
+    library : Path or None
+        A real one, for the recall of "search".
+    """
 
     sizes: tuple[int, ...]
     repeats: int
+    folder: Path
+    library: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -40,34 +58,6 @@ class Contestant:
     error: Callable[[Any], float] | None = None
 
 
-@dataclass(frozen=True)
-class Row:
-    """How one contestant did at one task.
-
-    Attributes
-    ----------
-    section, task : str
-    size : int
-        What the task grows with, such as the number of vertices.
-    contestant : str
-    seconds, cpu_seconds : float
-        Medians over the repeats. Processor time counts what this process used, whatever else ran.
-    ratio : float
-        Processor time over that of the first contestant: above 1 is slower than it.
-    error : float or None
-        Deviation from the reference, as the section defines it.
-    """
-
-    section: str
-    task: str
-    size: int
-    contestant: str
-    seconds: float
-    cpu_seconds: float
-    ratio: float
-    error: float | None = None
-
-
 @dataclass
 class _Times:
     wall: list[float] = field(default_factory=list)
@@ -79,18 +69,12 @@ def installed(*modules: str) -> bool:
     return all(importlib.util.find_spec(name) is not None for name in modules)
 
 
-def race(
-    section: str,
-    task: str,
-    size: int,
-    contestants: Sequence[Contestant],
-    repeats: int,
-) -> list[Row]:
+def race(task: str, size: int, contestants: Sequence[Contestant], repeats: int) -> list[Row]:
     """Time the contestants in turns, so that a busy minute of the machine falls on all of them.
 
     Parameters
     ----------
-    section, task, size
+    task, size
         Go into the rows.
     contestants : sequence of Contestant
         The first is what the others are compared with.
@@ -100,7 +84,9 @@ def race(
     Returns
     -------
     rows : list of Row
-        In the order of the contestants.
+        In the order of the contestants. "seconds" and "cpu_seconds": processor time counts what this process
+        used, whatever else ran. "ratio": processor time over that of the first contestant, above 1 is slower
+        than it. "error": None where it is not measured.
     """
     times = [_Times() for _ in contestants]
     errors: list[float | None] = [None] * len(contestants)
@@ -116,15 +102,14 @@ def race(
             del result
     base = median(times[0].processor)
     return [
-        Row(
-            section,
-            task,
-            size,
-            contestant.name,
-            median(each.wall),
-            median(each.processor),
-            median(each.processor) / base,
-            deviation,
-        )
-        for contestant, each, deviation in zip(contestants, times, errors, strict=True)
+        {
+            "task": task,
+            "size": size,
+            "contestant": contestant.name,
+            "seconds": round(median(each.wall), 4),
+            "cpu_seconds": round(median(each.processor), 4),
+            "ratio": round(median(each.processor) / base, 3),
+            "error": error,
+        }
+        for contestant, each, error in zip(contestants, times, errors, strict=True)
     ]

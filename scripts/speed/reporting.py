@@ -1,64 +1,86 @@
 # SPDX-License-Identifier: MIT
-"""The table, the JSON file and the plots of `benchmark_speed.py`."""
+"""The JSON files and the figures of `benchmark_speed.py`."""
 
 from __future__ import annotations
 
 import json
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from speed.measuring import Row
 
-__all__ = ["table", "write_report"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["label", "line", "panels", "read_rows", "write_figure", "write_rows"]
 
 # Whose versions belong to the numbers.
 PACKAGES = ("numpy", "scipy", "shapegoogle-core", "lapy", "cholespy", "pyfmaps")
 
 
-def table(rows: Sequence[Row]) -> str:
-    """Lay the rows out in columns; a ratio above 1 is slower than the first contestant."""
-    lines = [
-        f"{'section':9}{'task':22}{'size':>9}  {'contestant':24}{'s':>9}{'CPU s':>9}{'ratio':>8}{'error':>10}"
-    ]
-    for row in rows:
-        error = "" if row.error is None else f"{row.error:.1e}"
-        lines.append(
-            f"{row.section:9}{row.task:22}{row.size:9,}  {row.contestant:24}"
-            f"{row.seconds:9.3f}{row.cpu_seconds:9.3f}{row.ratio:8.2f}{error:>10}"
-        )
-    return "\n".join(lines)
+def line(row: Row) -> str:
+    """Write a row as a line of JSON, without the lists that stand in the file too."""
+    return json.dumps({name: value for name, value in row.items() if not isinstance(value, list)})
 
 
-def write_report(rows: Sequence[Row], folder: Path) -> list[Path]:
-    """Write `speed.json`, and `speed-SECTION.png` for each section.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-    folder : Path
-        Is made if there is none.
-
-    Returns
-    -------
-    paths : list of Path
-        What was written.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
+def write_rows(section: str, rows: Sequence[Row], folder: Path) -> Path:
+    """Write `speed-SECTION.json` into a folder."""
     data = {
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": {name: found for name in PACKAGES if (found := _version(name))},
-        "rows": [asdict(row) for row in rows],
+        "rows": list(rows),
     }
-    written = [folder / "speed.json"]
-    written[0].write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    for section in dict.fromkeys(row.section for row in rows):
-        written.append(folder / f"speed-{section}.png")
-        _plot([row for row in rows if row.section == section], written[-1])
-    return written
+    path = folder / f"speed-{section}.json"
+    path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    return path
+
+
+def read_rows(section: str, folder: Path) -> list[Row]:
+    """Read back what `write_rows` has written."""
+    rows: list[Row] = json.loads((folder / f"speed-{section}.json").read_text(encoding="utf-8"))["rows"]
+    return rows
+
+
+def write_figure(section: str, figure: Figure, folder: Path) -> Path:
+    """Write `speed-SECTION.png` into a folder."""
+    path = folder / f"speed-{section}.png"
+    figure.savefig(path, dpi=120)
+    return path
+
+
+def panels(count: int, width: float, height: float) -> tuple[Figure, list[Any]]:
+    """Make a figure of panels side by side.
+
+    Parameters
+    ----------
+    count : int
+    width, height : float
+        Of the figure, in inches.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : list of matplotlib.axes.Axes
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, list(figure.subplots(1, count, squeeze=False)[0])
+
+
+def label(axes: Any) -> None:
+    """Add a grid, and a legend that has each name once."""
+    axes.grid(visible=True, which="both", alpha=0.3)
+    handles, names = axes.get_legend_handles_labels()
+    once = dict(zip(names, handles, strict=True))
+    if once:
+        axes.legend(once.values(), once.keys(), fontsize="small")
 
 
 def _version(package: str) -> str | None:
@@ -66,23 +88,3 @@ def _version(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
-
-
-def _plot(rows: Sequence[Row], path: Path) -> None:
-    """Draw processor time over size, a panel for each task and a line for each contestant."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    tasks = list(dict.fromkeys(row.task for row in rows))
-    figure = Figure(figsize=(5.5 * len(tasks), 4.2), layout="constrained")
-    panels = figure.subplots(1, len(tasks), squeeze=False)[0]
-    for panel, task in zip(panels, tasks, strict=True):
-        members = [row for row in rows if row.task == task]
-        for name in dict.fromkeys(row.contestant for row in members):
-            line = sorted((row.size, row.cpu_seconds) for row in members if row.contestant == name)
-            panel.loglog(*zip(*line, strict=True), marker="o", label=name)
-        panel.set(title=task, xlabel="size", ylabel="processor time, s")
-        panel.grid(visible=True, which="both", alpha=0.3)
-        panel.legend()
-    FigureCanvasAgg(figure)
-    figure.savefig(path)

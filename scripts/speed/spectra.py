@@ -3,38 +3,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
 from speed.measuring import Contestant, Options, Row, installed, race
+from speed.meshes import creature
+from speed.reporting import label, panels
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from shapegoogle_core import Mesh
     from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["EIGENPAIRS", "measure", "shape"]
+__all__ = ["EIGENPAIRS", "REPEATS", "SIZES", "draw", "measure"]
+
+SIZES, REPEATS = (1_000, 10_000, 30_000, 100_000), 5
 
 EIGENPAIRS = (100, 200)
-# A creature that nothing was learnt from. Larger meshes come from one of this many vertices.
-KIND, SEED, LARGEST_CREATURE = "horse", 100, 20_000
-
-
-def shape(vertices: int) -> Mesh:
-    """Make a closed surface of about so many vertices, irregular ones."""
-    import numpy as np
-    import trimesh
-
-    from shapegoogle_core import Mesh
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.mesh.resampling import simplify
-
-    mesh = make_creature(KIND, SEED, min(vertices, LARGEST_CREATURE)).rest
-    while len(mesh.vertices) < 0.98 * vertices:
-        # Curved, so that simplifying does not leave slivers on flat patches.
-        finer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).subdivide_loop(1)
-        mesh = Mesh(np.asarray(finer.vertices), np.asarray(finer.faces, dtype=np.int32), name=mesh.name)
-    return mesh if len(mesh.vertices) < 1.02 * vertices else simplify(mesh, vertices)
 
 
 def measure(options: Options) -> Iterator[Row]:
@@ -43,19 +30,17 @@ def measure(options: Options) -> Iterator[Row]:
     The error is the largest |λ - λ'| / max(λ', λ'_2) against ARPACK (`scipy.sparse.linalg.eigsh`) at its
     full precision.
     """
+    from threadpoolctl import threadpool_limits
+
     for size in options.sizes:
-        mesh = shape(size)
+        mesh = creature(size, tolerance=0.02)
         for k in EIGENPAIRS:
             if 3 * k > len(mesh.vertices):
                 continue
-            reference = arpack_eigenvalues(mesh, k)
-            yield from race(
-                "spectra",
-                f"k = {k}",
-                len(mesh.vertices),
-                contestants(mesh, k, partial(deviation, expected=reference)),
-                options.repeats,
-            )
+            with threadpool_limits(1):
+                reference = arpack_eigenvalues(mesh, k)
+                ways = contestants(mesh, k, partial(deviation, expected=reference))
+                yield from race(f"k = {k}", len(mesh.vertices), ways, options.repeats)
 
 
 def contestants(mesh: Mesh, k: int, error: Callable[[FloatArray], float]) -> list[Contestant]:
@@ -114,3 +99,17 @@ def deviation(values: FloatArray, expected: FloatArray) -> float:
     import numpy as np
 
     return float((np.abs(np.sort(values) - expected) / np.maximum(expected, expected[1])).max())
+
+
+def draw(rows: Sequence[Row]) -> Figure:
+    """Draw processor time over size, a panel for each number of eigenpairs, a line for each contestant."""
+    tasks = list(dict.fromkeys(row["task"] for row in rows))
+    figure, axes = panels(len(tasks), 5.5 * len(tasks), 4.2)
+    for panel, task in zip(axes, tasks, strict=True):
+        members = [row for row in rows if row["task"] == task]
+        for name in dict.fromkeys(row["contestant"] for row in members):
+            line = sorted((row["size"], row["cpu_seconds"]) for row in members if row["contestant"] == name)
+            panel.loglog(*zip(*line, strict=True), marker="o", label=name)
+        panel.set(title=task, xlabel="vertices", ylabel="processor time, s")
+        label(panel)
+    return figure

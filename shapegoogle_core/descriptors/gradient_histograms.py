@@ -6,23 +6,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.sparse import csc_array, diags_array
-from scipy.sparse.linalg import splu
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors
-from shapegoogle_core.laplacian import cotangent
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges, vertex_areas, vertex_normals
+from shapegoogle_core.laplacian import cotangent, heat_step
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, boundary_vertices, vertex_areas, vertex_normals
 
 __all__ = ["mean_curvature", "mesh_hog", "vertex_gradients"]
 
 
 def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
-    """Mean curvature of every vertex, without its sign.
+    """Mean curvature of every vertex, smoothed and without its sign.
 
     The Laplacian of the positions is twice the mean curvature along the normal, Δx = -2 H n. With the
     cotangent stiffness W, the areas A and the time t of an implicit step of heat flow, which takes off the
     noise that two derivatives bring forth: |H| = ½ ‖(A + tW)⁻¹ W x‖. On an open boundary W x is taken as 0.
+    Where the sign counts there is `keypoints.scale_space.signed_mean_curvature`.
 
     Parameters
     ----------
@@ -43,13 +42,10 @@ def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
     if not 0 <= smoothing < math.inf:
         raise ValueError(f"smoothing must be a share of the area ≥ 0, not {smoothing}")
     operator = cotangent(mesh)
-    mass = operator.lumped_mass
-    system = csc_array(diags_array(mass) + smoothing * mass.sum() * operator.stiffness)
-    factor = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     bending = operator.stiffness @ mesh.vertices
     # There it is the pull of the rim, however flat the surface.
-    edges, face_counts = unique_edges(mesh)
-    bending[edges[face_counts == 1]] = 0
+    bending[boundary_vertices(mesh)] = 0
+    factor = heat_step(operator, smoothing * operator.lumped_mass.sum())
     curvature: FloatArray = 0.5 * np.linalg.norm(factor.solve(bending), axis=1)
     return curvature
 

@@ -125,12 +125,6 @@ class Collection:
         ]
         _refuse(self.name, problems)
 
-    @property
-    def relevant_columns(self) -> list[int]:
-        """Index into the database of the shape that each query should find."""
-        columns = {shape.name: column for column, shape in enumerate(self.database)}
-        return [columns[query.relevant] for query in self.queries]
-
     def counts(self) -> dict[str, int]:
         """How many shapes there are: "database", of them "nulls" and "negatives", and "queries"."""
         nulls = sum(shape.transformation == NULL for shape in self.database)

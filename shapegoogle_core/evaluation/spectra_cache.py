@@ -54,7 +54,7 @@ PREPARATION_CODE = (
     "smoothing.py",
     "laplacian",
     "spectrum.py",
-    "evaluation/transformations.py",
+    "evaluation/transformations",
 )
 """Files and folders of the package that a prepared spectrum depends on."""
 
@@ -64,7 +64,7 @@ SIGNATURE_CODE = (
     "descriptors",
     "mesh",
     "keypoints",
-    "evaluation/transformations.py",
+    "evaluation/transformations",
 )
 """What a signature depends on besides the model: all modules that are no folders, to be on the safe side."""
 
@@ -73,7 +73,7 @@ SEARCH_CODE = (*SIGNATURE_CODE, "library", "registration", "indexing")
 
 # These neither describe nor search.
 _OTHER_CODE = re.compile(
-    r"(__main__|arguments|background|cli|commands|\w+_command|errors|launching|progress|training|metric|hashing"
+    r"(__main__|arguments|background|cli|commands|defaults|\w+_command|errors|launching|progress|training|metric|hashing"
     r"|estimators|vocabulary|weighting|mesh/congruence)\.py"
 )
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from shapegoogle_core.evaluation.metrics import AVERAGE
 from shapegoogle_core.evaluation.results import BenchmarkResult, VariantResult
 
-__all__ = ["chosen_variants", "class_names", "markdown_table", "text_table"]
+__all__ = ["chosen_variants", "class_names", "text_table"]
 
 _COLUMN_WIDTH = 12
 
@@ -88,29 +88,6 @@ def text_table(result: BenchmarkResult) -> str:
         cells = [_figure(variant, name).rjust(width) for variant, width in zip(variants, widths, strict=True)]
         lines.append("  ".join([_plain(name).ljust(first), *cells]))
     return "\n".join(line.rstrip() for line in lines)
-
-
-def markdown_table(result: BenchmarkResult) -> str:
-    """Lay out the table of classes for Markdown.
-
-    Parameters
-    ----------
-    result : BenchmarkResult
-
-    Returns
-    -------
-    table : str
-        As `text_table`; the best figure of each class is bold.
-    """
-    variants = chosen_variants(result)
-    heads = [variant.name.replace("|", "\\|") for variant in variants]
-    lines = [f"| {' | '.join(['class', *heads])} |", f"|---|{'---:|' * len(variants)}"]
-    for name in class_names(result):
-        cells = [_figure(variant, name) for variant in variants]
-        figures = [float(cell) for cell in cells if cell != "–"]
-        cells = [f"**{cell}**" if figures and cell == f"{max(figures):.1f}" else cell for cell in cells]
-        lines.append(f"| {' | '.join([_plain(name), *cells])} |")
-    return "\n".join(lines)
 
 
 def _wrapped(name: str) -> list[str]:

@@ -4,21 +4,15 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, diags_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_array, diags_array
 
 from shapegoogle_core.keypoints.harris import fit_quadrics
-from shapegoogle_core.keypoints.surroundings import (
-    adjacency,
-    boundary_vertices,
-    discs,
-    maxima_in,
-)
-from shapegoogle_core.laplacian import Operator, build_operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_normals
+from shapegoogle_core.keypoints.surroundings import adjacency, discs, maxima_in
+from shapegoogle_core.laplacian import Operator, build_operator, heat_step
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, boundary_vertices, vertex_normals
 from shapegoogle_core.spectrum import Spectrum
 
-__all__ = ["diffusions", "mean_curvature", "mesh_dog", "salient_points"]
+__all__ = ["diffusions", "mesh_dog", "salient_points", "signed_mean_curvature"]
 
 
 def diffusions(operator: Operator, values: FloatArray, times: FloatArray) -> list[FloatArray]:
@@ -41,22 +35,17 @@ def diffusions(operator: Operator, values: FloatArray, times: FloatArray) -> lis
     mass = operator.lumped_mass
     smoothed, before = [], 0.0
     for time in times:
-        system = csc_array(diags_array(mass) + (time - before) * operator.stiffness)
-        # Symmetric and positive definite: no pivoting, and an ordering for symmetric patterns.
-        factor = splu(
-            system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-        values = np.asarray(factor.solve((mass * values.T).T))
+        values = np.asarray(heat_step(operator, time - before).solve((mass * values.T).T))
         smoothed.append(values)
         before = float(time)
     return smoothed
 
 
-def mean_curvature(mesh: Mesh, operator: Operator) -> FloatArray:
+def signed_mean_curvature(mesh: Mesh, operator: Operator) -> FloatArray:
     """(n,) mean curvature H, in 1 / mesh units: half the Laplacian of the positions, along the normal.
 
     1/r on a sphere of radius r whose faces look outwards. On open boundaries, where the Laplacian is not that
-    of the surface, the mean of the neighbours.
+    of the surface, the mean of the neighbours. `descriptors.mean_curvature` smooths it and has no sign.
     """
     along = (np.asarray(operator.stiffness @ mesh.vertices) * vertex_normals(mesh)).sum(axis=1)
     curvature: FloatArray = 0.5 * along / operator.lumped_mass
@@ -109,7 +98,7 @@ def mesh_dog(
     operator = build_operator(mesh, "robust")
     # One more below and, of the differences, above: an extremum is compared with the scales beside its own.
     sigma = _scales(smallest / np.sqrt(2), largest, 2)
-    curvature = mean_curvature(mesh, operator) * np.sqrt(spectrum.area)
+    curvature = signed_mean_curvature(mesh, operator) * np.sqrt(spectrum.area)
     differences = np.diff(diffusions(operator, curvature, sigma**2 / 2 * spectrum.area), axis=0)
     joined, rings, inside = adjacency(mesh), discs(mesh, 0.0), ~boundary_vertices(mesh)
     response = np.zeros(len(mesh.vertices))

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
 
-__all__ = ["adjacency", "boundary_vertices", "discs", "maxima_in"]
+__all__ = ["adjacency", "discs", "maxima_in"]
 
 Indices = NDArray[np.int64]
 
@@ -102,11 +102,3 @@ def maxima_in(
     if len(chosen):
         largest[chosen] = np.minimum.reduceat(rank[joined.indices], joined.indptr[:-1]) == rank[chosen]
     return largest
-
-
-def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
-    """Mask of the vertices on open boundaries."""
-    edges, face_counts = unique_edges(mesh)
-    mask = np.zeros(len(mesh.vertices), bool)
-    mask[edges[face_counts == 1]] = True
-    return mask

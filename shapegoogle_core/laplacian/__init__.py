@@ -14,9 +14,10 @@ import numpy as np
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian.cotangents import cotangent, cotangent_voronoi
 from shapegoogle_core.laplacian.elements import fem1, fem2, fem3
+from shapegoogle_core.laplacian.flow import factor_definite, heat_step
 from shapegoogle_core.laplacian.operator import Operator
 from shapegoogle_core.laplacian.tufted import point_cloud, robust
-from shapegoogle_core.mesh.mesh import Mesh, unique_edges
+from shapegoogle_core.mesh.mesh import Mesh, boundary_vertices
 
 __all__ = [
     "BOUNDARIES",
@@ -26,9 +27,11 @@ __all__ = [
     "build_operator",
     "cotangent",
     "cotangent_voronoi",
+    "factor_definite",
     "fem1",
     "fem2",
     "fem3",
+    "heat_step",
     "point_cloud",
     "robust",
 ]
@@ -93,6 +96,5 @@ def build_operator(mesh: Mesh, laplacian: str = "robust") -> Operator:
     if not (np.isfinite(operator.stiffness.data).all() and (operator.lumped_mass > 0).all()):
         raise MeshError(f"{mesh.name!r} has vertices without area; call repair() first")
     if operator.boundary is None and laplacian != POINT_CLOUD:
-        edges, face_counts = unique_edges(mesh)
-        operator = replace(operator, boundary=np.unique(edges[face_counts == 1]).astype(np.int64))
+        operator = replace(operator, boundary=np.flatnonzero(boundary_vertices(mesh)).astype(np.int64))
     return operator

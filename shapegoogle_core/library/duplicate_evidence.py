@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
+from shapegoogle_core.defaults import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates import (
     DuplicateGroup,
     DuplicateMember,
@@ -22,9 +23,6 @@ from shapegoogle_core.library.verification import unpack_sample
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["EXPLAINED_MEMBERS", "by_evidence"]
-
-EXPLAINED_MEMBERS = 1_000
-"""Of so many members the surfaces are laid over that of the first: some tens of milliseconds for each."""
 
 # Groups of which samples are in memory at once.
 _PAGE = 200

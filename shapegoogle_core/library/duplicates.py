@@ -15,6 +15,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.defaults import MIN_SIMILARITY
 from shapegoogle_core.describing import FloatBags
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.records import ShapeRecord, SourceRecord
@@ -35,14 +36,6 @@ __all__ = [
     "member_positions",
     "vector_distances",
 ]
-
-MIN_SIMILARITY = 0.95
-"""From which similarity on two shapes are called similar.
-
-Of the pairs of TOSCA poses, remeshed ones included, that reach it 83 % are the same person or animal, and it
-finds 30 % of all such pairs (0.9: 80 % and 52 %; 0.97: 84 % and 16 %). Of the 103,740 pairs of 456 unlike
-shapes of the Princeton Shape Benchmark it lets in 52 (0.9: 187; 0.97: 27).
-"""
 
 SAME_SIMILARITY = 0.99999
 """From which similarity on two bags are the same one, computed again on moved or reordered vertices.

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from shapegoogle_core.defaults import EXPLAINED
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.store import Store
 from shapegoogle_core.library.verification import unpack_sample
@@ -48,9 +49,6 @@ KINDS = (
     "similar",
 )
 """All kinds of evidence: what the match is, seen from the query ("part of": the query is a part of it)."""
-
-EXPLAINED = 50
-"""How many of the best matches are explained, if nothing else is asked for."""
 
 # Lengths are shares of √area of the query.
 EXACT = 1e-3

@@ -4,27 +4,27 @@
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-
-from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.duplicate_evidence import EXPLAINED_MEMBERS, by_evidence
 from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.evidence import EXPLAINED, explain_matches
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.missing import missing_files
+from shapegoogle_core.library.opening import open_store
 from shapegoogle_core.library.question import Question
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.search import Search
+from shapegoogle_core.library.signatures import check_signature
 from shapegoogle_core.library.stars import Wrapper
-from shapegoogle_core.library.store import Store, round_bags
+from shapegoogle_core.library.store import Store
 from shapegoogle_core.library.verification import unpack_sample
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 __all__ = ["Library"]
 
@@ -86,24 +86,7 @@ class Library:
         ModelError
             If a new library is to be made and the shipped model cannot be loaded.
         """
-        path = Path(path)
-        exists = _is_file(path)
-        if not exists:
-            _check_place(path, read_only=read_only)
-            # Before the file is made: a missing model must not leave one behind.
-            model = model or load_model()
-        store = Store(path, create=not exists, read_only=read_only, timeout=timeout)
-        try:
-            if store.is_empty():
-                if read_only:
-                    raise LibraryError(f"'{path}' is empty; index a folder into it first")
-                model = model or load_model()
-                store.initialise(model.identifier, model.to_bytes())
-            store.check_format()
-            return cls(store, _matching_model(store, model))
-        except BaseException:
-            store.close()
-            raise
+        return cls(*open_store(Path(path), model, read_only=read_only, timeout=timeout))
 
     def close(self) -> None:
         """Close the file. Closing twice does no harm."""
@@ -198,7 +181,7 @@ class Library:
             If another model made the signature.
         """
         shape = NewShape(signature, name, object_name, thumbnail)
-        self._check_signature(signature, name)
+        check_signature(signature, name, self._model, self.path)
         return self._store.add(source, shape)
 
     def replace_source(
@@ -232,7 +215,7 @@ class Library:
             In the order of `shapes`.
         """
         for shape in shapes:
-            self._check_signature(shape.signature, shape.name)
+            check_signature(shape.signature, shape.name, self._model, self.path)
         source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
         return self._store.replace_source(source, shapes)
 
@@ -290,21 +273,7 @@ class Library:
         LibraryError
             If a folder does not exist.
         """
-        roots = [Path(folder).resolve() for folder in folders]
-        for root in roots:
-            if not root.is_dir():
-                raise LibraryError(
-                    f"'{root}' is not there, so files missing from it were kept; plug in its drive, or name "
-                    "another folder"
-                )
-        return [
-            source.path
-            for source in self._store.sources()
-            # Only indexed files have a size; other sources are names that need not be paths.
-            if source.size is not None
-            and any(Path(source.path).resolve().is_relative_to(root) for root in roots)
-            and _is_gone(source.path)
-        ]
+        return missing_files(self._store.sources(), folders)
 
     # -- what is in it --------------------------------------------------------------------------------------
 
@@ -502,7 +471,7 @@ class Library:
         if not signatures:
             raise ValueError("there is nothing to look for: give at least one example of it")
         for signature in (*signatures, *unlike):
-            self._check_signature(signature, "the query")
+            check_signature(signature, "the query", self._model, self.path)
         question = Question(self._model, signatures, unlike)
         if exact:
             return self._search.among_all(question, top)
@@ -538,80 +507,3 @@ class Library:
         """
         groups = find_duplicates(self._store, self._model, min_similarity, progress)
         return by_evidence(self._store, self._model, groups, explained)
-
-    def _check_signature(self, signature: ShapeSignature, name: str) -> None:
-        expected = (self._model.bag_size,), (self._model.code_bits // 8,)
-        if (signature.bags.shape, signature.code.shape) != expected:
-            raise LibraryError(
-                f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}): {signature.bags.size} bag entries and "
-                f"{8 * signature.code.size} bits instead of {self._model.bag_size} and "
-                f"{self._model.code_bits}; describe it with library.model"
-            )
-        if signature.sample is not None and self._model.settings.sample is None:
-            raise LibraryError(
-                f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}), which takes no samples of surfaces; describe it with "
-                "library.model"
-            )
-        local = self._model.settings.local
-        if signature.local_code is not None and signature.local_code.size != (
-            local.bits // 8 if local else 0
-        ):
-            raise LibraryError(
-                f"{name!r} was described with another model than that of '{self.path}' "
-                f"({self._model.identifier}): its local code does not fit; describe it with library.model"
-            )
-        if not np.isfinite(round_bags(signature.bags)).all():
-            raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")
-
-
-def _is_file(path: Path) -> bool:
-    """Whether there is a file at a path; a folder, or no way to know, is an error."""
-    try:
-        mode = path.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    except (OSError, ValueError) as error:  # ValueError: a null character
-        raise LibraryError(f"'{path}' cannot be reached ({error}); choose another place") from error
-    if stat.S_ISDIR(mode):
-        raise LibraryError(
-            f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
-        )
-    return True
-
-
-def _check_place(path: Path, *, read_only: bool) -> None:
-    """Make sure that a library may be made at a path where there is none."""
-    if read_only:
-        raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
-    if not path.parent.is_dir():
-        raise LibraryError(f"'{path}' cannot be made: there is no folder '{path.parent}'; make it first")
-
-
-def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
-    """Return the library's model, or the given one if it is the same."""
-    identifier, content = store.model()
-    if model is None:
-        try:
-            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.path}'")
-        except ModelError as error:
-            raise LibraryError(str(error)) from error
-    if model.identifier != identifier:
-        raise LibraryError(
-            f"'{store.path}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
-            "their signatures cannot be compared; leave the model out to use the library's own, or index "
-            "your folders into a new library"
-        )
-    return model
-
-
-def _is_gone(path: str) -> bool:
-    """Whether a file is certainly not there; one that cannot be reached may be."""
-    try:
-        Path(path).stat()
-    except (FileNotFoundError, NotADirectoryError):
-        return True
-    except OSError:
-        return False
-    return False

@@ -61,11 +61,13 @@ class Question:
     ) -> None:
         self._model = model
         # One by one: the last bits of a product depend on how many rows it has.
-        self._like = [model.comparable(round_bags(signature.bags)[None]) for signature in like]
+        bags = [round_bags(signature.bags)[None] for signature in like]
+        examples = [(one, model.embed(one)) for one in bags]
+        self._like = [model.comparable(*example) for example in examples]
         self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
         self.projections: list[NDArray[np.float32]] = [
-            model.code_projections(round_bags(signature.bags)[None])[0] for signature in like
+            model.code_projections(*example)[0] for example in examples
         ]
         self._sampled = [index for index, signature in enumerate(like) if signature.sample is not None]
         self.samples: list[SurfaceSample] = [

@@ -2,37 +2,23 @@
 """The library file: with its tables (`schema`) and packed codes (`code_blocks`) the only place with SQL.
 
 A shared PostgreSQL library would be another class with the methods of `Store`.
-
-Why a rollback journal (``journal_mode=DELETE``, ``synchronous=FULL``) and not a write-ahead log: a log lets
-readers go on while a writer commits, but it needs shared memory. It does not work on a network drive, cannot
-be opened in a read-only folder without two more files beside the library, and until a checkpoint the newest
-shapes lie in one of them, so that copying the library loses them. A library is a file that people copy, put
-on a network drive and burn on a disc. With a rollback journal it is one file whenever nobody writes, a
-read-only place needs nothing special, and after kill -9 or a power cut whoever opens it next undoes the
-interrupted transaction. The price: a commit waits until the running reads are done, and reads wait for the
-commit. Both take milliseconds, because no method leaves a read open: listings are read page by page.
-
-Even for reading alone the file is opened for writing where that is allowed (``query_only`` then forbids
-changes): undoing what a killed writer left behind is writing.
 """
 
 from __future__ import annotations
 
-import os
 import sqlite3
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.code_blocks import CODE_TABLES, CodeBlocks
-from shapegoogle_core.library.failures import damaged, library_error, read_only_error
+from shapegoogle_core.library.database import Database, encoded
+from shapegoogle_core.library.failures import damaged
 from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.schema import (
     APPLICATION_ID,
@@ -49,58 +35,21 @@ SELECT shapes.id, name, coalesce(path, ''), object_name, vertex_count, face_coun
 FROM shapes LEFT JOIN sources ON sources.id = source_id
 """
 
-# In seconds. A commit shuts readers out, and SQLite lets them ask again only every 100 ms. One commit right
-# after the other would starve them (for 11 s in a trial; 0.1 s with the pause), so a writer pauses for as
-# long as its last change took. One that describes shapes in between never waits.
-LONGEST_PAUSE = 0.1
-# SQLite before 3.32 takes at most 999 parameters in one statement.
-IDS_AT_ONCE = 500
 
-
-class Store:
+class Store(Database):
     """An open library file.
 
     Every method raises `LibraryError`, never an error of sqlite3. Every change is one transaction: all of it
     is in the file when the method returns, or nothing. Use it only in the thread that made it.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    create : bool
-        Make an empty file when there is none.
-    read_only : bool
-        Refuse changes.
-    timeout : float
-        How long to wait for another program's lock, in seconds.
+    Parameters are those of `Database`.
     """
 
     def __init__(self, path: Path, *, create: bool, read_only: bool, timeout: float) -> None:
-        self.path = path
-        self.timeout = timeout
-        self._next_write = 0.0
-        with self._explained():
-            self._connection = sqlite3.connect(
-                _uri(path, "rwc" if create else "rw"), uri=True, timeout=timeout, isolation_level=None
-            )
+        super().__init__(path, create=create, read_only=read_only, timeout=timeout)
         self._code_blocks = {table: CodeBlocks(self._connection, table) for table in CODE_TABLES}
         # Those that lose a shape in the running transaction.
         self._losing_blocks: dict[str, set[int]] = {table: set() for table in CODE_TABLES}
-        self.read_only = read_only or not os.access(path, os.W_OK)
-        self._connection.text_factory = _decoded
-        try:
-            with self._explained():
-                self._connection.execute("PRAGMA foreign_keys = ON")
-                self._connection.execute("PRAGMA synchronous = FULL")
-                self._connection.execute(f"PRAGMA query_only = {int(read_only)}")
-        except BaseException:
-            self._connection.close()
-            raise
-
-    def close(self) -> None:
-        """Close the file; nothing is left to write."""
-        with self._explained():
-            self._connection.close()
 
     # -- the file as a whole --------------------------------------------------------------------------------
 
@@ -172,12 +121,6 @@ class Store:
         )[0]
         return dict(zip(names, row, strict=True))
 
-    @contextmanager
-    def snapshot(self) -> Iterator[None]:
-        """Let all reads inside see the file at one moment; writers wait meanwhile, so be quick."""
-        with self._explained(), self._transaction("BEGIN"):
-            yield
-
     # -- changes --------------------------------------------------------------------------------------------
 
     def add(self, source: str, shape: NewShape) -> int:
@@ -197,12 +140,12 @@ class Store:
             source_id = None
             if source:
                 connection.execute(
-                    "INSERT OR IGNORE INTO sources (path) VALUES (CAST(? AS TEXT))", (_encoded(source),)
+                    "INSERT OR IGNORE INTO sources (path) VALUES (CAST(? AS TEXT))", (encoded(source),)
                 )
                 source_id = self._source_id(source)
                 self._remove(
                     "source_id = ? AND object_name = CAST(? AS TEXT) AND name = CAST(? AS TEXT)",
-                    (source_id, _encoded(shape.object_name), _encoded(shape.name)),
+                    (source_id, encoded(shape.object_name), encoded(shape.name)),
                 )
             return self._insert(source_id, shape)
 
@@ -221,7 +164,7 @@ class Store:
             In the order of `shapes`.
         """
         with self._writing() as connection:
-            path = _encoded(source.path)
+            path = encoded(source.path)
             self._remove_source(path)
             connection.execute(
                 "INSERT INTO sources (path, size, mtime_ns, sha256, error)"
@@ -231,7 +174,7 @@ class Store:
                     source.size,
                     source.mtime_ns,
                     source.sha256,
-                    None if source.error is None else _encoded(source.error),
+                    None if source.error is None else encoded(source.error),
                 ),
             )
             source_id = self._source_id(source.path)
@@ -242,14 +185,14 @@ class Store:
         with self._writing() as connection:
             cursor = connection.execute(
                 "UPDATE sources SET size = ?, mtime_ns = ? WHERE path = CAST(? AS TEXT)",
-                (size, mtime_ns, _encoded(path)),
+                (size, mtime_ns, encoded(path)),
             )
             return cursor.rowcount > 0
 
     def remove_sources(self, paths: Iterable[str]) -> int:
         """Remove sources and all their shapes; returns how many of them were known."""
         with self._writing():
-            return sum(self._remove_source(_encoded(path)) for path in paths)
+            return sum(self._remove_source(encoded(path)) for path in paths)
 
     def remove_shapes(self, shape_ids: Iterable[int]) -> int:
         """Remove single shapes; returns how many of them were there."""
@@ -266,7 +209,7 @@ class Store:
         return self._connection.execute("DELETE FROM sources WHERE path = CAST(? AS TEXT)", (path,)).rowcount
 
     def _source_id(self, path: str) -> int:
-        return int(self._value("SELECT id FROM sources WHERE path = CAST(? AS TEXT)", _encoded(path)))
+        return int(self._value("SELECT id FROM sources WHERE path = CAST(? AS TEXT)", encoded(path)))
 
     def _insert(self, source_id: int | None, shape: NewShape) -> int:
         signature = shape.signature
@@ -275,8 +218,8 @@ class Store:
             " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?)",
             (
                 source_id,
-                _encoded(shape.object_name),
-                _encoded(shape.name),
+                encoded(shape.object_name),
+                encoded(shape.name),
                 int(signature.vertex_count),
                 int(signature.face_count),
                 float(signature.area),
@@ -437,58 +380,14 @@ class Store:
             raise damaged(self.path, "a bag or code has another length than its model's")
         return np.frombuffer(b"".join(blobs), dtype).reshape(len(blobs), width)
 
-    def _rows(self, statement: str, *parameters: object) -> list[tuple[Any, ...]]:
-        with self._explained():
-            return self._connection.execute(statement, parameters).fetchall()
-
-    def _rows_with_ids(self, statement: str, ids: Sequence[int]) -> list[tuple[Any, ...]]:
-        rows = []
-        ordered = sorted(ids)
-        for start in range(0, len(ordered), IDS_AT_ONCE):
-            portion = ordered[start : start + IDS_AT_ONCE]
-            marks = ", ".join("?" * len(portion))
-            rows += self._rows(f"{statement} IN ({marks}) ORDER BY 1", *portion)
-        return rows
-
-    def _value(self, statement: str, *parameters: object) -> Any:
-        rows = self._rows(statement, *parameters)
-        return rows[0][0] if rows else None
-
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
-        if self.read_only:
-            raise read_only_error(self.path)
-        # IMMEDIATE takes the writer's lock at once; two that want it after reading would block each other.
-        time.sleep(max(0.0, self._next_write - time.monotonic()))
-        started = time.monotonic()
-        with self._explained(), self._transaction("BEGIN IMMEDIATE"):
+        with super()._writing() as connection:
             for losing in self._losing_blocks.values():
                 losing.clear()
-            yield self._connection
+            yield connection
             for table, losing in self._losing_blocks.items():
                 self._code_blocks[table].pack(losing)
-        ended = time.monotonic()
-        self._next_write = ended + min(ended - started, LONGEST_PAUSE)
-
-    @contextmanager
-    def _transaction(self, begin: str) -> Iterator[None]:
-        try:
-            self._connection.execute(begin)
-            yield
-            self._connection.execute("COMMIT")
-        except BaseException:  # Ctrl-C as well: nothing half done may stay open
-            if self._connection.in_transaction:
-                self._connection.execute("ROLLBACK")
-            raise
-
-    @contextmanager
-    def _explained(self) -> Iterator[None]:
-        try:
-            yield
-        except sqlite3.Error as error:
-            raise library_error(error, self.path, self.timeout) from error
-        except UnicodeDecodeError as error:
-            raise damaged(self.path, "a name is no text") from error
 
 
 def round_bags(bags: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -505,21 +404,3 @@ def round_bags(bags: NDArray[np.float32]) -> NDArray[np.float32]:
     """
     with np.errstate(over="ignore"):
         return bags.astype(BAG_TYPE).astype(np.float32)
-
-
-def _uri(path: Path, mode: str) -> str:
-    """``file:`` URI of a path; Windows drives and network shares included.
-
-    `Path.as_uri` puts a share's host where SQLite refuses it: it wants an empty host, then the whole path.
-    """
-    absolute = path.absolute().as_posix()
-    return f"file://{'' if absolute.startswith('/') else '/'}{quote(os.fsencode(absolute))}?mode={mode}"
-
-
-def _encoded(text: str) -> bytes:
-    """Bytes of a name. File names need not be valid Unicode; sqlite3 takes such ones only as bytes."""
-    return text.encode("utf-8", "surrogatepass")
-
-
-def _decoded(content: bytes) -> str:
-    return content.decode("utf-8", "surrogatepass")

@@ -15,6 +15,7 @@ from shapegoogle_core.errors import MeshError
 
 __all__ = [
     "Mesh",
+    "boundary_vertices",
     "cross_lengths",
     "face_areas",
     "face_blocks",
@@ -242,3 +243,11 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
     faces_at.sort_indices()
     first = np.repeat(np.arange(count, dtype=np.int32), np.diff(faces_at.indptr))
     return np.stack([first, faces_at.indices], axis=1), faces_at.data.astype(np.int64)
+
+
+def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
+    """Mask of the vertices on open boundaries."""
+    edges, face_counts = unique_edges(mesh)
+    mask = np.zeros(len(mesh.vertices), bool)
+    mask[edges[face_counts == 1]] = True
+    return mask

@@ -12,6 +12,7 @@ import pytest
 
 import shapegoogle_core as sg
 from shapegoogle_core.evaluation.creatures import make_creature
+from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.rendering import word_palette
 from tests.addon.conftest import addon_name
 
@@ -198,7 +199,7 @@ class TestValues:
 
 
 class TestKeypoints:
-    @pytest.mark.parametrize("detector", sg.keypoints.DETECTORS)
+    @pytest.mark.parametrize("detector", DETECTORS)
     def test_are_those_of_the_core(self, modules, detector):
         item = add_creature()
         assert paint("KEYPOINTS", detector=detector, eigenpairs=60) == {"FINISHED"}
@@ -210,7 +211,7 @@ class TestKeypoints:
         assert np.allclose(response[expected.indices], expected.response)
 
     def test_choices_are_those_of_the_core(self, modules):
-        assert [name for name, _, _ in modules.painting.DETECTORS] == list(sg.keypoints.DETECTORS)
+        assert [name for name, _, _ in modules.painting.DETECTORS] == list(DETECTORS)
 
     def test_spots_are_seen_and_the_strongest_is_reddest(self, modules):
         item = add_creature()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The script that measures Blender measures the steps that people wait for, at a size that takes seconds."""
+"""The section that measures Blender measures the steps that people wait for, at a size that takes seconds."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="the script measures the add-on of the repository")
 def test_all_parts_are_measured(blender, addon, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(SCRIPTS))
-    speed_blender = importlib.import_module("speed_blender")
+    speed_blender = importlib.import_module("speed.blender")
     monkeypatch.setattr(speed_blender, "SHAPES", 3)
     monkeypatch.setattr(speed_blender, "LARGEST_CREATURE", 500)
-    start, find, paint = speed_blender.measure([2_000], 1, tmp_path)
+    options = importlib.import_module("speed.measuring").Options((2_000,), 1, tmp_path)
+    start, find, paint = speed_blender.measure(options)
     assert start["blender"] == bpy.app.version_string
     assert 0 < start["cpu"] < 5_000
     for row, part in ((find, "find"), (paint, "paint")):

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 import shapegoogle_core as sg
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints, persistent_maxima
 from shapegoogle_core.keypoints.harris import fit_quadrics, harris_response
-from shapegoogle_core.keypoints.scale_space import diffusions, mean_curvature
+from shapegoogle_core.keypoints.scale_space import diffusions, signed_mean_curvature
 from shapegoogle_core.keypoints.surroundings import adjacency, discs, maxima_in
 from shapegoogle_core.laplacian import build_operator
 
@@ -217,17 +217,17 @@ class TestHarris:
 
 
 class TestScaleSpace:
-    def test_mean_curvature_of_a_sphere(self, shapes):
+    def test_signed_mean_curvature_of_a_sphere(self, shapes):
         sphere = shapes.sphere(4)
         large = sg.Mesh(2.5 * sphere.vertices, sphere.faces)
-        curvature = mean_curvature(large, build_operator(large))
+        curvature = signed_mean_curvature(large, build_operator(large))
         # The twelve vertices of an icosphere that have five neighbours are off by a seventh.
         assert np.median(curvature) == pytest.approx(0.4, rel=0.01)
         assert curvature == pytest.approx(0.4, rel=0.15)
 
-    def test_mean_curvature_of_a_flat_sheet_with_a_rim(self, shapes):
+    def test_signed_mean_curvature_of_a_flat_sheet_with_a_rim(self, shapes):
         plane = shapes.rectangle(1, 1, 10)
-        assert np.abs(mean_curvature(plane, build_operator(plane))).max() < 1e-10
+        assert np.abs(signed_mean_curvature(plane, build_operator(plane))).max() < 1e-10
 
     def test_diffusion_damps_a_wave_as_heat_does(self, shapes):
         """z is an eigenfunction of the unit sphere with eigenvalue 2: it decays as exp(-2t)."""

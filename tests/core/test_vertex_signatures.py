@@ -12,6 +12,7 @@ from trimesh.proximity import closest_point_naive
 
 import shapegoogle_core as sg
 from shapegoogle_core.evaluation.creatures import make_creature
+from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.mesh import repair, repair_mapped
 from shapegoogle_core.prolongation import prolongation
 from shapegoogle_core.vertex_signatures import SPOT_RADIUS
@@ -155,7 +156,7 @@ def horse():
 
 
 class TestVertexKeypoints:
-    @pytest.mark.parametrize("detector", sg.keypoints.DETECTORS)
+    @pytest.mark.parametrize("detector", DETECTORS)
     def test_are_those_of_the_mesh_where_it_is_clean(self, horse, detector):
         found = sg.vertex_keypoints(horse, detector, k=60)
         expected = sg.detect_keypoints(horse, sg.compute_spectrum(horse, 60), detector)

@@ -31,7 +31,8 @@ def blobs(seed: int = 0, outliers: int = 0) -> np.ndarray:
 def test_vocabulary_finds_the_centres():
     vocabulary = Vocabulary(3).fit(blobs())
     np.testing.assert_allclose(np.sort(vocabulary.centers_, axis=0), [[0, 0], [0, 0], [5, 5]], atol=0.05)
-    distances = np.linalg.norm(blobs() - vocabulary.centers_[vocabulary.predict(blobs())], axis=1)
+    nearest = hard_words(blobs(), vocabulary.centers_).argmax(axis=1)
+    distances = np.linalg.norm(blobs() - vocabulary.centers_[nearest], axis=1)
     assert vocabulary.sigma_ == pytest.approx(2 * np.median(distances), rel=0.03)
 
 

@@ -77,10 +77,8 @@ def benchmark_retrieval(environment):
 def benchmark_speed(environment):
     """Load it with its package `speed`, found beside it as when it runs as a script."""
     sys.path.insert(0, str(SCRIPTS))
-    try:
-        return load("benchmark_speed")
-    finally:
-        sys.path.remove(str(SCRIPTS))
+    yield load("benchmark_speed")
+    sys.path.remove(str(SCRIPTS))
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ def test_times_spectra_and_writes_a_report(benchmark_speed, tmp_path, capsys):
     assert benchmark_speed.run(benchmark_speed.parse_arguments(arguments)) == 0
     printed = capsys.readouterr().out
     assert "shapegoogle, robust" in printed
-    report = json.loads((tmp_path / "speed.json").read_text())
+    report = json.loads((tmp_path / "speed-spectra.json").read_text())
     assert report["packages"]["numpy"]
     rows = {(row["task"], row["contestant"]): row for row in report["rows"]}
     assert {task for task, _ in rows} == {"k = 100", "k = 200"}
@@ -26,13 +26,21 @@ def test_times_spectra_and_writes_a_report(benchmark_speed, tmp_path, capsys):
     assert (tmp_path / "speed-spectra.png").stat().st_size > 10_000
 
 
-def test_other_sections_are_scripts(benchmark_speed, tmp_path, capfd):
-    arguments = ["--sections", "describing", "--sizes", "800", "--repeats", "1", "--output", str(tmp_path)]
-    assert benchmark_speed.run(benchmark_speed.parse_arguments(arguments)) == 0
-    assert "describing" in capfd.readouterr().out
-    rows = json.loads((tmp_path / "speed_describe.json").read_text())
-    assert {row["format"] for row in rows} == {".ply", ".obj"}
-    assert (tmp_path / "speed_describe.png").exists()
+def test_a_section_that_fails_does_not_stop_the_others(benchmark_speed, tmp_path, capsys, monkeypatch):
+    from speed import search
+
+    def fail(options):
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(search, "measure", fail)
+    arguments = ["--sections", "search,describing", "--sizes", "800", "--repeats", "1", "--output"]
+    assert benchmark_speed.run(benchmark_speed.parse_arguments([*arguments, str(tmp_path)])) == 1
+    printed = capsys.readouterr()
+    assert '"format": ".ply"' in printed.out
+    assert "the disk is full" in printed.err
+    assert "the section 'search' failed" in printed.err
+    names = sorted(entry.name for entry in tmp_path.iterdir())
+    assert names == ["speed-describing.json", "speed-describing.png"]
 
 
 def test_contestants_take_turns(benchmark_speed):
@@ -43,9 +51,9 @@ def test_contestants_take_turns(benchmark_speed):
         Contestant("first", lambda: turns.append("first")),
         Contestant("second", lambda: turns.append("second"), lambda result: 0.5),
     ]
-    first, second = race("section", "task", 7, contestants, repeats=2)
+    first, second = race("task", 7, contestants, repeats=2)
     assert turns == ["first", "second"] * 2
-    assert (first.ratio, first.error, second.error) == (1, None, 0.5)
+    assert (first["ratio"], first["error"], second["error"]) == (1, None, 0.5)
 
 
 @pytest.mark.parametrize(

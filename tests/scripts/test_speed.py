@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The scripts that measure speed measure what they say, at a size that takes seconds."""
+"""The sections of `scripts/benchmark_speed.py` measure what they say, at a size that takes seconds."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
 @pytest.fixture
-def script(monkeypatch):
+def speed(monkeypatch):
+    """Import a module of the package `speed`, found as beside the script."""
     monkeypatch.syspath_prepend(str(SCRIPTS))
-    return importlib.import_module
+    return lambda name: importlib.import_module(f"speed.{name}")
 
 
-def test_search_against_size(script, tmp_path, monkeypatch):
-    speed_search = script("speed_search")
-    monkeypatch.setattr(speed_search, "RECALL_SIZES", (30,))
-    monkeypatch.setattr(speed_search, "FULL_LIBRARY", 0)
-    rows = speed_search.measure([30], 1, tmp_path)
+def test_search_against_size(speed, tmp_path, monkeypatch):
+    search = speed("search")
+    monkeypatch.setattr(search, "RECALL_SIZES", (30,))
+    monkeypatch.setattr(search, "FULL_LIBRARY", 0)
+    rows = list(search.measure(speed("measuring").Options((30,), 1, tmp_path)))
     assert {(row["bits"], row["top"]) for row in rows if row["part"] == "codes"} == {
         (128, 10),
         (128, 300),
@@ -37,14 +38,15 @@ def test_search_against_size(script, tmp_path, monkeypatch):
         recall = [row["recall"] for row in rows if row["part"] == "recall" and row["distance"] == distance]
         assert recall == sorted(recall)
         assert 0.5 < recall[0] <= 1
-    speed_search.plot(rows, tmp_path / "plot.svg")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["plot.svg"]
+    assert list(tmp_path.iterdir()) == []
+    speed("reporting").write_figure("search", search.draw(rows), tmp_path)
+    assert (tmp_path / "speed-search.png").stat().st_size > 10_000
 
 
-def test_meshes_to_index_are_read_back(script, tmp_path):
+def test_meshes_to_index_are_read_back(speed, tmp_path):
     from shapegoogle_core.mesh import read_mesh
 
-    script("speed_indexing").write_meshes(tmp_path, 2, 2)
+    speed("indexing").write_meshes(tmp_path, 2, 2)
     first, second = (read_mesh(path) for path in sorted(tmp_path.iterdir()))
     assert first.vertices.shape == (162, 3)
     assert first.faces.shape == (320, 3)
@@ -52,22 +54,39 @@ def test_meshes_to_index_are_read_back(script, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
-def test_figures_of_this_process(script):
-    process_figures = script("process_figures")
-    figures = process_figures.figures_of()
+def test_figures_of_this_process(speed):
+    processes = speed("processes")
+    figures = processes.figures_of()
     assert 10 < figures.memory_mb <= figures.peak_mb < 100_000
     assert figures.threads >= 1
     assert figures.cpu_seconds > 0
-    assert process_figures.figures_of(2**22 + 1) is None
-    assert figures.parent in process_figures.descendants(figures.parent)
+    assert processes.figures_of(2**22 + 1) is None
+    assert figures.parent in processes.descendants(figures.parent)
 
 
-def test_from_a_file_to_a_signature(script, tmp_path):
-    speed_describe = script("speed_describe")
-    rows = speed_describe.measure([500], 1, tmp_path)
+def test_curves_of_indexing_are_drawn(speed, tmp_path):
+    curve = [{"seconds": 0.0, "storing_mb": 90.0, "worker_mb": 120.0}]
+    rows = [
+        {"part": "jobs", "size": 9, "ratio": 1.9, "ideal": 2.0, "shapes_per_second": {"1": 2.0, "2": 3.8}},
+        {"part": "memory", "size": 90, "curve": curve},
+    ]
+    speed("reporting").write_figure("indexing", speed("indexing").draw(rows), tmp_path)
+    assert (tmp_path / "speed-indexing.png").stat().st_size > 10_000
+
+
+def test_from_a_file_to_a_signature(speed, tmp_path):
+    describing = speed("describing")
+    rows = list(describing.measure(speed("measuring").Options((500,), 1, tmp_path)))
     assert [(row["format"], row["faces"]) for row in rows] == [(".ply", 996), (".obj", 996)]
     for row in rows:
-        assert all(row["stages"][stage] > 0 for stage in speed_describe.STAGES)
+        assert all(row["stages"][stage] > 0 for stage in describing.STAGES)
         assert sum(row["stages"].values()) <= row["total"] + 1e-3
-    speed_describe.plot(rows, tmp_path / "plot.svg")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["plot.svg"]
+    assert list(tmp_path.iterdir()) == []
+    speed("reporting").write_figure("describing", describing.draw(rows), tmp_path)
+    assert (tmp_path / "speed-describing.png").stat().st_size > 10_000
+
+
+def test_a_creature_has_the_vertices_that_were_asked_for(speed):
+    meshes = speed("meshes")
+    assert len(meshes.creature(500).vertices) == 500
+    assert len(meshes.creature(500, tolerance=0.02).vertices) == pytest.approx(500, rel=0.02)

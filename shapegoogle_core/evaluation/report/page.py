@@ -146,25 +146,29 @@ def _hardest(search: VariantResult | None) -> list[tuple[str, float]]:
 def _overview(result: BenchmarkResult) -> dict[str, Any]:
     """Columns and rows of the table of all variants; a row is a list of values, None where there is none."""
     names = class_names(result)
-    columns = [_Column("variant", "text", str), _Column("family", "text", str)]
-    columns += [_Column(name, "figure", _figure, False) for name in (AVERAGE, *names[:-1])]
-    columns += [
+    # What it brings and costs comes first: the classes do not fit on every screen.
+    columns = [
+        _Column("variant", "text", str),
+        _Column(AVERAGE, "figure", _figure, False),
         _Column("found first %", "figure", _figure, False),
         _Column("equal error %", "figure", lambda value: f"{value:.2f}", True),
         _Column("bytes per shape", "figure", _whole, True),
         _Column("ms per query", "figure", _milliseconds, True),
         _Column("CPU ms to describe", "figure", _milliseconds, True),
     ]
+    columns += [_Column(name, "figure", _figure, False) for name in names[:-1]]
+    columns.append(_Column("family", "text", str))
     parameters = list(dict.fromkeys(key for variant in result.variants for key in variant.parameters))
     for key in parameters:
         kind = "figure" if _all_numbers(result.variants, key) else "text"
         columns.append(_Column(key, kind, _number, is_parameter=True))
     rows = []
     for variant in sorted(result.variants, key=lambda variant: (-variant.average, variant.name)):
-        values: list[Any] = [variant.name, variant.family, variant.average]
-        values += [variant.table.get(name, [math.nan])[-1] for name in names[:-1]]
+        values: list[Any] = [variant.name, variant.average]
         values += [100 * variant.found_within(1), 100 * variant.equal_error_rate]
         values += [variant.bytes_per_shape, 1000 * variant.seconds, 1000 * variant.describe_seconds]
+        values += [variant.table.get(name, [math.nan])[-1] for name in names[:-1]]
+        values.append(variant.family)
         values += [variant.parameters.get(key) for key in parameters]
         rows.append([None if isinstance(value, float) and math.isnan(value) else value for value in values])
     best = [_best(column, [row[position] for row in rows]) for position, column in enumerate(columns)]

@@ -20,8 +20,6 @@ from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, ind
 from shapegoogle_core.library import Library
 from shapegoogle_core.mesh import read_mesh
 
-Describe = Callable[[Path], list[str]]
-
 
 @pytest.fixture
 def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:

@@ -28,6 +28,12 @@ from shapegoogle_core.settings import ChannelSettings, ModelSettings
 sys.path.insert(0, str(Path(__file__).parent))
 
 
+def relevant_columns(collection: Collection) -> list[int]:
+    """Index into the database of the shape that each query should find."""
+    columns = {shape.name: column for column, shape in enumerate(collection.database)}
+    return [columns[query.relevant] for query in collection.queries]
+
+
 @pytest.fixture(scope="session")
 def lumps(tmp_path_factory: pytest.TempPathFactory, make_mesh: Callable[..., Path]) -> Path:
     """A folder of three null shapes, two unrelated ones and a labelled collection."""

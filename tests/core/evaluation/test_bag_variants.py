@@ -28,6 +28,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.settings import DESCRIPTORS, PRESETS, ModelSettings
 from shapegoogle_core.spectrum import Spectrum
 from shapegoogle_core.words import soft_words
+from tests.core.evaluation.conftest import relevant_columns
 
 PREPARATION = Preparation(
     "small",
@@ -115,7 +116,7 @@ def test_rows_are_what_their_names_say(group, workshop, collection) -> None:
 
 def test_a_change_of_size_is_none(group, workshop, collection) -> None:
     for entry in match(group, workshop, collection).values():
-        own = entry.distances[np.arange(6), collection.relevant_columns]
+        own = entry.distances[np.arange(6), relevant_columns(collection)]
         assert own.max() < 1e-4
 
 

@@ -16,6 +16,7 @@ from shapegoogle_core.evaluation.baselines import (
 )
 from shapegoogle_core.settings import PRESETS
 from shapegoogle_core.spectrum import compute_spectrum
+from tests.core.evaluation.conftest import relevant_columns
 
 
 def test_shape_dna_is_compared_by_the_euclidean_distance(workshop, collection) -> None:
@@ -52,4 +53,4 @@ def test_d2_is_compared_by_l1(workshop, collection) -> None:
         d2_distribution(shape.mesh(), seed=5) for shape in (collection.queries[0], collection.database[3])
     )
     np.testing.assert_allclose(entry.distances[0, 3], np.abs(first - second).sum(), rtol=1e-4)
-    assert entry.distances[0].argmin() == collection.relevant_columns[0]
+    assert entry.distances[0].argmin() == relevant_columns(collection)[0]

@@ -21,6 +21,7 @@ from shapegoogle_core.evaluation.collection import (
 )
 from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, transform
 from shapegoogle_core.mesh import read_mesh
+from tests.core.evaluation.conftest import relevant_columns
 
 
 def write(path: Path, subdivisions: int = 2) -> Path:
@@ -45,7 +46,7 @@ def test_queries_of_all_classes_and_strengths_are_generated(nulls: Path, tmp_pat
     assert collection.counts() == {"database": 3, "nulls": 2, "negatives": 1, "queries": 100}
     assert {query.transformation for query in collection.queries} == set(TRANSFORMATIONS)
     assert {query.seed for query in collection.queries} == {3}
-    assert [collection.database[column].name for column in collection.relevant_columns] == [
+    assert [collection.database[column].name for column in relevant_columns(collection)] == [
         query.relevant for query in collection.queries
     ]
 

@@ -11,6 +11,7 @@ from shapegoogle_core.evaluation.model_variants import _in_order, hamming, model
 from shapegoogle_core.evaluation.workshop import Workshop
 from shapegoogle_core.library import Library
 from shapegoogle_core.model import ShapeModel
+from tests.core.evaluation.conftest import relevant_columns
 
 
 @pytest.fixture
@@ -49,7 +50,7 @@ def test_the_search_is_the_librarys(matched: dict, collection: Collection, tiny_
 
 def test_scaled_shapes_are_found_first(matched: dict, collection: Collection) -> None:
     for entry in matched.values():
-        own = entry.distances[np.arange(6), collection.relevant_columns]
+        own = entry.distances[np.arange(6), relevant_columns(collection)]
         assert (own <= entry.distances.min(axis=1)).all()
 
 

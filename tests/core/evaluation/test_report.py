@@ -13,7 +13,7 @@ from shapegoogle_core.evaluation.collection import BenchmarkShape, Collection
 from shapegoogle_core.evaluation.metrics import CategoryScores
 from shapegoogle_core.evaluation.results import BenchmarkResult, CategoryResult, Problem
 from shapegoogle_core.evaluation.scoring import score_variant
-from shapegoogle_core.evaluation.tables import chosen_variants, markdown_table, text_table
+from shapegoogle_core.evaluation.tables import chosen_variants, text_table
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
@@ -21,6 +21,7 @@ pytest.importorskip("jinja2")
 from shapegoogle_core.evaluation.report import write_report
 from shapegoogle_core.evaluation.report.pictures import worst_failures, worst_outcomes
 from shapegoogle_core.evaluation.report.plots import _spread, bit_plots, roc_plot, vocabulary_plots
+from tests.core.evaluation.conftest import relevant_columns
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -51,7 +52,7 @@ def collection(tmp_path_factory):
 def variant(collection, name, family="bags", seed=0, quality=1.0, **parameters):
     random = np.random.default_rng(seed)
     distances = random.random((len(collection.queries), len(collection.database)))
-    distances[np.arange(len(distances)), collection.relevant_columns] /= 1 + quality
+    distances[np.arange(len(distances)), relevant_columns(collection)] /= 1 + quality
     names = [shape.name for shape in collection.database]
     return score_variant(name, family, parameters, distances, collection.queries, names, 0.004, 192)
 
@@ -275,6 +276,14 @@ def test_chosen_are_the_search_and_the_best_of_each_family(result):
     assert [entry.name for entry in chosen_variants(result, 1)] == [EVIL]
 
 
+def test_what_it_costs_stands_before_the_classes(result, collection, tmp_path):
+    page = write_report(result, collection, tmp_path).read_text(encoding="utf-8")
+    titles = re.findall(r"<button>(.*?)</button>", page)
+    first = ["variant", "average", "found first %", "equal error %", "bytes per shape", "ms per query"]
+    assert titles[:7] == [*first, "CPU ms to describe"]
+    assert {"noise", "scale", "family", "descriptor"} <= set(titles[7:])
+
+
 def test_text_table_lines_up(result):
     lines = text_table(result).splitlines()
     table = lines[next(i for i, line in enumerate(lines) if line.startswith("─")) :]
@@ -283,10 +292,3 @@ def test_text_table_lines_up(result):
     assert max(map(len, lines)) <= 100
     assert f"{result.search.average:.1f}" in table[-1]
     assert text_table(replace(result, variants=())) == "nothing was measured"
-
-
-def test_markdown_table_is_a_table_with_the_best_in_bold(result):
-    lines = markdown_table(result).splitlines()
-    assert len({line.count("|") for line in lines}) == 1
-    best = max(entry.average for entry in chosen_variants(result))
-    assert f"**{best:.1f}**" in lines[-1]

@@ -218,7 +218,7 @@ def test_no_model_given_and_none_shipped_leaves_no_file(path, monkeypatch):
     def no_model() -> ShapeModel:
         return ShapeModel.from_bytes(b"", "the shipped model")
 
-    monkeypatch.setattr("shapegoogle_core.library.library.load_model", no_model)
+    monkeypatch.setattr("shapegoogle_core.library.opening.load_model", no_model)
     with pytest.raises(ModelError, match="the shipped model"):
         Library.open(path)
     assert not path.exists()

@@ -1,47 +1,47 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Measure indexing: shapes per second with one worker process and with two, and memory over a long run.
-
-    python3 scripts/speed_indexing.py OUTPUT [--sizes N...] [--repeats N]
 
 jobs     for each size, so many shapes of 10,242 vertices are indexed with ``--jobs 1`` and ``--jobs 2`` in
          turns. Beside each pair of runs stands what two processes of plain numpy, which share nothing, reach
          against one on this machine at that time: two processors may be one core, other programs may run.
 memory   ten times as many shapes of 162 vertices, with two worker processes: what each process holds in time
 
-Both need Linux for the figures of processes. Writes speed_indexing.json and speed_indexing.svg into the
-folder OUTPUT, and the meshes of each run, which are deleted again: 370 KB for each shape of `jobs`.
+Both need Linux for the figures of processes.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
-from process_figures import ProcessFigures, descendants
-from speed_describe import write_mesh
 
 import shapegoogle_core as sg
 from shapegoogle_core.indexing import iterate_shapes
 from shapegoogle_core.indexing.work import start_worker
 from shapegoogle_core.launching import single_threaded
+from speed.measuring import Options, Row
+from speed.meshes import write_mesh
+from speed.processes import ProcessFigures, descendants
+from speed.reporting import label, panels
 
-__all__ = ["measure", "plot"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-Row = dict[str, Any]
+__all__ = ["REPEATS", "SIZES", "draw", "measure"]
+
+SIZES, REPEATS = (1_000,), 1
 
 # Of the icosahedron: 10,242 vertices, and 162.
 SUBDIVISIONS, FEW_SUBDIVISIONS = 5, 2
@@ -51,36 +51,32 @@ LOOK_EVERY = 1.0
 POINTS = 200
 
 
-def measure(sizes: Sequence[int], repeats: int, output: Path) -> list[Row]:
+def measure(options: Options) -> Iterator[Row]:
     """Measure both parts.
 
     Parameters
     ----------
-    sizes : sequence of int
-        Numbers of shapes.
-    repeats : int
-        So many pairs of runs for each size.
-    output : Path
-        Folder for meshes and libraries, which are deleted again.
+    options : Options
+        Sizes are numbers of shapes; repeats, pairs of runs for each. The folder gets 370 KB for each shape of
+        `jobs`.
 
-    Returns
-    -------
-    rows : list of dict
+    Yields
+    ------
+    row : dict
         "part" says of what. "ratio" is of the shapes per second, "ideal" that of plain numpy; "bound" is what
         the processor times allow: 2 w / (w + m) where a shape takes the workers w seconds and the process
         that stores it m. Both have the start of Python in them: a second, spread over all shapes.
     """
     threads = blas_threads()
-    rows = []
-    for size in sizes:
-        with tempfile.TemporaryDirectory(dir=output) as folder:
+    for size in options.sizes:
+        with tempfile.TemporaryDirectory(dir=options.folder) as folder:
             write_meshes(Path(folder), size, SUBDIVISIONS)
-            rows.append(measure_jobs(Path(folder), size, repeats) | {"blas_threads_of_a_worker": threads})
-    size = SMALL_SHAPES_PER_SHAPE * max(sizes)
-    with tempfile.TemporaryDirectory(dir=output) as folder:
+            row = measure_jobs(Path(folder), size, options.repeats)
+        yield row | {"blas_threads_of_a_worker": threads}
+    size = SMALL_SHAPES_PER_SHAPE * max(options.sizes)
+    with tempfile.TemporaryDirectory(dir=options.folder) as folder:
         write_meshes(Path(folder), size, FEW_SUBDIVISIONS)
-        rows.append(measure_memory(Path(folder), size))
-    return rows
+        yield measure_memory(Path(folder), size)
 
 
 def write_meshes(folder: Path, count: int, subdivisions: int) -> None:
@@ -281,56 +277,25 @@ def growth(curve: list[dict[str, float]], name: str) -> float:
     return round(max(values[half:]) - max(values[quarter : half + 1]), 1)
 
 
-# -- the plot -----------------------------------------------------------------------------------------------
+# -- the figure ---------------------------------------------------------------------------------------------
 
 
-def plot(rows: Iterable[Row], path: Path) -> None:
-    """Draw shapes per second and memory.
-
-    Parameters
-    ----------
-    rows : iterable of dict
-        As `measure` returns them.
-    path : Path
-        Of the picture, by its ending SVG, PNG or PDF.
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 4), layout="constrained")
-    rates, memory = figure.subplots(1, 2)
+def draw(rows: Sequence[Row]) -> Figure:
+    """Draw shapes per second and memory."""
+    figure, (rates, memory) = panels(2, 10, 4)
     for row in rows:
         if row["part"] == "jobs":
-            label = f"{row['size']:,} shapes: {row['ratio']:.2f} (plain numpy {row['ideal']:.2f})"
+            name = f"{row['size']:,} shapes: {row['ratio']:.2f} (plain numpy {row['ideal']:.2f})"
             jobs = [int(jobs) for jobs in row["shapes_per_second"]]
-            rates.plot(jobs, list(row["shapes_per_second"].values()), marker="o", label=label)
+            rates.plot(jobs, list(row["shapes_per_second"].values()), marker="o", label=name)
         else:
             seconds = [point["seconds"] for point in row["curve"]]
-            for name, label in (("storing_mb", "stores"), ("worker_mb", "largest worker")):
-                memory.plot(seconds, [point[name] for point in row["curve"]], label=label)
+            for key, name in (("storing_mb", "stores"), ("worker_mb", "largest worker")):
+                memory.plot(seconds, [point[key] for point in row["curve"]], label=name)
             memory.set(title=f"memory over {row['size']:,} small shapes", xlabel="seconds", ylabel="MB")
             memory.set_ylim(bottom=0)
     rates.set(title="indexing", xlabel="worker processes", ylabel="shapes per second", xticks=[1, 2])
     rates.set_ylim(bottom=0)
     for axes in (rates, memory):
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize="small")
-    figure.savefig(path)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("output", type=Path, metavar="OUTPUT")
-    parser.add_argument("--sizes", type=int, nargs="+", default=[1_000], metavar="N")
-    parser.add_argument("--repeats", type=int, default=1, metavar="N")
-    options = parser.parse_args()
-    options.output.mkdir(parents=True, exist_ok=True)
-    rows = measure(options.sizes, options.repeats, options.output)
-    for row in rows:
-        print(json.dumps({name: value for name, value in row.items() if name != "curve"}))
-    (options.output / "speed_indexing.json").write_text(json.dumps(rows, indent=1))
-    plot(rows, options.output / "speed_indexing.svg")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        label(axes)
+    return figure

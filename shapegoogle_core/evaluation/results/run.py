@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a benchmark found, as plain data: written to JSON, read again and compared with another run."""
+"""What a run found, as plain data that is written to JSON and read again."""
 
 from __future__ import annotations
 
@@ -17,13 +17,10 @@ from shapegoogle_core.evaluation.metrics import CategoryScores
 __all__ = [
     "BenchmarkResult",
     "CategoryResult",
-    "Change",
+    "Parameter",
     "Problem",
-    "QueryChange",
     "QueryOutcome",
     "VariantResult",
-    "compare",
-    "compare_queries",
     "load_result",
     "save_result",
 ]
@@ -350,99 +347,3 @@ def load_result(path: Path) -> BenchmarkResult:
         raise BenchmarkError(
             f"{str(path)!r}: {error}; take the benchmark.json that `shapegoogle benchmark` wrote"
         ) from error
-
-
-@dataclass(frozen=True)
-class Change:
-    """One figure of the table in two runs.
-
-    Attributes
-    ----------
-    variant : str
-    transformation : str
-        A class, or "average".
-    before, after : float
-        Mean average precision at strength ≤ 5, 0 … 100.
-    """
-
-    variant: str
-    transformation: str
-    before: float
-    after: float
-
-    @property
-    def difference(self) -> float:
-        """How much better it is now."""
-        return self.after - self.before
-
-
-@dataclass(frozen=True)
-class QueryChange:
-    """One query in two runs.
-
-    Attributes
-    ----------
-    query : str
-    before, after : float
-        Ranks.
-    first_before, first_after : str
-        What stood first.
-    """
-
-    query: str
-    before: float
-    after: float
-    first_before: str
-    first_after: str
-
-    @property
-    def difference(self) -> float:
-        """How much the reciprocal rank grew, −1 … 1."""
-        return 1 / self.after - 1 / self.before
-
-
-def compare(a: BenchmarkResult, b: BenchmarkResult) -> list[Change]:
-    """Say what changed between two runs.
-
-    Parameters
-    ----------
-    a, b : BenchmarkResult
-        The earlier and the later one.
-
-    Returns
-    -------
-    changes : list of Change
-        One for each class, and the average, of every variant that both have, in the order of `b`.
-    """
-    changes = []
-    for after in b.variants:
-        before = a.variant(after.name)
-        if before is not None:
-            changes += [
-                Change(after.name, kind, before.table[kind][-1], row[-1])
-                for kind, row in after.table.items()
-                if kind in before.table
-            ]
-    return changes
-
-
-def compare_queries(a: VariantResult, b: VariantResult) -> list[QueryChange]:
-    """Say which queries fared otherwise in two runs of a variant.
-
-    Parameters
-    ----------
-    a, b : VariantResult
-        The earlier and the later one.
-
-    Returns
-    -------
-    changes : list of QueryChange
-        Queries that both asked and whose rank changed, what changed most first.
-    """
-    earlier = {outcome.query: outcome for outcome in a.outcomes}
-    changes = [
-        QueryChange(after.query, before.rank, after.rank, before.first, after.first)
-        for after in b.outcomes
-        if (before := earlier.get(after.query)) is not None and before.rank != after.rank
-    ]
-    return sorted(changes, key=lambda change: (-abs(change.difference), change.query))

@@ -1,47 +1,42 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Measure the way from a mesh file to a signature, stage by stage.
-
-    python3 scripts/speed_describe.py OUTPUT [--sizes N...] [--repeats N]
 
 For each number of vertices a creature that nothing was learnt from is written as binary PLY and as OBJ. A
 process of its own reads and describes each file with the shipped model, on one thread: processor time of
 every stage, medians over the repeats, and the most memory that the first time took. Imports do not count.
-
-Writes speed_describe.json and speed_describe.png into the folder OUTPUT. Memory needs Linux.
+Memory needs Linux.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import statistics
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
 from functools import wraps
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
 import numpy as np
-from process_figures import figures_of
 
 import shapegoogle_core as sg
 from shapegoogle_core import describing, mending, model
-from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.launching import single_threaded
-from shapegoogle_core.mesh.resampling import simplify
 from shapegoogle_core.registration import LocalWords
 from shapegoogle_core.settings import DESCRIPTORS
+from speed.measuring import Options, Row
+from speed.meshes import creature, write_mesh
+from speed.processes import figures_of
+from speed.reporting import panels
 
-__all__ = ["STAGES", "measure", "plot"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-Row = dict[str, Any]
+__all__ = ["REPEATS", "SIZES", "STAGES", "draw", "measure"]
 
 STAGES = (
     "reading",
@@ -73,69 +68,34 @@ WATCHED: tuple[tuple[Any, str, str], ...] = (
 
 FORMATS = (".ply", ".obj")
 GOALS = {1_000: 0.12, 10_000: 0.45, 100_000: 1.2, 1_000_000: 12.0}  # seconds of one core
-KIND, SEED, LARGEST_CREATURE = "horse", 100, 20_000
+SIZES, REPEATS = tuple(GOALS), 5
 
 
-def measure(sizes: Sequence[int], repeats: int, output: Path) -> list[Row]:
+def measure(options: Options) -> Iterator[Row]:
     """Measure all sizes in both formats.
 
     Parameters
     ----------
-    sizes : sequence of int
-        Numbers of vertices.
-    repeats : int
-        Times are medians of so many.
-    output : Path
-        Folder for the mesh files, which are deleted again: 120 bytes for each vertex.
+    options : Options
+        Sizes are numbers of vertices. The folder gets 120 bytes for each.
 
-    Returns
-    -------
-    rows : list of dict
-        One for each file. "stages" are seconds of processor time, "total" is that of the whole way with what
+    Yields
+    ------
+    row : dict
+        For each file. "stages" are seconds of processor time, "total" is that of the whole way with what
         belongs to no stage, "start" that before the first file: imports, loading the model, describing a
         sphere. "peak_mb" is all that the process held.
     """
-    rows = []
-    with tempfile.TemporaryDirectory(dir=output) as folder, single_threaded():
-        for size in sizes:
-            mesh = make_mesh(size)
+    with tempfile.TemporaryDirectory(dir=options.folder) as folder, single_threaded():
+        for size in options.sizes:
+            mesh = creature(size)
             for suffix in FORMATS:
                 path = Path(folder, f"{size}{suffix}")
                 write_mesh(mesh, path)
                 with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
-                    row = process.submit(describe_file, path, repeats).result()
+                    row = process.submit(describe_file, path, options.repeats).result()
                 path.unlink()
-                rows.append({"size": size, "format": suffix, "repeats": repeats} | row)
-    return rows
-
-
-def make_mesh(size: int) -> sg.Mesh:
-    """Make a closed surface of so many vertices, irregular ones."""
-    import trimesh  # takes a second
-
-    mesh = make_creature(KIND, SEED, min(size, LARGEST_CREATURE)).rest
-    while len(mesh.vertices) < size:
-        # Curved, so that simplifying does not leave slivers on flat patches.
-        finer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).subdivide_loop(1)
-        mesh = sg.Mesh(np.asarray(finer.vertices), np.asarray(finer.faces, dtype=np.int32), name=mesh.name)
-    return mesh if len(mesh.vertices) == size else simplify(mesh, size)
-
-
-def write_mesh(mesh: sg.Mesh, path: Path) -> None:
-    """Write a mesh as binary PLY or as OBJ, with numbers of single precision."""
-    if path.suffix == ".obj":
-        with path.open("wb") as file:
-            np.savetxt(file, mesh.vertices, "v %.7g %.7g %.7g")
-            np.savetxt(file, mesh.faces + 1, "f %d %d %d")
-        return
-    faces = np.empty(len(mesh.faces), [("count", "u1"), ("vertices", "<i4", 3)])
-    faces["count"], faces["vertices"] = 3, mesh.faces
-    header = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(mesh.vertices)}\n"
-        "property float x\nproperty float y\nproperty float z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    path.write_bytes(header.encode() + mesh.vertices.astype("<f4").tobytes() + faces.tobytes())
+                yield {"size": size, "format": suffix, "repeats": options.repeats} | row
 
 
 class StageClock:
@@ -215,25 +175,11 @@ def describe_file(path: Path, repeats: int) -> Row:
     return row
 
 
-def plot(rows: Iterable[Row], path: Path) -> None:
-    """Draw the stages as stacked bars, each file's beside the time that it may take.
-
-    Parameters
-    ----------
-    rows : iterable of dict
-        As `measure` returns them.
-    path : Path
-        Of the picture, by its ending SVG, PNG or PDF.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    rows = list(rows)
+def draw(rows: Sequence[Row]) -> Figure:
+    """Draw the stages as stacked bars, each file's beside the time that it may take."""
     sizes = list(dict.fromkeys(row["size"] for row in rows))
-    figure = Figure(figsize=(2.6 * len(sizes) + 1.6, 4.2), layout="constrained")
-    FigureCanvasAgg(figure)
-    panels = figure.subplots(1, len(sizes), squeeze=False)[0]
-    for panel, size in zip(panels, sizes, strict=True):
+    figure, axes = panels(len(sizes), 2.6 * len(sizes) + 1.6, 4.2)
+    for panel, size in zip(axes, sizes, strict=True):
         files = [row for row in rows if row["size"] == size]
         names = [row["format"] for row in files]
         bottom = np.zeros(len(files))
@@ -246,27 +192,8 @@ def plot(rows: Iterable[Row], path: Path) -> None:
         if size in GOALS:
             panel.axhline(GOALS[size], color="black", linestyle=":", label="at most")
         panel.set(title=f"{size:,} vertices")
-    panels[0].set_ylabel("seconds of processor time")
-    once = dict(zip(*reversed(panels[-1].get_legend_handles_labels()), strict=True))
+    axes[0].set_ylabel("seconds of processor time")
+    once = dict(zip(*reversed(axes[-1].get_legend_handles_labels()), strict=True))
     # As in the bars, the last stage on top.
     figure.legend(list(once.values())[::-1], list(once)[::-1], loc="outside right center", fontsize="small")
-    figure.savefig(path, dpi=120)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("output", type=Path, metavar="OUTPUT")
-    parser.add_argument("--sizes", type=int, nargs="+", default=list(GOALS), metavar="N")
-    parser.add_argument("--repeats", type=int, default=5, metavar="N")
-    options = parser.parse_args()
-    options.output.mkdir(parents=True, exist_ok=True)
-    rows = measure(options.sizes, options.repeats, options.output)
-    for row in rows:
-        print(json.dumps(row))
-    (options.output / "speed_describe.json").write_text(json.dumps(rows, indent=1))
-    plot(rows, options.output / "speed_describe.png")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return figure

@@ -1,8 +1,5 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Measure the search against the size of the library: codes in memory, library files, recall of the codes.
-
-    python3 scripts/speed_search.py OUTPUT [--sizes N...] [--repeats N] [--library FILE]
 
 codes    made-up codes of 128 and 256 bits: the ten nearest, and as many as the search compares by their bags
 library  made-up library files, each opened by a new process: first and next answer, a shape added and
@@ -10,29 +7,24 @@ library  made-up library files, each opened by a new process: first and next ans
          makes them; larger ones have codes of that size but small bags and no samples, to fit on a disk.
 recall   share of the ten nearest by their bags that are among the candidates that the codes give: of made-up
          bags that spread as real ones do, and with --library of the shapes of a real one
-
-Writes speed_search.json and speed_search.svg into the folder OUTPUT.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from benchmark_duplicates import DECAY
 from numpy.typing import NDArray
-from process_figures import figures_of
 
 import shapegoogle_core as sg
 from shapegoogle_core.describing import ChannelWords
@@ -41,10 +33,16 @@ from shapegoogle_core.library.code_index import CODE_TABLES, CodeTable, WordTabl
 from shapegoogle_core.library.hamming import asymmetric_distances, count_bits, count_bits_portable
 from shapegoogle_core.library.search import CANDIDATES, ROUGH_PER_CANDIDATE
 from shapegoogle_core.settings import ChannelSettings, ModelSettings
+from speed.measuring import Options, Row
+from speed.processes import figures_of
+from speed.reporting import label, panels
 
-__all__ = ["measure", "plot"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-Row = dict[str, Any]
+__all__ = ["REPEATS", "SIZES", "draw", "measure"]
+
+SIZES, REPEATS = (10**3, 10**4, 10**5, 10**6, 10**7), 9
 Codes = NDArray[np.uint8]
 
 BITS = (128, 256)
@@ -57,36 +55,30 @@ AT_ONCE = 5_000
 GOALS = {128: {1_000_000: (5, 2), 10_000_000: (100, 20)}}  # milliseconds: numpy, faiss
 
 
-def measure(sizes: Sequence[int], repeats: int, output: Path, library: Path | None = None) -> list[Row]:
+def measure(options: Options) -> Iterator[Row]:
     """Measure all three parts.
 
     Parameters
     ----------
-    sizes : sequence of int
-        Numbers of shapes; library files are made up to `LARGEST_LIBRARY`, recall up to the last of
-        `RECALL_SIZES`.
-    repeats : int
-        Times are medians of so many.
-    output : Path
-        Folder for library files, which are deleted again: 22 KB for each of `FULL_LIBRARY` shapes.
-    library : Path, optional
-        A real one for the recall.
+    options : Options
+        Sizes are numbers of shapes; library files are made up to `LARGEST_LIBRARY`, recall up to the last of
+        `RECALL_SIZES`. The folder gets 22 KB for each of `FULL_LIBRARY` shapes.
 
-    Returns
-    -------
-    rows : list of dict
+    Yields
+    ------
+    row : dict
         "part" says of what. Times in milliseconds; "cpu" is processor time, "wall" is not.
     """
-    rows = [row for size in sizes for row in measure_codes(size, repeats)]
-    for size in sizes:
+    for size in options.sizes:
+        yield from measure_codes(size, options.repeats)
+    for size in options.sizes:
         if size <= LARGEST_LIBRARY:
-            rows.append(measure_library(size, repeats, output))
+            yield measure_library(size, options.repeats, options.folder)
     for size in RECALL_SIZES:
-        if size <= max(sizes):
-            rows += measure_recall("made up", made_up_vectors(size))
-    if library is not None:
-        rows += measure_recall("real", real_vectors(library))
-    return rows
+        if size <= max(options.sizes):
+            yield from measure_recall("made up", made_up_vectors(size))
+    if options.library is not None:
+        yield from measure_recall("real", real_vectors(options.library))
 
 
 # -- codes in memory ----------------------------------------------------------------------------------------
@@ -285,9 +277,9 @@ def made_up_vectors(size: int) -> Vectors:
     vectors = np.repeat(families, 10, axis=0)[:size]
     vectors += 0.6 * random.standard_normal(vectors.shape) * spread
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    vectors = vectors.astype(np.float32)
+    compared = vectors.astype(np.float32)
     # As `ShapeModel.code_projections` makes them of bags.
-    return model, vectors, np.asarray(vectors @ model.directions.T + model.thresholds, np.float32)
+    return model, compared, np.asarray(compared @ model.directions.T + model.thresholds, np.float32)
 
 
 def real_vectors(path: Path) -> Vectors:
@@ -338,24 +330,12 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
         }
 
 
-# -- the plot -----------------------------------------------------------------------------------------------
+# -- the figure ---------------------------------------------------------------------------------------------
 
 
-def plot(rows: Iterable[Row], path: Path) -> None:
-    """Draw cost and recall against size.
-
-    Parameters
-    ----------
-    rows : iterable of dict
-        As `measure` returns them.
-    path : Path
-        Of the picture, by its ending SVG, PNG or PDF.
-    """
-    from matplotlib.figure import Figure
-
-    rows = list(rows)
-    figure = Figure(figsize=(15, 4.5), layout="constrained")
-    codes, library, recall = figure.subplots(1, 3)
+def draw(rows: Sequence[Row]) -> Figure:
+    """Draw cost and recall against size."""
+    figure, (codes, library, recall) = panels(3, 15, 4.5)
     colors = {"numpy": "C0", "numpy < 2": "C1", "faiss": "C2"}
     for bits, style in zip(BITS, ("-", "--"), strict=True):
         for table, color in colors.items():
@@ -365,24 +345,24 @@ def plot(rows: Iterable[Row], path: Path) -> None:
                 if row["part"] == "codes" and (row["bits"], row["table"], row["top"]) == (bits, table, 10)
             ]
             if points:
-                label = f"{table}, {bits} bits"
-                codes.loglog(*zip(*points, strict=True), style, color=color, marker=".", label=label)
+                name = f"{table}, {bits} bits"
+                codes.loglog(*zip(*points, strict=True), style, color=color, marker=".", label=name)
     for bits, goals in GOALS.items():
         for size, (with_numpy, with_faiss) in goals.items():
             codes.plot(size, with_numpy, "v", color=colors["numpy"], label=f"at most, numpy, {bits}")
             codes.plot(size, with_faiss, "v", color=colors["faiss"], label=f"at most, faiss, {bits}")
     codes.set(title="the ten nearest codes", xlabel="codes", ylabel="ms of processor time")
     libraries = [row for row in rows if row["part"] == "library"]
-    for name, label in (
+    for key, name in (
         ("first_cold_wall", "open and first answer, cold disk"),
         ("first_wall", "open and first answer"),
         ("next_wall", "next answer"),
         ("after_add_wall", "answer after a shape was added"),
         ("add_wall", "adding one shape"),
     ):
-        points = [(row["size"], row[name]) for row in libraries if name in row]
+        points = [(row["size"], row[key]) for row in libraries if key in row]
         if points:
-            library.loglog(*zip(*points, strict=True), marker=".", label=label)
+            library.loglog(*zip(*points, strict=True), marker=".", label=name)
     library.set(
         title=f"library file (beyond {FULL_LIBRARY:,} shapes: small bags)", xlabel="shapes", ylabel="ms"
     )
@@ -398,31 +378,5 @@ def plot(rows: Iterable[Row], path: Path) -> None:
     recall.axvline(CANDIDATES, color="0.7")
     recall.set(title="ten nearest by bags among the candidates", xlabel="candidates by codes", ylabel="share")
     for axes in (codes, library, recall):
-        axes.grid(alpha=0.3)
-        handles, labels = axes.get_legend_handles_labels()
-        if handles:
-            once = dict(zip(labels, handles, strict=True))
-            axes.legend(once.values(), once.keys(), fontsize="x-small")
-    figure.savefig(path)
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("output", type=Path, metavar="OUTPUT")
-    parser.add_argument(
-        "--sizes", type=int, nargs="+", default=[10**3, 10**4, 10**5, 10**6, 10**7], metavar="N"
-    )
-    parser.add_argument("--repeats", type=int, default=9, metavar="N")
-    parser.add_argument("--library", type=Path, metavar="FILE")
-    options = parser.parse_args()
-    options.output.mkdir(parents=True, exist_ok=True)
-    rows = measure(options.sizes, options.repeats, options.output, options.library)
-    for row in rows:
-        print(json.dumps(row))
-    (options.output / "speed_search.json").write_text(json.dumps(rows, indent=1))
-    plot(rows, options.output / "speed_search.svg")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        label(axes)
+    return figure

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What can happen to a shape: the transformation classes of SHREC 2010 in five strengths, and bending.
-
-The paper's section 6.1 names eleven classes. Ten of them are made here from any mesh; the eleventh,
-isometry, is other poses of the same shape and cannot be made from one mesh (`creatures` has poses, `bend`
-comes near).
-"""
+"""The transformation classes of SHREC 2010 in five strengths (paper, section 6.1), made from any mesh."""
 
 from __future__ import annotations
 
@@ -19,12 +14,12 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.evaluation.transformations.surface import check_surface, diagonal_of, edge_lengths
 from shapegoogle_core.mesh import Mesh, unique_edges
-from shapegoogle_core.mesh.mesh import vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray, vertex_normals
 
-__all__ = ["TRANSFORMATIONS", "bend", "edge_length_changes", "scale_factor", "transform"]
+__all__ = ["TRANSFORMATIONS", "scale_factor", "transform"]
 
-FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Random = np.random.Generator
 
@@ -34,10 +29,6 @@ _BUMPS = 3
 # Where to look for places to weld: this many random vertices, each with the nearest one that is far along
 # the surface.
 _WELD_CANDIDATES = 64
-# Bending at strength 1: median relative change of edge lengths, and the most it may turn however thin the
-# shape is.
-_BEND_DISTORTION = 0.03
-_MOST_BEND, _MOST_TWIST = np.radians(120), np.radians(90)
 
 
 def transform(mesh: Mesh, kind: str, strength: int, seed: int) -> Mesh:
@@ -88,31 +79,14 @@ def transform(mesh: Mesh, kind: str, strength: int, seed: int) -> Mesh:
         raise ValueError(f"no transformation {kind!r}; there are {', '.join(TRANSFORMATIONS)}")
     if strength not in (1, 2, 3, 4, 5):
         raise ValueError(f"strength must be 1 … 5, not {strength}")
-    _check_surface(mesh)
+    check_surface(mesh)
     rng = np.random.default_rng([zlib.crc32(kind.encode()), seed])
     transformed = _FUNCTIONS[kind](mesh, strength, rng)
     return Mesh(transformed.vertices, transformed.faces, f"{mesh.name}-{kind}-{strength}")
 
 
-def _check_surface(mesh: Mesh) -> None:
-    if mesh.is_point_cloud:
-        raise MeshError(f"{mesh.name!r} has no faces; only a surface can be transformed")
-    if _diagonal(mesh) == 0:
-        raise MeshError(f"{mesh.name!r}: all vertices coincide; there is nothing to transform")
-
-
-def _diagonal(mesh: Mesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.faces)], axis=0)))
-
-
-def _edge_lengths(mesh: Mesh) -> FloatArray:
-    edges, _ = unique_edges(mesh)
-    lengths: FloatArray = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-    return lengths
-
-
 def _noise(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    deviation = 0.1 * strength * _edge_lengths(mesh).mean()
+    deviation = 0.1 * strength * edge_lengths(mesh).mean()
     return Mesh(mesh.vertices + deviation * _per_place(mesh, rng), mesh.faces, mesh.name)
 
 
@@ -130,7 +104,7 @@ def _places(mesh: Mesh) -> tuple[FloatArray, NDArray[np.int64]]:
 
 
 def _shot_noise(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    shifts = 4 * _edge_lengths(mesh).mean() * _per_place(mesh, rng)
+    shifts = 4 * edge_lengths(mesh).mean() * _per_place(mesh, rng)
     hit = _share_of_places(mesh, 0.002 * strength, rng)
     return Mesh(mesh.vertices + hit[:, None] * shifts, mesh.faces, mesh.name)
 
@@ -148,7 +122,7 @@ def _micro_holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    return _without(mesh, _in_balls(mesh, 2 * strength, 0.03 * _diagonal(mesh), rng), "holes")
+    return _without(mesh, _in_balls(mesh, 2 * strength, 0.03 * diagonal_of(mesh), rng), "holes")
 
 
 def _in_balls(mesh: Mesh, count: int, radius: float, rng: Random) -> BoolArray:
@@ -180,7 +154,7 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     positions, place = _places(mesh)
     joined = Mesh(positions, place[mesh.faces], mesh.name)
     wanted = 3 * strength
-    pairs = _places_to_weld(joined, 0.35 * _diagonal(mesh), rng)[:wanted]
+    pairs = _places_to_weld(joined, 0.35 * diagonal_of(mesh), rng)[:wanted]
     if len(pairs) < wanted:
         raise MeshError(
             f"{mesh.name!r} has only {len(pairs)} places where surfaces far apart come near each other, but "
@@ -204,7 +178,7 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 def _places_to_weld(mesh: Mesh, apart: float, rng: Random) -> NDArray[np.int64]:
     """Disjoint pairs of vertices, nearest in space first, that are at least `apart` along the edges."""
     edges, _ = unique_edges(mesh)
-    graph = coo_array((_edge_lengths(mesh), edges.T), shape=(len(mesh.vertices),) * 2).tocsr()
+    graph = coo_array((edge_lengths(mesh), edges.T), shape=(len(mesh.vertices),) * 2).tocsr()
     used = np.unique(mesh.faces)
     sources = rng.permutation(used)[:_WELD_CANDIDATES]
     # Beyond the limit the answer is infinite, which is all that has to be known.
@@ -248,7 +222,7 @@ def scale_factor(kind: str, strength: int) -> float:
 
 
 def _local_scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    diagonal = _diagonal(mesh)
+    diagonal = diagonal_of(mesh)
     centres = mesh.vertices[rng.permutation(np.unique(mesh.faces))[:_BUMPS]]
     squared = ((mesh.vertices[:, None] - centres[None]) ** 2).sum(axis=2)
     height = np.exp(-squared / (2 * (0.12 * diagonal) ** 2)).sum(axis=1)
@@ -311,7 +285,7 @@ def _clustered(
 
 
 def _partial(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    diagonal = _diagonal(mesh)
+    diagonal = diagonal_of(mesh)
     depth = mesh.vertices @ rng.standard_normal(3)
     beyond = depth > np.quantile(depth[np.unique(mesh.faces)], 1 - (0.05 + 0.05 * strength))
     rest = _without(mesh, beyond, "partial")
@@ -343,130 +317,3 @@ _FUNCTIONS: dict[str, Callable[[Mesh, int, Random], Mesh]] = {
 
 TRANSFORMATIONS: tuple[str, ...] = tuple(_FUNCTIONS)
 """The kinds that `transform` knows."""
-
-
-def edge_length_changes(before: Mesh, after: Mesh) -> FloatArray:
-    """How far a deformation is from an isometry.
-
-    Parameters
-    ----------
-    before, after : Mesh
-        With the same faces.
-
-    Returns
-    -------
-    changes : (e,) array
-        |l′/l − 1| of every edge that has a length before.
-
-    Raises
-    ------
-    ValueError
-        If the faces differ.
-    """
-    if not np.array_equal(before.faces, after.faces):
-        raise ValueError(f"{before.name!r} and {after.name!r} do not have the same faces")
-    old, new = _edge_lengths(before), _edge_lengths(after)
-    changes: FloatArray = np.abs(new[old > 0] / old[old > 0] - 1)
-    return changes
-
-
-def bend(mesh: Mesh, seed: int, strength: float = 1.0) -> Mesh:
-    """Bend and twist a shape that has no skeleton, nearly isometrically.
-
-    The shape is twisted about a random axis and bent along it, then bent along a second one; long shapes are
-    mostly bent along their length. Angles grow until the median relative change of edge lengths is 3 % times
-    the strength, so a sheet or a rod turns far and a ball hardly, or until they reach 120° of bending and
-    90° of twist. Only the median is promised: what lies far from the axis stretches more. Of 4500 bent tori
-    the 95th percentile of the changes was typically 13 % times the strength, in one of a hundred more than
-    25 %, at most 36 %.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Any triangles, soup included.
-    seed : int
-    strength : float
-        Above 0; 1 is gentle.
-
-    Returns
-    -------
-    bent : Mesh
-        With the same faces.
-
-    Raises
-    ------
-    ValueError
-        If the strength is not positive.
-    MeshError
-        If the mesh has no faces or no extent.
-    """
-    if not strength > 0:
-        raise ValueError(f"strength must be positive, not {strength}")
-    _check_surface(mesh)
-    rng = np.random.default_rng([zlib.crc32(b"bend"), seed])
-    centre = mesh.vertices[mesh.faces].mean(axis=(0, 1))
-    spread = np.linalg.svd(mesh.vertices[mesh.faces].mean(axis=1) - centre, full_matrices=False)
-    # Axes drawn like points of the shape: mostly along its length.
-    axes = rng.standard_normal((2, 3)) * spread[1] @ spread[2]
-    sides = np.cross(axes, rng.standard_normal((2, 3)))
-    phases, turns = rng.uniform(-0.25, 0.25, 2), rng.choice([-1.0, 1.0], 3)
-
-    def bent(amount: float) -> Mesh:
-        points = _twisted(mesh.vertices - centre, axes[0], turns[2] * amount * _MOST_TWIST)
-        for axis, side, phase, turn in zip(axes, sides, phases, turns, strict=False):
-            points = _curved(points, axis, side, turn * amount * _MOST_BEND / 2, phase)
-        return Mesh(points + centre, mesh.faces, f"{mesh.name}-bent-{seed}")
-
-    low, high = 0.0, 1.0
-    if np.median(edge_length_changes(mesh, bent(high))) <= strength * _BEND_DISTORTION:
-        return bent(high)
-    for _ in range(10):
-        middle = (low + high) / 2
-        if np.median(edge_length_changes(mesh, bent(middle))) <= strength * _BEND_DISTORTION:
-            low = middle
-        else:
-            high = middle
-    return bent(low)
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    unit: FloatArray = vector / np.linalg.norm(vector)
-    return unit
-
-
-def _twisted(points: FloatArray, axis: FloatArray, angle: float) -> FloatArray:
-    """Turn points about an axis, by −angle/2 at one end of the shape to angle/2 at the other."""
-    axis = _unit(axis)
-    along = points @ axis
-    turn = (angle * (along - along.min()) / max(float(np.ptp(along)), np.finfo(float).tiny) - angle / 2)[
-        :, None
-    ]
-    across = points - along[:, None] * axis
-    twisted: FloatArray = (
-        along[:, None] * axis + np.cos(turn) * across + np.sin(turn) * np.cross(axis, across)
-    )
-    return twisted
-
-
-def _curved(points: FloatArray, axis: FloatArray, side: FloatArray, angle: float, phase: float) -> FloatArray:
-    """Bend a straight axis into a curve, cross sections staying flat, square to it and as large as they are.
-
-    The tangent turns by `angle` over the shape's length; `phase` moves the turning towards one end.
-    """
-    axis, side = _unit(axis), _unit(side)
-    along, offset = points @ axis, points @ side
-    extent = max(float(np.ptp(along)), np.finfo(float).tiny)
-    share = np.linspace(0, 1, 257)
-    # The rate of turning is 1 + 4 · phase · cos(πu) ≥ 0, so the shape never curls back on itself.
-    tangent = angle * (share + 4 * phase * np.sin(np.pi * share) / np.pi - 0.5)
-    step = extent / 256
-    middles = (tangent[1:] + tangent[:-1]) / 2
-    forward = np.concatenate([[0], np.cumsum(np.cos(middles))]) * step
-    sideways = np.concatenate([[0], np.cumsum(np.sin(middles))]) * step
-    place = (along - along.min()) / extent
-    turn = np.interp(place, share, tangent)
-    new_along = np.interp(place, share, forward) - np.sin(turn) * offset
-    new_offset = np.interp(place, share, sideways) + np.cos(turn) * offset
-    rest = points - np.outer(along, axis) - np.outer(offset, side)
-    curved: FloatArray = rest + np.outer(new_along, axis) + np.outer(new_offset, side)
-    return curved

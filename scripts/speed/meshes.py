@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""The meshes that are measured, and their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from shapegoogle_core import Mesh
+
+__all__ = ["KIND", "SEED", "creature", "write_mesh"]
+
+# A creature that nothing was learnt from. Larger meshes come from one of so many vertices.
+KIND, SEED, LARGEST_CREATURE = "horse", 100, 20_000
+
+
+def creature(vertices: int, tolerance: float = 0.0) -> Mesh:
+    """Make a closed surface of so many vertices, irregular ones.
+
+    Parameters
+    ----------
+    vertices : int
+    tolerance : float
+        Share of them that it may have more or less: what is in between is not simplified.
+
+    Returns
+    -------
+    mesh : Mesh
+    """
+    import numpy as np
+    import trimesh
+
+    from shapegoogle_core import Mesh
+    from shapegoogle_core.evaluation.creatures import make_creature
+    from shapegoogle_core.mesh.resampling import simplify
+
+    mesh = make_creature(KIND, SEED, min(vertices, LARGEST_CREATURE)).rest
+    while len(mesh.vertices) < (1 - tolerance) * vertices:
+        # Curved, so that simplifying does not leave slivers on flat patches.
+        finer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).subdivide_loop(1)
+        mesh = Mesh(np.asarray(finer.vertices), np.asarray(finer.faces, dtype=np.int32), name=mesh.name)
+    return mesh if len(mesh.vertices) <= (1 + tolerance) * vertices else simplify(mesh, vertices)
+
+
+def write_mesh(mesh: Mesh, path: Path) -> None:
+    """Write a mesh as binary PLY or as OBJ, with numbers of single precision."""
+    import numpy as np
+
+    if path.suffix == ".obj":
+        with path.open("wb") as file:
+            np.savetxt(file, mesh.vertices, "v %.7g %.7g %.7g")
+            np.savetxt(file, mesh.faces + 1, "f %d %d %d")
+        return
+    faces = np.empty(len(mesh.faces), [("count", "u1"), ("vertices", "<i4", 3)])
+    faces["count"], faces["vertices"] = 3, mesh.faces
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(mesh.vertices)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    path.write_bytes(header.encode() + mesh.vertices.astype("<f4").tobytes() + faces.tobytes())

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""The package itself: its public names, and how little importing it costs."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import shapegoogle_core as sg
+
+HEAVY = ("numpy", "scipy", "sklearn", "trimesh", "PIL", "pebble", "tqdm")
+
+
+def modules_after(*arguments: str) -> set[str]:
+    """Top-level modules that a fresh Python has imported when it has run something."""
+    run = subprocess.run(
+        [sys.executable, "-X", "importtime", *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    lines = [line for line in run.stderr.splitlines() if line.startswith("import time:")]
+    return {line.rpartition("|")[2].strip().partition(".")[0] for line in lines}
+
+
+@pytest.mark.parametrize("name", sg.__all__)
+def test_every_public_name_is_there(name: str) -> None:
+    assert name in dir(sg)
+    assert getattr(sg, name).__name__ == name
+
+
+def test_no_other_name_is_there() -> None:
+    with pytest.raises(AttributeError, match="'shapegoogle_core' has no attribute 'read_meshes'"):
+        sg.read_meshes  # noqa: B018
+
+
+def test_a_star_imports_the_public_names() -> None:
+    names: dict[str, object] = {}
+    exec("from shapegoogle_core import *", names)
+    assert set(sg.__all__) == names.keys() - {"__builtins__"}
+
+
+def test_the_type_checker_sees_the_same_names_at_the_same_places() -> None:
+    tree = ast.parse(Path(sg.__file__).read_text(encoding="utf-8"))
+    imports = [
+        node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module != "typing"
+    ]
+    seen = {(f"{node.module}", alias.asname) for node in imports for alias in node.names}
+    assert seen == {(f"shapegoogle_core.{module}", name) for name, module in sg._MODULE_OF.items()}
+
+
+def test_importing_the_package_imports_nothing_large() -> None:
+    assert not modules_after("-c", "import shapegoogle_core").intersection(HEAVY)
+    assert not modules_after("-c", "from shapegoogle_core import MeshError").intersection(HEAVY)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["query", "--help"], ["benchmark", "--help"]])
+def test_help_imports_nothing_large(arguments: list[str]) -> None:
+    assert not modules_after("-m", "shapegoogle_core", *arguments).intersection(HEAVY)
