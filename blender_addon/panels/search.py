@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from .. import assets, jobs, scene
+from ..operators import transfer
 from ..preferences import preferences
 from ..properties import examples_of, session_of, shown_matches
 from .text import wrapped
@@ -121,7 +122,13 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
         grid.operator("shape_google.link_match", icon="LINK_BLEND")
         grid.operator("shape_google.open_match", icon="FILE_BLEND")
     grid.operator("shape_google.mark_match", icon="COLOR")
-    grid.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
+    row = box.row(align=True)
+    waiting = transfer.running()
+    if waiting:
+        row.label(text=waiting, icon="SORTTIME")
+        row.operator("shape_google.cancel_transfer", text="", icon="X")
+    else:
+        row.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
     marks = [
         example.unlike
         for example in session.examples
@@ -137,7 +144,7 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
 
 def _draw_transfer(layout: Any, session: Any) -> None:
     header, body = layout.panel("SHAPEGOOGLE_transfer", default_closed=True)
-    header.label(text="Transfer")
+    header.label(text="What to Transfer")
     if body is None:
         return
     body.use_property_split = True
