@@ -135,6 +135,10 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if not self._source.layers:
             self.report({"ERROR"}, f"{self._source.mesh.name!r} has nothing of what is to be transferred")
             return None
+        wanted, kept = transferring.without_kept(item, self._source.layers, replace=self._replace)
+        if not wanted:  # known before the shapes are matched, which takes seconds
+            self._report_kept(kept)
+            return None
         return jobs.worker().submit(
             match_with_points, self._target.mesh, self._source.mesh, self._target.centers
         )
@@ -172,7 +176,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             context.view_layer.update()
             return transferring.read_source(found[0], **wanted)
         finally:
-            bpy.data.batch_remove([block for block in bpy.data.user_map() if block not in before])
+            placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
             for each in context.view_layer.objects:
                 each.select_set(each in selected)
             context.view_layer.objects.active = item
@@ -197,17 +201,20 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             return {"CANCELLED"}
         done = transferring.transfer(item, self._source, self._target, match, centers, replace=self._replace)
         if done.kept:
-            self.report(
-                {"WARNING"},
-                f"Kept as they are: {_listed(done.kept)}; tick Replace Existing to overwrite them, and "
-                "unlock groups that are locked",
-            )
+            self._report_kept(done.kept)
         if done.refused:
             self.report({"WARNING"}, f"No room for the UV maps {_listed(done.refused)}; remove others first")
         if not done.count:
             return {"CANCELLED"}
         self._report(item, done, match)
         return {"FINISHED"}
+
+    def _report_kept(self, names: list[str]) -> None:
+        self.report(
+            {"WARNING"},
+            f"Kept as they are: {_listed(names)}; tick Replace Existing to overwrite them, and unlock groups "
+            "that are locked",
+        )
 
     def _report(self, item: Any, done: Transferred, match: Any) -> None:
         confidence = float(match.confidence[match.face >= 0].mean())

@@ -45,7 +45,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         else:
             row.operator("shape_google.find_similar", icon="VIEWZOOM")
         if context.mode == "OBJECT" and len(scene.shape_objects(context.selected_objects)) > 1:
-            layout.row(heading="Several Objects").prop(session, "several", expand=True)
+            layout.row(heading="Several").prop(session, "several", expand=True)
         _draw_examples(layout, examples_of(session, preferences(context).library_path()))
         _draw_filters(layout, session)
         if session.answer and not session.searching:
