@@ -112,7 +112,7 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
     details = column.column(align=True)
     details.scale_y = 0.8
     details.label(text=where)
-    details.label(text=f"{match.kind}, similarity {similarity_text(match)}")
+    details.label(text=f"{without_size(match.kind)}, similarity {similarity_text(match)}")
     details.label(text=f"{match.vertex_count:,} vertices, size ×{match.size:.3g}")
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     if match.in_scene:
@@ -176,7 +176,7 @@ def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], conte
             text=match.object_name or match.name,
             depress=index == session.active_match,
         ).index = index
-        column.label(text=f"{similarity_text(match)}  {_short_kind(match.kind)}")
+        column.label(text=f"{similarity_text(match)}  {short_kind(match.kind)}")
     if pages > 1:
         row = layout.row(align=True)
         _draw_turn(row, page - 1, pages, "TRIA_LEFT")
@@ -198,9 +198,14 @@ def similarity_text(match: Any) -> str:
     return "0.99+" if rounded == "1.00" and match.distance > 0 else rounded
 
 
-def _short_kind(kind: str) -> str:
+def without_size(kind: str) -> str:
+    """Leave out of what kind a match is how large it is, unless that is all: of "Re-posed ×0.9" the size."""
+    return kind if kind.startswith("Scaled") else kind.partition(" ×")[0].rstrip(",")
+
+
+def short_kind(kind: str) -> str:
     """Shorten what kind a match is for a picture's width: "Same mesh, re-posed" to "Re-posed"."""
-    short = kind.rpartition(", ")[2].replace("The query is ", "")
+    short = without_size(kind).rpartition(", ")[2].replace("The query is ", "")
     return short[:1].upper() + short[1:]
 
 
