@@ -99,7 +99,7 @@ def _run(options: argparse.Namespace) -> int:
     except RuntimeError as error:
         _say(f"paint_signatures: '{source}' cannot be opened: {str(error).strip()}")
         return UNUSABLE
-    window = bpy.context.window
+    window = _window()
     open_scene, open_layer = window.scene, window.view_layer
     failed: list[str] = []
     number = count = 0
@@ -157,15 +157,26 @@ def _model(options: argparse.Namespace) -> ShapeModel:
         return library.model
 
 
+def _window() -> Any:
+    """Return the window of the context, by way of its owner.
+
+    Where a script or another add-on has asked Blender 4.2 or 4.3 for ``context.tool_settings``, what the
+    context gives belongs to the scene of that time; to set a property of it after another file was opened
+    is to write to a scene that is gone.
+    """
+    return bpy.context.window_manager.windows[0]
+
+
 def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
     """Yield the meshes that are asked for, while their scene is open: else their scale is unknown."""
     missing = dict.fromkeys(names or [])
     seen: set[Any] = set()
     hidden: dict[Any, str] = {}
+    window = _window()
     for scene in bpy.data.scenes:
-        bpy.context.window.scene = scene
+        window.scene = scene
         for layer in scene.view_layers:
-            bpy.context.window.view_layer = layer
+            window.view_layer = layer
             for item in layer.objects:
                 item.update_tag()  # Blender 4 would leave those of another scene without their scale
             layer.update()

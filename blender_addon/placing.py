@@ -12,7 +12,16 @@ from mathutils import Matrix, Vector
 
 from . import scene
 
-__all__ = ["PlacingError", "bounds", "bring_in", "find_linked", "move_to", "select_only", "to_object_mode"]
+__all__ = [
+    "PlacingError",
+    "bounds",
+    "bring_in",
+    "find_linked",
+    "move_to",
+    "remove",
+    "select_only",
+    "to_object_mode",
+]
 
 # Importers of Blender by suffix, each with its operator and, where it needs one, what else to ask of it.
 _IMPORTERS = {
@@ -70,6 +79,19 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
     new.sort(key=lambda item: (item.type != "MESH", item.name != object_name, item.name))
     select_only(context, new)
     return new
+
+
+def remove(context: Any, blocks: Sequence[Any]) -> None:
+    """Remove what was brought in.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    blocks : sequence of bpy.types.ID
+    """
+    bpy.data.batch_remove(blocks)
+    # Until then the view layer lists None in place of each object that is gone.
+    context.view_layer.update()
 
 
 def find_linked(source: str, object_name: str) -> Any | None:

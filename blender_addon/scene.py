@@ -297,7 +297,8 @@ def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray
     for vertices, faces, matrix in parts:
         if np.linalg.det(matrix[:3, :3]) < 0:
             faces = faces[:, ::-1]  # a mirrored object would come out inside out
-        all_vertices.append(vertices @ matrix[:3, :3].T + matrix[:3, 3])
+        # Not `@`: the threads of BLAS wait for each other on a busy machine, and the window for them.
+        all_vertices.append(np.einsum("nj,ij->ni", vertices, matrix[:3, :3]) + matrix[:3, 3])
         all_faces.append(faces + count)
         count += len(vertices)
     return Mesh(np.concatenate(all_vertices), np.concatenate(all_faces), name)

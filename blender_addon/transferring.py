@@ -20,7 +20,16 @@ if TYPE_CHECKING:
 else:
     from .lazy_numpy import np
 
-__all__ = ["Layers", "Source", "Target", "Transferred", "read_source", "read_target", "transfer"]
+__all__ = [
+    "Layers",
+    "Source",
+    "Target",
+    "Transferred",
+    "read_source",
+    "read_target",
+    "transfer",
+    "without_kept",
+]
 
 # Smaller weights of a group are left out: interpolation would spread every group over all faces it touches.
 LEAST_WEIGHT = 1e-3
@@ -103,10 +112,6 @@ class Transferred:
         """How many were transferred."""
         return len(self.groups) + len(self.colors) + len(self.uvs)
 
-    def note(self, names: list[str], name: str, written: bool | None) -> None:
-        """Put a name where it belongs: written, kept as it was (False), or refused (None)."""
-        (names if written else self.refused if written is None else self.kept).append(name)
-
 
 def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
     """Read a mesh object with what can be carried over.
@@ -170,6 +175,47 @@ def read_target(item: Any) -> Target:
     return Target(mesh, centers, mesh_arrays.corner_vertices(data).astype(np.int64), polygons)
 
 
+def without_kept(item: Any, layers: Layers, *, replace: bool) -> tuple[Layers, list[str]]:
+    """Tell what may be written onto an object from what it has already and keeps.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object.
+    layers : Layers
+    replace : bool
+        Whether groups and attributes that the object has already may be overwritten. Locked groups never
+        are, nor is an attribute of another kind that has the name.
+
+    Returns
+    -------
+    wanted : Layers
+    kept : list of str
+    """
+    data = item.data
+    locked = {group.name: group.lock_weight for group in item.vertex_groups}
+    kept = {
+        "groups": {name for name in layers.groups if name in locked and not (replace and not locked[name])},
+        "colors": {
+            name
+            for name in layers.colors
+            if name in data.attributes and not (replace and name in data.color_attributes)
+        },
+        "uvs": {
+            name
+            for name in layers.uvs
+            if name in data.attributes and not (replace and name in data.uv_layers)
+        },
+    }
+    wanted = {
+        kind: {name: values for name, values in getattr(layers, kind).items() if name not in names}
+        for kind, names in kept.items()
+    }
+    return Layers(**wanted), [
+        name for kind, names in kept.items() for name in getattr(layers, kind) if name in names
+    ]
+
+
 def transfer(
     item: Any,
     source: Source,
@@ -192,14 +238,14 @@ def transfer(
     centers : SurfacePoints
         Of the source, for the centres of the target's polygons.
     replace : bool
-        Whether groups and attributes that the object has already may be overwritten. Locked groups never
-        are.
+        As for `without_kept`.
 
     Returns
     -------
     transferred : Transferred
     """
-    done = Transferred()
+    layers, kept = without_kept(item, source.layers, replace=replace)
+    done = Transferred(kept=kept)
     placed = match.face >= 0
     corners = source.mesh.faces[match.face].astype(np.int64)  # of loose vertices any: their weights are all 0
     loops = source.loops[match.face]
@@ -208,17 +254,18 @@ def transfer(
         carried: FloatArray = np.einsum("pi,pi...->p...", match.weights, values[places])
         return carried
 
-    for name, weights in source.layers.groups.items():
-        carried = at_vertices(weights, corners)
-        done.note(done.groups, name, _write_group(item, name, carried, placed, replace=replace))
-    for name, (domain, kind, values) in source.layers.colors.items():
+    for name, weights in layers.groups.items():
+        _write_group(item, name, at_vertices(weights, corners), placed)
+        done.groups.append(name)
+    for name, (domain, kind, values) in layers.colors.items():
         carried = at_vertices(values, corners if domain == "POINT" else loops)
         if domain == "CORNER":
             carried = carried[target.corner_vertices]
-        done.note(done.colors, name, _write_color(item.data, name, domain, kind, carried, replace=replace))
-    for name, uv in source.layers.uvs.items():
-        carried = _corner_uvs(uv, source, target, match, centers)
-        done.note(done.uvs, name, _write_uv(item.data, name, carried, replace=replace))
+        _write_color(item.data, name, domain, kind, carried)
+        done.colors.append(name)
+    for name, uv in layers.uvs.items():
+        written = _write_uv(item.data, name, _corner_uvs(uv, source, target, match, centers))
+        (done.uvs if written else done.refused).append(name)
     item.data.update_tag()
     return done
 
@@ -245,43 +292,30 @@ def _group_weights(item: Any) -> dict[str, FloatArray]:
     return {group.name: by_index[group.index] for group in item.vertex_groups}
 
 
-def _write_group(
-    item: Any, name: str, weights: FloatArray, placed: NDArray[np.bool_], *, replace: bool
-) -> bool:
+def _write_group(item: Any, name: str, weights: FloatArray, placed: NDArray[np.bool_]) -> None:
     group = item.vertex_groups.get(name)
-    if group is not None and (not replace or group.lock_weight):
-        return False
     if group is None:
         group = item.vertex_groups.new(name=name)
     else:
         group.remove(np.flatnonzero(placed).tolist())
     for vertex in np.flatnonzero(placed & (weights >= LEAST_WEIGHT)).tolist():
         group.add([vertex], float(weights[vertex]), "REPLACE")
-    return True
 
 
-def _write_color(
-    data: Any, name: str, domain: str, kind: str, values: FloatArray, *, replace: bool
-) -> bool | None:
-    old = data.attributes.get(name)
-    if old is not None:
-        # One of another kind is something else, such as a UV map of this name.
-        if not replace or name not in data.color_attributes:
-            return False
-        if (old.domain, old.data_type) != (domain, kind):
-            data.color_attributes.remove(data.color_attributes[name])
-            old = None
-    attribute = old or data.color_attributes.new(name, kind, domain)
+def _write_color(data: Any, name: str, domain: str, kind: str, values: FloatArray) -> None:
+    attribute = data.color_attributes.get(name)
+    if attribute is not None and (attribute.domain, attribute.data_type) != (domain, kind):
+        data.color_attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = data.color_attributes.new(name, kind, domain)
     attribute.data.foreach_set("color", np.ascontiguousarray(values, np.float32).ravel())
-    return True
 
 
-def _write_uv(data: Any, name: str, values: FloatArray, *, replace: bool) -> bool | None:
-    if name in data.attributes:
-        if not replace or name not in data.uv_layers:
-            return False
-    elif data.uv_layers.new(name=name, do_init=False) is None:
-        return None  # Blender has eight at most
+def _write_uv(data: Any, name: str, values: FloatArray) -> bool:
+    """Write a UV map; False if Blender, which has eight at most, has no room for it."""
+    if name not in data.attributes and data.uv_layers.new(name=name, do_init=False) is None:
+        return False
     layer = data.attributes[name]
     layer.data.foreach_set("vector", np.ascontiguousarray(values, np.float32).ravel())
     return True

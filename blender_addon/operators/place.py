@@ -218,7 +218,9 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
     def take_back(self, context: Any) -> None:
         """Remove what was appended; select and show what was."""
         # What Blender undid meanwhile is gone; what it made anew has kept its number.
-        bpy.data.batch_remove([block for block in bpy.data.user_map() if block.session_uid in self._appended])
+        placing.remove(
+            context, [block for block in bpy.data.user_map() if block.session_uid in self._appended]
+        )
         objects = context.view_layer.objects
         for item in objects:
             item.select_set(item.session_uid in self._selected)

@@ -56,7 +56,9 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
             if context.active_object is None or context.active_object.type != "MESH":
                 context.view_layer.objects.active = items[0]
             bpy.ops.object.mode_set(mode="EDIT")
-        context.tool_settings.mesh_select_mode = (True, False, False)
+        # Not `context.tool_settings`: in Blender 4.2 and 4.3 asking for it makes this scene the owner of the
+        # context itself, and once the scene is freed whatever is set by way of the context may crash.
+        context.scene.tool_settings.mesh_select_mode = (True, False, False)
         edited = {item.data for item in context.objects_in_mode}
         count = sum(attributes.select(data, points.get(data, ())) for data in edited)
         hidden = f"; {total - count} more are hidden or not being edited" if count < total else ""

@@ -14,12 +14,21 @@ from ..properties import session_of
 from ..transferring import Source, Target, Transferred
 from .place import OnMatch
 
-__all__ = ["register", "unregister"]
+__all__ = ["register", "running", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.1
 # Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
 # costs less than so many times as much, left and right may be exchanged.
 POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.2
+
+# The one transfer that waits for the worker, so that it can be shown and cancelled. No property of the
+# session: opening a file ends the operator, and what the session holds is carried over to the new file.
+_running: list[SHAPEGOOGLE_OT_transfer_match] = []
+
+
+def running() -> str:
+    """Return what the transfer that is going on waits for, as the panel says it; empty if there is none."""
+    return _running[0].waits_for if _running else ""
 
 
 class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
@@ -33,10 +42,16 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
+    waits_for = ""
+    stopped = False
+
     @classmethod
     def poll(cls, context: Any) -> bool:
         """There is a match, an object to give to, and something to carry over."""
         if not super().poll(context):
+            return False
+        if _running:
+            cls.poll_message_set("Transferring already")
             return False
         session = session_of(context)
         item = context.active_object
@@ -60,26 +75,38 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set(f"Matching {self._target.mesh.name} … (Esc: cancel)")
+        _running[:] = [self]
+        self._say(context, f"Matching {self._target.mesh.name} …")
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Any, event: Any) -> set[str]:
         """Wait for the worker."""
-        if event.type == "ESC" and event.value == "PRESS":
+        if self.stopped or (event.type == "ESC" and event.value == "PRESS"):
             self.cancel(context)
             self.report({"INFO"}, "Transfer cancelled")
             return {"CANCELLED"}
-        # Writing waits while the user edits or sculpts.
-        if event.type != "TIMER" or not self._future.done() or context.mode != "OBJECT":
+        if event.type != "TIMER" or not self._future.done():
+            return {"PASS_THROUGH"}
+        if context.mode != "OBJECT":  # writing waits while the user edits, paints or sculpts
+            self._say(context, "Waiting for object mode …")
             return {"PASS_THROUGH"}
         self.cancel(context)
         return self._finish()
 
     def cancel(self, context: Any) -> None:
-        """Stop waiting."""
+        """Stop waiting; Blender calls it too, when it opens a file or ends."""
         self._future.cancel()
+        _running.clear()
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
+        jobs.redraw()
+
+    def _say(self, context: Any, what: str) -> None:
+        """Show what is waited for, in the status bar and in the panel."""
+        if self.waits_for != what:
+            self.waits_for = what
+            context.workspace.status_text_set(f"{what} (Esc: cancel)")
+            jobs.redraw()
 
     def execute(self, context: Any) -> set[str]:
         """Match and write before returning."""
@@ -107,6 +134,10 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             return None
         if not self._source.layers:
             self.report({"ERROR"}, f"{self._source.mesh.name!r} has nothing of what is to be transferred")
+            return None
+        wanted, kept = transferring.without_kept(item, self._source.layers, replace=self._replace)
+        if not wanted:  # known before the shapes are matched, which takes seconds
+            self._report_kept(kept)
             return None
         return jobs.worker().submit(
             match_with_points, self._target.mesh, self._source.mesh, self._target.centers
@@ -145,7 +176,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             context.view_layer.update()
             return transferring.read_source(found[0], **wanted)
         finally:
-            bpy.data.batch_remove([block for block in bpy.data.user_map() if block not in before])
+            placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
             for each in context.view_layer.objects:
                 each.select_set(each in selected)
             context.view_layer.objects.active = item
@@ -160,22 +191,30 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             return {"CANCELLED"}
         item = next((each for each in bpy.data.objects if each.session_uid == self._item), None)
         count = len(self._target.mesh.vertices), len(self._target.corner_vertices)
-        if item is None or (len(item.data.vertices), len(item.data.loops)) != count:
+        if item is None or not item.users_scene:  # other objects may still refer to one that was deleted
+            self.report(
+                {"ERROR"}, f"{self._target.mesh.name!r} was deleted meanwhile; nothing is transferred"
+            )
+            return {"CANCELLED"}
+        if (len(item.data.vertices), len(item.data.loops)) != count:
             self.report({"ERROR"}, f"{self._target.mesh.name!r} was changed meanwhile; transfer again")
             return {"CANCELLED"}
         done = transferring.transfer(item, self._source, self._target, match, centers, replace=self._replace)
         if done.kept:
-            self.report(
-                {"WARNING"},
-                f"Kept as they are: {_listed(done.kept)}; tick Replace Existing to overwrite them, and "
-                "unlock groups that are locked",
-            )
+            self._report_kept(done.kept)
         if done.refused:
             self.report({"WARNING"}, f"No room for the UV maps {_listed(done.refused)}; remove others first")
         if not done.count:
             return {"CANCELLED"}
         self._report(item, done, match)
         return {"FINISHED"}
+
+    def _report_kept(self, names: list[str]) -> None:
+        self.report(
+            {"WARNING"},
+            f"Kept as they are: {_listed(names)}; tick Replace Existing to overwrite them, and unlock groups "
+            "that are locked",
+        )
 
     def _report(self, item: Any, done: Transferred, match: Any) -> None:
         confidence = float(match.confidence[match.face >= 0].mean())
@@ -205,4 +244,30 @@ def _listed(names: list[str]) -> str:
     return shown if len(names) <= 5 else f"{shown} and {len(names) - 5} more"
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_transfer_match,))
+class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
+    """Stop transferring."""
+
+    bl_idname = "shape_google.cancel_transfer"
+    bl_label = "Cancel Transfer"
+    bl_description = "Stop transferring; nothing has been changed yet"
+
+    @classmethod
+    def poll(cls, _context: Any) -> bool:
+        """There is something to stop."""
+        return bool(_running)
+
+    def execute(self, _context: Any) -> set[str]:
+        """Stop it."""
+        _running[0].stopped = True  # it ends at its next tick
+        return {"FINISHED"}
+
+
+register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_transfer_match, SHAPEGOOGLE_OT_cancel_transfer)
+)
+
+
+def unregister() -> None:
+    """Take them back; Blender ends a transfer that is going on without a word to it."""
+    _unregister()
+    _running.clear()

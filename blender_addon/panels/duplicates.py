@@ -37,7 +37,7 @@ class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
         else:
             row.label(text="", icon="BLANK1")
         # The sidebar is narrow: the icon tells the kind, and the words are below the list.
-        split = row.split(factor=0.62)
+        split = row.split(factor=0.8)
         split.label(text=item.name, icon=KINDS[item.kind][1])
         numbers = split.row()
         numbers.alignment = "RIGHT"

@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from .. import assets, jobs, scene
+from ..operators import transfer
 from ..preferences import preferences
 from ..properties import examples_of, session_of, shown_matches
 from .text import wrapped
@@ -44,7 +45,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         else:
             row.operator("shape_google.find_similar", icon="VIEWZOOM")
         if context.mode == "OBJECT" and len(scene.shape_objects(context.selected_objects)) > 1:
-            layout.row(heading="Several Objects").prop(session, "several", expand=True)
+            layout.row(heading="Several").prop(session, "several", expand=True)
         _draw_examples(layout, examples_of(session, preferences(context).library_path()))
         _draw_filters(layout, session)
         if session.answer and not session.searching:
@@ -111,7 +112,7 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
     details = column.column(align=True)
     details.scale_y = 0.8
     details.label(text=where)
-    details.label(text=f"{match.kind}, similarity {similarity_text(match)}")
+    details.label(text=f"{without_size(match.kind)}, similarity {similarity_text(match)}")
     details.label(text=f"{match.vertex_count:,} vertices, size ×{match.size:.3g}")
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     if match.in_scene:
@@ -121,7 +122,13 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
         grid.operator("shape_google.link_match", icon="LINK_BLEND")
         grid.operator("shape_google.open_match", icon="FILE_BLEND")
     grid.operator("shape_google.mark_match", icon="COLOR")
-    grid.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
+    row = box.row(align=True)
+    waiting = transfer.running()
+    if waiting:
+        row.label(text=waiting, icon="SORTTIME")
+        row.operator("shape_google.cancel_transfer", text="", icon="X")
+    else:
+        row.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
     marks = [
         example.unlike
         for example in session.examples
@@ -137,7 +144,7 @@ def _draw_match(layout: Any, session: Any, match: Any) -> None:
 
 def _draw_transfer(layout: Any, session: Any) -> None:
     header, body = layout.panel("SHAPEGOOGLE_transfer", default_closed=True)
-    header.label(text="Transfer")
+    header.label(text="What to Transfer")
     if body is None:
         return
     body.use_property_split = True
@@ -169,7 +176,7 @@ def _draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], conte
             text=match.object_name or match.name,
             depress=index == session.active_match,
         ).index = index
-        column.label(text=f"{similarity_text(match)}  {_short_kind(match.kind)}")
+        column.label(text=f"{similarity_text(match)}  {short_kind(match.kind)}")
     if pages > 1:
         row = layout.row(align=True)
         _draw_turn(row, page - 1, pages, "TRIA_LEFT")
@@ -191,9 +198,14 @@ def similarity_text(match: Any) -> str:
     return "0.99+" if rounded == "1.00" and match.distance > 0 else rounded
 
 
-def _short_kind(kind: str) -> str:
+def without_size(kind: str) -> str:
+    """Leave out of what kind a match is how large it is, unless that is all: of "Re-posed ×0.9" the size."""
+    return kind if kind.startswith("Scaled") else kind.partition(" ×")[0].rstrip(",")
+
+
+def short_kind(kind: str) -> str:
     """Shorten what kind a match is for a picture's width: "Same mesh, re-posed" to "Re-posed"."""
-    short = kind.rpartition(", ")[2].replace("The query is ", "")
+    short = without_size(kind).rpartition(", ")[2].replace("The query is ", "")
     return short[:1].upper() + short[1:]
 
 

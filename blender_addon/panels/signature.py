@@ -46,6 +46,8 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
                 else painted.scale_text(item, settings_of(context.scene), context.scene.unit_settings)
             )
             column.label(text=text or "Paint to see how far it spreads", icon="DRIVER_DISTANCE")
+            if settings.kind == "HEAT":
+                column.label(text="From the selected vertex", icon="VERTEXSEL")
         elif settings.kind == "HKS_TIMES":
             column.prop(settings, "count")
             column.prop(settings, "shown")

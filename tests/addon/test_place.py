@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import bpy
@@ -103,6 +104,17 @@ class TestLink:
         else:  # Blender 5.2 puts it into the active collection too
             assert man in set(bpy.context.view_layer.objects)
             assert bpy.context.active_object == man
+
+
+def test_nothing_is_listed_in_place_of_what_was_removed(source, addon):
+    placing = importlib.import_module(f"{addon.__name__}.placing")
+    placing.bring_in(bpy.context, str(source), "Man")  # from then on the file is known, and stays
+    before = set(bpy.data.user_map())
+    shown = set(bpy.context.view_layer.objects)
+    placing.bring_in(bpy.context, str(source), "Man")
+    bpy.context.view_layer.update()
+    placing.remove(bpy.context, [block for block in bpy.data.user_map() if block not in before])
+    assert set(bpy.context.view_layer.objects) == shown
 
 
 def test_select_leaves_edit_mode_and_deselects_all_else():

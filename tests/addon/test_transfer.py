@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import bpy
@@ -147,6 +148,18 @@ def test_existing_ones_are_kept_unless_replaced(pair, capfd):
     assert weights_of(target, "low").sum() == 0  # locked
     assert len(target.vertex_groups) == 2
     assert len(target.data.uv_layers) == 1
+
+
+def test_that_all_is_kept_is_said_before_anything_is_matched(pair, addon, monkeypatch, capfd):
+    _, target, _ = pair
+    for name in ("high", "low"):
+        target.vertex_groups.new(name=name)
+    session = bpy.context.window_manager.shape_google
+    session.transfer_colors = session.transfer_uvs = False
+    monkeypatch.setattr(importlib.import_module(f"{addon.__name__}.jobs"), "worker", None)
+    choose("Source", "(unsaved scene)", in_scene=True)
+    assert bpy.ops.shape_google.transfer_match() == {"CANCELLED"}
+    assert "Kept as they are: 'high', 'low'" in capfd.readouterr().out
 
 
 def test_from_another_file_leaves_nothing_behind(pair, tmp_path):

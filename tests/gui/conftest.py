@@ -141,6 +141,10 @@ class Window:
         time.sleep(0.3)
         self.tool("key", "ctrl+z")
 
+    def redo(self) -> None:
+        """Press Shift-Ctrl-Z, where `undo` was."""
+        self.tool("key", "ctrl+shift+z")
+
     def rest(self) -> None:
         """Take the pointer to where it is above nothing."""
         self.move(SIZE[0] * 0.35, SIZE[1] - 10)

@@ -128,10 +128,14 @@ def state():
                     if attribute.name.startswith("sg_")
                 ),
                 "visible": item.visible_get(),
+                "groups": [group.name for group in item.vertex_groups],
+                "colors": [layer.name for layer in item.data.color_attributes] if item.type == "MESH" else [],
             }
             for item in bpy.context.scene.objects
         },
         "active": getattr(bpy.context.view_layer.objects.active, "name", None),
+        "file": bpy.data.filepath,
+        "transferring": bpy.ops.shape_google.cancel_transfer.poll(),
     }
 
 
@@ -147,6 +151,15 @@ def colors(name):
     """The colour of every vertex of an object."""
     mesh = bpy.data.objects[name].data
     return [[round(value, 4) for value in item.color[:3]] for item in mesh.attributes["sg_color"].data]
+
+
+def weights(name, group):
+    """The weight of every vertex of an object in a group; 0 for those that are not in it."""
+    item = bpy.data.objects[name]
+    index = item.vertex_groups[group].index
+    return [
+        sum(entry.weight for entry in vertex.groups if entry.group == index) for vertex in item.data.vertices
+    ]
 
 
 def add_object(path, name, location=(0, 0, 0)):
