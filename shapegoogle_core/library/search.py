@@ -35,9 +35,9 @@ CANDIDATES_PER_MATCH = 4
 ROUGH_PER_CANDIDATE = 4
 # How many of the shapes that have most of the query's local words geometry looks at too, for each size that
 # the query may have beside a match. Among 1,147 shapes, 33 relatives of each kind, of creatures with a half
-# cut off 92 % are among these, with two thirds cut off 76 %, and 82 % of the shapes that share a half with
+# cut off 94 % are among these, with two thirds cut off 81 %, and 89 % of the shapes that share a half with
 # another one; with 100 it is 90, 69 and 73 %.
-LOCAL_CANDIDATES = 150
+LOCAL_CANDIDATES = 200
 # Geometry is not asked where several examples find their best match, other than a copy, so similar by bags.
 # They say in which ways a shape varies, geometry knows each in one pose: on pairs of creatures damaged by
 # noise, holes and moderate cuts it only did harm there; of large cuts, which need it, bags are never so sure.
@@ -160,24 +160,29 @@ class Search:
         # In order by now: the very last ones are farther than a distance can be.
         return [replace(match, distance=min(match.distance, FARTHEST)) for match in matches]
 
-    def _sharing_parts(self, question: Question, known: set[int]) -> tuple[list[Match], set[int]]:
+    def _sharing_parts(self, question: Question, known: set[int]) -> tuple[list[Match], dict[int, set[int]]]:
         """Shapes that have most of the query's local words.
 
-        First: those of them that are not known yet. Second: the ids of all of them.
+        First: those of them that are not known yet. Second: at which of `SHARED_SCALES` they do, of all of
+        them by id.
         """
         words = self._model.local_words
         if words is None or self._local_words is None:
-            return [], set()
-        weights = np.concatenate([words.query_weights(sample) for sample in question.samples])
-        sharing: set[int] = set()
+            return [], {}
+        weights = [words.query_weights(sample) for sample in question.samples]
+        scales = [scale for rows in weights for scale in range(len(rows))]
+        sharing: dict[int, set[int]] = {}
 
         def nearest(index: WordIndex) -> list[int]:
-            found = dict.fromkeys(np.concatenate(index.nearest(weights, LOCAL_CANDIDATES)).tolist())
-            sharing.update(found)
-            return [shape_id for shape_id in found if shape_id not in known]
+            sharing.clear()
+            found = index.nearest(np.concatenate(weights), LOCAL_CANDIDATES)
+            for scale, shape_ids in zip(scales, found, strict=True):
+                for shape_id in shape_ids.tolist():
+                    sharing.setdefault(shape_id, set()).add(scale)
+            return [shape_id for shape_id in sharing if shape_id not in known]
 
         with self._store.snapshot():
-            most = len(weights) * LOCAL_CANDIDATES
+            most = len(scales) * LOCAL_CANDIDATES
             return self._best_of(question, self._local_words, nearest, most), sharing
 
     def _views(self, question: Question, matches: list[Match]) -> dict[int, int]:

@@ -60,7 +60,7 @@ def verify(
     samples: Sequence[SurfaceSample],
     matches: Sequence[Match],
     relatives: Sequence[Match],
-    sharing: Collection[int],
+    sharing: Mapping[int, Collection[int]],
     views: Mapping[int, int],
 ) -> list[Match]:
     """Lay the best matches over the query, and lower the distances of those that fit.
@@ -75,8 +75,8 @@ def verify(
         The best by their bags, best first; at least one.
     relatives : sequence of Match
         Other shapes that may share parts with the query.
-    sharing : collection of int
-        The ids of all that may, be they among `matches` or not.
+    sharing : mapping of int to collection of int
+        By the ids of all that may, be they among `matches` or not: at which of `SHARED_SCALES`.
     views : mapping of int to int
         Which of the samples a match is laid over, by its shape id; the first one, where it is not named. With
         one for each match, several examples take no longer than one.
@@ -99,12 +99,12 @@ def verify(
         rest = [*matches[_FIRST:], *relatives]
         if rest and max(_verified(model, pair).similarity for pair in laid.values()) < _LIKELY:
             candidates = [*matches[_FIRST:SCREENED], *relatives]
-            promises, poses = _looked_at(query, _placed(store, model, candidates), sharing)
+            known = {match.shape_id for match in matches}
+            promises, poses = _looked_at(query, _placed(store, model, candidates), sharing, known)
             fitted = _fitted(query, poses, store, model)
             laid |= fitted
             # What the query lies on exactly would come before all that is aligned now.
             if max((pair.exact for pair in fitted.values()), default=0.0) < _SURELY_EXACT:
-                known = {match.shape_id for match in matches}
                 chosen = [match for match in promises if match.shape_id in known][:_NEXT]
                 laid |= _aligned(query, _placed(store, model, chosen))
         _fit_aligned(query, laid.values())
@@ -147,14 +147,19 @@ def _aligned(query: QueryOf, pairs: Iterable[tuple[Match, Placed | None]]) -> di
 
 
 def _looked_at(
-    query: QueryOf, pairs: Iterable[tuple[Match, Placed | None]], sharing: Collection[int]
+    query: QueryOf,
+    pairs: Iterable[tuple[Match, Placed | None]],
+    sharing: Mapping[int, Collection[int]],
+    known: Collection[int],
 ) -> tuple[list[Match], list[tuple[Match, RoughPose]]]:
     """Order matches by their bags and their support in space; lay those roughly that may share parts."""
     promises, poses = [], []
     for match, placed in pairs:
         supported = 0.0
         if placed is not None and match.shape_id in sharing:
-            pose = rough_pose(query(match).shared, placed)
+            # What only words propose they propose at some sizes; others owe their place to bags.
+            among = None if match.shape_id in known else sorted(sharing[match.shape_id])
+            pose = rough_pose(query(match).shared, placed, among)
             poses.append((match, pose))
             supported = pose.support
         elif placed is not None:

@@ -10,6 +10,7 @@ circle with normals n and m, (p - q) · (n + m) = 0: this distance is exact to t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,24 +71,27 @@ class RoughPose:
     frame: Frame | None
 
 
-def rough_pose(query: Placed, candidate: Placed) -> RoughPose:
+def rough_pose(query: Placed, candidate: Placed, among: Sequence[int] | None = None) -> RoughPose:
     """Lay a query over a candidate that may have more than it, fast and roughly.
 
     Parameters
     ----------
     query, candidate : Placed
+    among : sequence of int, optional
+        Which of the query's scales are tried; all, if it is not given.
 
     Returns
     -------
     pose : RoughPose
         The best one by what lies on the candidate of the query; not by the other way round.
     """
-    found = [correspondences(query, candidate, scale) for scale in range(len(query.scales))]
+    tried = range(len(query.scales)) if among is None else among
+    found = [correspondences(query, candidate, scale) for scale in tried]
     supports = [leading_support(second_order) for _, second_order in found]
     best = RoughPose(max(supports), 0.0, None)
     points, normals = query.points[:_POINTS], query.normals[:_POINTS]
-    for scale in np.argsort(supports)[::-1][:_SCALES]:
-        there, second_order = found[scale]
+    for place in np.argsort(supports)[::-1][:_SCALES]:
+        there, second_order = found[place]
         scales, rotations, translations = motions(query, candidate, there, second_order, _GROUPS)
         possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
         if not possible.any():
