@@ -163,22 +163,22 @@ def print_tables(
     halves: Sequence[tuple[ShapeSignature, list[ShapeSignature]]],
 ) -> None:
     print(f"{len(library):,} shapes, {len(asked)} queries of each sort; first without, then with the index\n")
-    local_codes = library._search._local_codes
+    local_words = library._search._local_words
     print("| | MRR | first | s | MRR | first | s |\n|---|---|---|---|---|---|---|")
     for sort in remains[0]:
         queries = [
             (left[sort], [f"{kind} {seed}"]) for (kind, seed), left in zip(asked, remains, strict=True)
         ]
         cells = []
-        for index in (None, local_codes):
-            library._search._local_codes = index
+        for index in (None, local_words):
+            library._search._local_words = index
             found, seconds = places(library, queries)
             cells += [f"{(1 / found).mean():.3f}", f"{100 * (found == 1).mean():.0f} %", f"{seconds:.2f}"]
         print(f"| {sort} | " + " | ".join(cells) + " |")
     print("\n| half shared by two | both in 2 | 5 | 10 | both in 2 | 5 | 10 |\n|---|---|---|---|---|---|---|")
     cells = []
-    for index in (None, local_codes):
-        library._search._local_codes = index
+    for index in (None, local_words):
+        library._search._local_words = index
         queries = [
             (half, [f"{kind} {seed} on {number}" for number in range(2)])
             for (kind, seed, _), (half, _) in zip(grafts, halves, strict=True)

@@ -32,8 +32,8 @@ class ShapeSignature:
         Of the mesh as given.
     sample : SurfaceSample or None
         Points of the mended mesh, if the model's settings ask for them.
-    local_code : (s/8,) array of uint8 or None
-        The code of the sample's local words, if the model has an index of parts.
+    local_code : (V/8,) array of uint8 or None
+        Which local words the sample has, if the model has an index of parts; see `LocalWords.code`.
     surface : Mesh or None
         The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
     """

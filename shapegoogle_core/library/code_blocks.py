@@ -30,7 +30,7 @@ ROWS_AT_ONCE = 50_000
 # Place of an id within its block.
 OFFSET_TYPE = np.dtype("<u2")
 
-CODE_TABLES = {"codes": "code_blocks", "local_codes": "local_code_blocks"}
+CODE_TABLES = {"codes": "code_blocks", "local_words": "local_word_blocks"}
 """Tables of codes, and what their blocks stand in."""
 
 TABLE = "CREATE TABLE {blocks} (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL)"

@@ -335,7 +335,7 @@ class Library:
             samples = self._store.samples([shape_id]) if self._model.settings.sample else {}
             code = self._store.code(shape_id, self._model.code_bits // 8)
             local = self._model.settings.local
-            local_code = None if local is None else self._store.local_code(shape_id, local.bits // 8)
+            local_code = None if local is None else self._store.local_code(shape_id, local.words // 8)
         if code is None or len(bags) == 0:
             raise LibraryError(
                 f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "

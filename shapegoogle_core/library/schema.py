@@ -15,9 +15,9 @@ BAG_TYPE = np.dtype("<f2")
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. 4: with local codes.
-# One of version 1 or 3 stays as it is: its model makes no samples, or no local codes.
-SCHEMA_VERSION, UNREADABLE_VERSION = 4, 2
+# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. 4: with codes of bags
+# of local words. 5: with local words. One of version 1, 3 or 4 stays as it is: without samples, or words.
+SCHEMA_VERSION, UNREADABLE_VERSION = 5, 2
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -52,7 +52,7 @@ CREATE TABLE samples (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     content BLOB NOT NULL
 );
-CREATE TABLE local_codes (
+CREATE TABLE local_words (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     code BLOB NOT NULL
 );

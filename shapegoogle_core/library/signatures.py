@@ -52,7 +52,7 @@ def _misfit(model: ShapeModel, signature: ShapeSignature) -> str:
     if signature.sample is not None and model.settings.sample is None:
         return "that one takes no samples of surfaces"
     local = model.settings.local
-    local_bytes = 0 if local is None else local.bits // 8
+    local_bytes = 0 if local is None else local.words // 8
     if signature.local_code is not None and signature.local_code.size != local_bytes:
         return "its local code does not fit"
     return ""

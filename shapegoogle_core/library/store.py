@@ -233,15 +233,14 @@ class Store(Database):
             self._connection.execute(
                 "INSERT INTO samples VALUES (?, ?)", (shape_id, signature.sample.to_bytes())
             )
-        if signature.local_code is not None:
+        if signature.local_code is not None and self.has_local_words():
             self._connection.execute(
-                "INSERT INTO local_codes VALUES (?, ?)", (shape_id, signature.local_code.tobytes())
+                "INSERT INTO local_words VALUES (?, ?)", (shape_id, signature.local_code.tobytes())
             )
+            self._code_blocks["local_words"].complete(shape_id)
         if shape.thumbnail is not None:
             self._connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         self._code_blocks["codes"].complete(shape_id)
-        if signature.local_code is not None:
-            self._code_blocks["local_codes"].complete(shape_id)
         return shape_id
 
     # -- reads ----------------------------------------------------------------------------------------------
@@ -351,8 +350,12 @@ class Store(Database):
         )
 
     def local_code(self, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
-        """Return the local code of one shape, or None when it has none."""
-        return self._code("local_codes", shape_id, code_bytes)
+        """Return the local words of one shape, or None when it has none."""
+        return self._code("local_words", shape_id, code_bytes) if self.has_local_words() else None
+
+    def has_local_words(self) -> bool:
+        """Whether there is an index of parts: libraries of a format before 5 have none."""
+        return bool(self._value("SELECT count(*) FROM sqlite_master WHERE name = 'local_words'"))
 
     def _code(self, table: str, shape_id: int, code_bytes: int) -> NDArray[np.uint8] | None:
         rows = self._rows(f"SELECT code FROM {table} WHERE shape_id = ?", shape_id)

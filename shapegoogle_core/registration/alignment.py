@@ -22,11 +22,16 @@ __all__ = [
     "COMMON_AGREEMENT",
     "PART_SCALES",
     "SCALES",
+    "SHARED_SCALES",
     "TOLERANCES",
     "Alignment",
     "Frame",
     "Placed",
     "align",
+    "correspondences",
+    "leading_support",
+    "measure",
+    "motions",
     "support",
 ]
 
@@ -49,6 +54,9 @@ SCALES = (1.0, 0.85, 1.2, 0.7)
 
 PART_SCALES = (1.0, 0.85, 0.7, 0.6)
 """Tried where the query may be a part of the candidate, down to a third of it."""
+
+SHARED_SCALES = (*SCALES, 0.6)
+"""Tried where a search looks for shapes that share parts with the query."""
 
 _LEAST_SCALE, _LARGEST_SCALE = 0.55, 1.8
 # How well two correspondences must agree on the distance of their points, and of their balls' centres.
@@ -215,8 +223,11 @@ def align(query: Placed, candidate: Placed) -> Alignment:
     alignment : Alignment
         The best one found, which need not be a good one.
     """
-    motions = [_motions(query, candidate, scale) for scale in range(len(query.scales))]
-    scales, rotations, translations = (np.concatenate(parts) for parts in zip(*motions, strict=True))
+    found = [
+        motions(query, candidate, *correspondences(query, candidate, scale))
+        for scale in range(len(query.scales))
+    ]
+    scales, rotations, translations = (np.concatenate(parts) for parts in zip(*found, strict=True))
     possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
     if not possible.any():
         return Alignment(1.0, np.eye(3), np.zeros(3), *np.zeros((4, 3)))
@@ -226,7 +237,7 @@ def align(query: Placed, candidate: Placed) -> Alignment:
         _refine(query, candidate, Frame(float(scales[best]), rotations[best], translations[best]))
         for best in np.argsort(-scores)[:_REFINED]
     ]
-    return _measure(query, candidate, max(refined, key=lambda pair: pair[0])[1])
+    return measure(query, candidate, max(refined, key=lambda pair: pair[0])[1])
 
 
 def support(query: Placed, candidate: Placed) -> float:
@@ -242,36 +253,69 @@ def support(query: Placed, candidate: Placed) -> float:
         From 0 to 1. Of the correspondence that the others support most: which share of all agrees both with
         it and with one of its `_GROUP_SIZE` strongest supporters, on average.
     """
-    best = 0.0
-    for scale in range(len(query.scales)):
-        second_order = _correspondences(query, candidate, scale)[1]
-        leader = second_order[second_order.sum(axis=1).argmax()]
-        strongest = np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:]
-        best = max(best, float(strongest.mean()) / len(leader))
-    return best
+    return max(
+        leading_support(correspondences(query, candidate, scale)[1]) for scale in range(len(query.scales))
+    )
 
 
-def _motions(query: Placed, candidate: Placed, scale: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Motions on which groups of correspondences agree, if the query has one of the scales."""
-    there, second_order = _correspondences(query, candidate, scale)
-    groups = _groups(second_order)
-    weights = np.maximum(np.take_along_axis(second_order[groups[:, -1]], groups, axis=1), 1e-3)
+def leading_support(second_order: NDArray[np.float32]) -> float:
+    """`support` by the correspondences at one scale."""
+    leader = second_order[second_order.sum(axis=1).argmax()]
+    strongest = np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:]
+    return float(strongest.mean()) / len(leader)
+
+
+def motions(
+    query: Placed,
+    candidate: Placed,
+    there: NDArray[np.intp],
+    second_order: NDArray[np.float32],
+    groups: int = _GROUPS,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Find motions on which groups of correspondences agree.
+
+    Parameters
+    ----------
+    query, candidate : Placed
+    there, second_order : (k,) array of int, (k, k) array of float32
+        From `correspondences`.
+    groups : int, optional
+        How many groups there are at most.
+
+    Returns
+    -------
+    scales, rotations, translations : (g,), (g, 3, 3) and (g, 3) arrays
+    """
+    members = _groups(second_order, groups)
+    weights = np.maximum(np.take_along_axis(second_order[members[:, -1]], members, axis=1), 1e-3)
     weights[:, -1] = weights.max(axis=1)
-    counterparts = there[groups]
+    counterparts = there[members]
     return similarity_transformations(
-        np.concatenate([query.points[groups], query.centers[groups]], axis=1),
+        np.concatenate([query.points[members], query.centers[members]], axis=1),
         np.concatenate([candidate.points[counterparts], candidate.centers[counterparts]], axis=1),
         np.tile(weights.astype(np.float64), 2),
     )
 
 
-def _correspondences(
+def correspondences(
     query: Placed, candidate: Placed, scale: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-    """For each point of the query the one that looks most like it, and how far such pairs agree.
+    """For each point of the query find the one that looks most like it, and how far such pairs agree.
 
-    Two pairs do on the distance of their points and of their balls' centres. Returned for two that do is how
-    many others agree with both.
+    Two pairs do on the distance of their points and of their balls' centres.
+
+    Parameters
+    ----------
+    query, candidate : Placed
+    scale : int
+        Which of the query's scales.
+
+    Returns
+    -------
+    there : (k,) array of int
+        Keypoints of the candidate.
+    second_order : (k, k) array of float32
+        For two pairs that agree how many others agree with both, else 0.
     """
     looks, distances, center_distances = query.looks[scale]
     there = (candidate.half_squares - looks @ candidate.sample.descriptors.T).argmin(axis=1)
@@ -283,7 +327,7 @@ def _correspondences(
     return there, first_order * (first_order @ first_order)
 
 
-def _groups(second_order: NDArray[np.float32]) -> NDArray[np.int64]:
+def _groups(second_order: NDArray[np.float32], count: int) -> NDArray[np.int64]:
     """Correspondences that many others support, each with its strongest supporters; it comes last."""
     size = min(_GROUP_SIZE, len(second_order) - 1)
     taken = np.zeros(len(second_order), bool)
@@ -294,7 +338,7 @@ def _groups(second_order: NDArray[np.float32]) -> NDArray[np.int64]:
         members = np.argpartition(-second_order[leader], size)[:size]
         taken[members] = True
         groups.append(np.append(members, leader))
-        if len(groups) == _GROUPS:
+        if len(groups) == count:
             break
     return np.array(groups)
 
@@ -378,7 +422,19 @@ def _refine(query: Placed, candidate: Placed, motion: Frame) -> tuple[float, Fra
     return support, motion
 
 
-def _measure(query: Placed, candidate: Placed, motion: Frame) -> Alignment:
+def measure(query: Placed, candidate: Placed, motion: Frame) -> Alignment:
+    """Measure how much two surfaces have in common where a motion lays the query over the candidate.
+
+    Parameters
+    ----------
+    query, candidate : Placed
+    motion : Frame
+        From the query to the candidate.
+
+    Returns
+    -------
+    alignment : Alignment
+    """
     points, normals = motion.of(query.points), query.normals @ motion.rotation.T
     _, nearest = candidate.tree.query(points)
     forth = _coverage(points, normals, candidate.points[nearest], candidate.normals[nearest])

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""An index of parts: bags of the words around a surface's keypoints, as binary codes.
+"""An index of parts: which words there are around a surface's keypoints, a bit for each.
 
 Bags of heat kernels see the whole shape: where a third of it is gone, their code is far from the whole's. The
 descriptors at the keypoints of a sample see only what is around them (a third of √area at most), so that most
-of those of a part are those of its whole as well. They are counted in words of their own, many more than the
+of those of a part are those of its whole as well. They are told by words of their own, many more than the
 heat kernels have, for a word has to be rare to say which shape it comes from.
+
+A shape that has the words of the query may have any others too: a whole has more than its part. So no two
+codes are compared, but the query's words are looked up in those of each shape.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.alignment import SCALES
+from shapegoogle_core.registration.alignment import SHARED_SCALES
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["LocalSettings", "LocalWords", "fit_local_words"]
@@ -38,15 +41,15 @@ class LocalSettings:
     words : int
         V, the size of its vocabulary.
     bits : int
-        Length of its codes, a multiple of 8.
+        Length of the codes that libraries of format 4 had, a multiple of 8; see `LocalWords`.
     """
 
     words: int = 2048
     bits: int = 512
 
     def __post_init__(self) -> None:
-        if self.words < _NEAREST or self.bits < 8 or self.bits % 8:
-            raise ValueError(f"local words need at least {_NEAREST} words and a multiple of 8 bits: {self}")
+        if self.words < 8 or self.words % 8 or self.bits < 8 or self.bits % 8:
+            raise ValueError(f"local words need a multiple of 8 words and of 8 bits: {self}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +62,9 @@ class LocalWords:
         The words, in the unit of `SurfaceSample.descriptors`.
     weights : (V,) array of float32
         Inverse document frequencies (paper, equation 17).
-    mean : (V,) array of float32
-        Of the weighted training bags.
-    directions : (s, V) array of int8
-        A of the code y = sign(A f), f the weighted bag less the mean; the length of a row means nothing.
+    mean, directions : (V,) array of float32, (s, V) array of int8
+        Of the codes of libraries of format 4, which are compared no more. They are part of what models are
+        told apart by.
     """
 
     centers: NDArray[np.float32]
@@ -83,10 +85,6 @@ class LocalWords:
     def _squares(self) -> NDArray[np.float32]:
         return np.asarray(np.einsum("ij,ij->i", self.centers, self.centers))
 
-    @cached_property
-    def _directions(self) -> NDArray[np.float32]:
-        return self.directions.astype(np.float32)
-
     def bag(self, descriptors: NDArray[np.float32]) -> NDArray[np.float32]:
         """Weighted bag of the words around some keypoints.
 
@@ -99,31 +97,13 @@ class LocalWords:
         bag : (V,) array of float32
             f_i = w_i √n_i, of unit length; n_i keypoints have word i among their nearest three.
         """
-        squared = self._squares - 2 * np.asarray(descriptors, np.float32) @ self.centers.T
-        nearest = np.argpartition(squared, _NEAREST - 1, axis=1)[:, :_NEAREST]
+        nearest = np.argpartition(self._distances(descriptors), _NEAREST - 1, axis=1)[:, :_NEAREST]
         counts = np.bincount(nearest.ravel(), minlength=len(self.centers))
         bag = np.sqrt(counts).astype(np.float32) * self.weights
         return np.asarray(bag / max(float(np.linalg.norm(bag)), 1e-30), np.float32)
 
-    def code(self, sample: SurfaceSample, scale: float = 1.0) -> NDArray[np.uint8]:
-        """Code of a surface.
-
-        Parameters
-        ----------
-        sample : SurfaceSample
-        scale : float, optional
-            As if the surface were so many times larger, see `SurfaceSample.descriptors_at`.
-
-        Returns
-        -------
-        code : (s/8,) array of uint8
-            Packed as by `numpy.packbits`.
-        """
-        bag = self.bag(sample.descriptors_at(scale)) - self.mean
-        return np.packbits(self._directions @ bag > 0)
-
-    def query_codes(self, sample: SurfaceSample) -> NDArray[np.uint8]:
-        """Codes of what is looked for, at all sizes that it may have beside its match.
+    def code(self, sample: SurfaceSample) -> NDArray[np.uint8]:
+        """Tell which words a surface has.
 
         Parameters
         ----------
@@ -131,14 +111,37 @@ class LocalWords:
 
         Returns
         -------
-        codes : (scales, s/8) array of uint8
-            A part and its whole are both brought to unit area, so that the part is larger than it should be.
+        code : (V/8,) array of uint8
+            A bit for each word: whether it is the nearest one of a keypoint. Packed as by `numpy.packbits`.
         """
-        return np.array([self.code(sample, scale) for scale in SCALES])
+        return np.packbits(self._counts(sample.descriptors) > 0)
+
+    def query_weights(self, sample: SurfaceSample) -> NDArray[np.float32]:
+        """Weigh the words of what is looked for, at all sizes that it may have beside its match.
+
+        Parameters
+        ----------
+        sample : SurfaceSample
+
+        Returns
+        -------
+        weights : (scales, V) array of float32
+            n_i w_i; n_i keypoints have word i as their nearest one. A part and its whole are both brought to
+            unit area, so that the part is larger than it should be: see `SurfaceSample.descriptors_at`.
+        """
+        counts = [self._counts(sample.descriptors_at(scale)) for scale in SHARED_SCALES]
+        return np.array(counts, np.float32) * self.weights
+
+    def _counts(self, descriptors: NDArray[np.float32]) -> NDArray[np.intp]:
+        return np.bincount(self._distances(descriptors).argmin(axis=1), minlength=len(self.centers))
+
+    def _distances(self, descriptors: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Squares of the distances to all words, less something that is the same for all."""
+        return np.asarray(self._squares - 2 * np.asarray(descriptors, np.float32) @ self.centers.T)
 
 
 def fit_local_words(samples: Sequence[SurfaceSample], settings: LocalSettings, seed: int = 0) -> LocalWords:
-    """Learn the words, their weights and the code.
+    """Learn the words and their weights.
 
     Parameters
     ----------

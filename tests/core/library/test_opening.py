@@ -123,7 +123,7 @@ def test_the_format_that_was_given_up(filled, model):
 
 def test_newer_schema(filled, model):
     change(filled, "UPDATE meta SET value = '7' WHERE key = 'schema'")
-    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 4\); update"):
+    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 5\); update"):
         Library.open(filled, model)
 
 

@@ -11,6 +11,7 @@ import pytest
 from shapegoogle_core import Library, Mesh, compute_spectrum
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+from shapegoogle_core.evaluation.evidence_pairs import cut
 from shapegoogle_core.evaluation.transformations import transform
 from shapegoogle_core.library import search, verification
 from shapegoogle_core.mending import Mending
@@ -153,8 +154,8 @@ def indexing(verifying, shapes_in_it):
     return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
 
 
-def _local_codes(library: Library) -> list[int]:
-    return [i for ids, _ in library._store.code_pages("local_codes", 0, 16) for i in ids.tolist()]
+def _with_local_words(library: Library) -> list[int]:
+    return [i for ids, _ in library._store.code_pages("local_words", 0, 32) for i in ids.tolist()]
 
 
 class TestPartsIndex:
@@ -176,30 +177,44 @@ class TestPartsIndex:
         monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
         monkeypatch.setattr(search, "SCREENED", 3)
         with monkeypatch.context() as patch:
-            patch.setattr(library._search, "_local_codes", None)
+            patch.setattr(library._search, "_local_words", None)
             assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
         monkeypatch.setattr(search, "LOCAL_CANDIDATES", 2)
         assert library.query_signature(strange, top=1, exact=exact)[0].name == "shape 8"
 
-    def test_local_codes_come_back_and_go_with_their_shape(self, library, shapes_in_it):
+    def test_local_words_come_back_and_go_with_their_shape(self, library, shapes_in_it):
         code = library.model.describe(shapes_in_it[4]).local_code
         np.testing.assert_array_equal(library.signature(5).local_code, code)
-        assert len(_local_codes(library)) == 24
+        assert len(_with_local_words(library)) == 24
         library.remove_shape(5)
-        assert library._store.local_code(5, 16) is None
-        assert len(_local_codes(library)) == 23
+        assert library._store.local_code(5, 32) is None
+        assert len(_with_local_words(library)) == 23
 
-    def test_a_library_of_a_model_without_them_still_answers(self, path, verifying, shapes_in_it):
-        """Format 3: no such table."""
-        with Library.open(path, verifying) as library:
+    @pytest.mark.parametrize(("version", "model"), [(3, "verifying"), (4, "indexing")])
+    def test_a_library_without_them_still_answers(self, path, request, version, model, shapes_in_it):
+        """Format 3: of a model without them; 4: with codes of another kind. Neither has such a table."""
+        with Library.open(path, request.getfixturevalue(model)) as library:
             library.add(shapes_in_it[0])
-            library._store._connection.execute("DROP TABLE local_codes")
-            library._store._connection.execute("UPDATE meta SET value = '3' WHERE key = 'schema'")
+            library._store._connection.execute("DROP TABLE local_words")
+            library._store._connection.execute(f"UPDATE meta SET value = '{version}' WHERE key = 'schema'")
         with Library.open(path) as library:
             library.add(shapes_in_it[1])
             query = transform(shapes_in_it[1], "partial", 2, seed=0)
             assert library.query(query, top=1)[0].name == "shape 1"
             assert library.signature(1).local_code is None
+            assert library.signature(2).local_code is None
+
+    def test_what_fits_exactly_comes_before_what_bags_prefer(self, library, shapes_in_it, monkeypatch):
+        """Half of a shape, with bags that say nothing."""
+        query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
+        strange = replace(query, bags=library.signature(3).bags[::-1].copy())
+        with monkeypatch.context() as patch:
+            patch.setattr(verification, "_EXACT_GAIN", 0.0)
+            before = [match.name for match in library.query_signature(strange, top=24)]
+        after = [match.name for match in library.query_signature(strange, top=24)]
+        assert sorted(after) == sorted(before)
+        assert after.index("shape 8") <= before.index("shape 8")
+        assert after[0] == "shape 8"
 
     def test_a_signature_with_another_local_code(self, path, library, verifying, shapes_in_it):
         signature = library.model.describe(shapes_in_it[0])

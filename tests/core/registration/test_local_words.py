@@ -20,6 +20,7 @@ from shapegoogle_core.registration import (
     fit_local_words,
     sample_surface,
 )
+from shapegoogle_core.registration.alignment import SHARED_SCALES
 
 SETTINGS = LocalSettings(words=256, bits=128)
 
@@ -44,25 +45,35 @@ def local_words(samples) -> LocalWords:
     return fit_local_words(samples, SETTINGS)
 
 
-def distances(local_words: LocalWords, query: SurfaceSample, samples: list[SurfaceSample]) -> np.ndarray:
-    codes = np.array([local_words.code(sample) for sample in samples])
-    differing = np.unpackbits(local_words.query_codes(query)[:, None] ^ codes, axis=2).sum(axis=2)
-    return differing.min(axis=0)
+def scores(local_words: LocalWords, query: SurfaceSample, samples: list[SurfaceSample]) -> np.ndarray:
+    has = np.unpackbits([local_words.code(sample) for sample in samples], axis=1).astype(np.float32)
+    return local_words.query_weights(query) @ has.T
 
 
-def test_a_shape_is_nearest_to_itself(local_words, samples):
+def test_a_shape_has_all_its_own_words(local_words, samples):
     for index, sample in enumerate(samples):
-        found = distances(local_words, sample, samples)
-        assert found.argmin() == index
-        assert found[index] == 0
+        weights = local_words.query_weights(sample)[0]
+        found = scores(local_words, sample, samples)[0]
+        assert found.argmax() == index
+        assert found[index] == pytest.approx(weights.sum(), rel=1e-5)
 
 
-def test_a_part_is_near_to_its_whole(local_words, creatures, samples):
+def test_words_are_the_nearest_ones(local_words, samples):
+    """As by hand, at the query's own size."""
+    gaps = samples[0].descriptors[:, None] - local_words.centers
+    counts = np.bincount(np.linalg.norm(gaps, axis=2).argmin(axis=1), minlength=SETTINGS.words)
+    np.testing.assert_array_equal(np.unpackbits(local_words.code(samples[0])), counts > 0)
+    weights = local_words.query_weights(samples[0])
+    assert weights.shape == (len(SHARED_SCALES), SETTINGS.words)
+    np.testing.assert_allclose(weights[0], counts * local_words.weights, rtol=1e-6)
+
+
+def test_a_part_has_words_of_its_whole(local_words, creatures, samples):
     ranks = []
     for index in range(0, len(creatures), 2):
         part = sampled(transform(creatures[index], "partial", 4, seed=index))
-        found = distances(local_words, part, samples)
-        ranks.append((found < found[index]).sum())
+        found = scores(local_words, part, samples)
+        ranks.append((found > found[:, [index]]).sum(axis=1).min())
     assert np.median(ranks) <= 2  # of 16; half of them would be before it by chance
 
 
@@ -88,7 +99,7 @@ def test_too_few_keypoints(samples):
         fit_local_words(samples[:1], LocalSettings())
 
 
-@pytest.mark.parametrize("values", [{"words": 2}, {"bits": 0}, {"bits": 12}])
+@pytest.mark.parametrize("values", [{"words": 0}, {"words": 100}, {"bits": 0}, {"bits": 12}])
 def test_bad_settings(values):
     with pytest.raises(ValueError, match="local words need"):
         LocalSettings(**values)
