@@ -43,7 +43,7 @@ _FIRST = 12
 _LIKELY = 0.9
 # Otherwise so many more of those that bags and their support in space together make the best, by
 # d exp(-k support) of the distance d of their bags.
-_NEXT, _SUPPORT_GAIN = 48, 5.0
+_NEXT, _NEXT_RELATIVES, _SUPPORT_GAIN = 48, 16, 5.0
 # Those that may share parts with the query are laid over it roughly, so many of the best then exactly; and
 # so many of the aligned ones that cover most of it.
 _EXACT, _EXACT_ALIGNED = 20, 12
@@ -96,18 +96,26 @@ def verify(
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         laid = _aligned(query, _placed(store, model, matches[:_FIRST]))
+        _fit_aligned(query, laid.values())
         rest = [*matches[_FIRST:], *relatives]
         if rest and max(_verified(model, pair).similarity for pair in laid.values()) < _LIKELY:
             candidates = [*matches[_FIRST:SCREENED], *relatives]
             known = {match.shape_id for match in matches}
             promises, poses = _looked_at(query, _placed(store, model, candidates), sharing, known)
-            fitted = _fitted(query, poses, store, model)
-            laid |= fitted
+            laid |= _fitted(query, poses, store, model)
             # What the query lies on exactly would come before all that is aligned now.
-            if max((pair.exact for pair in fitted.values()), default=0.0) < _SURELY_EXACT:
+            if max(pair.exact for pair in laid.values()) < _SURELY_EXACT:
                 chosen = [match for match in promises if match.shape_id in known][:_NEXT]
-                laid |= _aligned(query, _placed(store, model, chosen))
-        _fit_aligned(query, laid.values())
+                # What only words propose is far by its bags, and would have no place among the others.
+                chosen += [match for match in promises if match.shape_id not in known][:_NEXT_RELATIVES]
+                aligned = _aligned(query, _placed(store, model, chosen))
+                _fit_aligned(query, aligned.values())
+                laid |= {
+                    shape_id: pair
+                    for shape_id, pair in aligned.items()
+                    if shape_id not in laid
+                    or _verified(model, pair).distance <= _verified(model, laid[shape_id]).distance
+                }
     verified = [_verified(model, pair) for pair in laid.values()]
     rest = [match for match in rest if match.shape_id not in laid]
     return sorted([*verified, *rest], key=lambda match: match.rank_key)
