@@ -16,6 +16,8 @@ from shapegoogle_core.evaluation.transformations import transform
 from shapegoogle_core.library import search, verification
 from shapegoogle_core.mending import Mending
 from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
+from shapegoogle_core.registration.alignment import Frame
+from shapegoogle_core.registration.exactness import RoughPose
 
 
 @pytest.fixture(scope="module")
@@ -130,8 +132,11 @@ def test_geometry_is_asked_only_where_it_is_needed(library, shapes_in_it, monkey
     library.query(transform(shapes_in_it[5], "noise", 1, seed=0))  # likely, once it has been looked at
     assert len(looked_at) == 2
     monkeypatch.setattr(verification, "_LIKELY", 2.0)
+    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))  # lies on it exactly
+    assert len(looked_at) == 2 + 2
+    monkeypatch.setattr(verification, "_SURELY_EXACT", 2.0)
     library.query(transform(shapes_in_it[5], "noise", 1, seed=0))
-    assert len(looked_at) == 2 + 24
+    assert len(looked_at) == 4 + 24
 
 
 def test_a_library_without_samples_still_answers(path, make_model, shapes_in_it):
@@ -181,6 +186,19 @@ class TestPartsIndex:
             assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
         monkeypatch.setattr(search, "LOCAL_CANDIDATES", 2)
         assert library.query_signature(strange, top=1, exact=exact)[0].name == "shape 8"
+
+    def test_a_wrong_rough_pose_does_not_hide_a_shape(self, library, shapes_in_it, monkeypatch):
+        query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
+        strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
+        far_away = Frame(1.0, np.eye(3), np.full(3, 10.0))
+        monkeypatch.setattr(
+            verification, "rough_pose", lambda *_: RoughPose(support=0.5, covered=1.0, frame=far_away)
+        )
+        monkeypatch.setattr(verification, "_FIRST", 2)
+        monkeypatch.setattr(search, "CANDIDATES", 3)
+        monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
+        monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
+        assert library.query_signature(strange, top=1)[0].name == "shape 8"
 
     def test_local_words_come_back_and_go_with_their_shape(self, library, shapes_in_it):
         code = library.model.describe(shapes_in_it[4]).local_code
