@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""All codes of a library in memory: grows with the library, finds the nearest (algorithm 2).
-
-Shapes that were removed since their codes were read need no bookkeeping of changes: the search finds them
-gone when it asks for their bags, and has them skipped from then on.
-"""
+"""All codes of a library in memory: grows with the library, finds the nearest (algorithm 2)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -21,6 +17,7 @@ from shapegoogle_core.library.hamming import (
     nearest_in_blocks,
     pack_words,
 )
+from shapegoogle_core.library.shape_index import ShapeIndex
 
 __all__ = ["CODE_TABLES", "CodeIndex", "CodeTable", "FaissTable", "WordTable", "best_table"]
 
@@ -127,7 +124,7 @@ def best_table(count: int) -> str:
     return "faiss" if hasattr(faiss, "IndexBinaryFlat") else "numpy"
 
 
-class CodeIndex:
+class CodeIndex(ShapeIndex):
     """Codes of shapes by their ids.
 
     Parameters
@@ -139,44 +136,11 @@ class CodeIndex:
     """
 
     def __init__(self, code_bytes: int, table: str = "numpy") -> None:
+        super().__init__()
         self._table = CODE_TABLES[table](code_bytes)
-        # With room at the end; the first `_count` are used.
-        self._shape_ids = np.empty(0, np.int64)
-        self._count = 0
-        self._gone = np.empty(0, np.intp)
 
-    @property
-    def last_id(self) -> int:
-        """The greatest id that was added; 0 if none was."""
-        return int(self._shape_ids[self._count - 1]) if self._count else 0
-
-    @property
-    def gone(self) -> int:
-        """How many codes are kept of shapes that are gone."""
-        return len(self._gone)
-
-    def add(self, shape_ids: NDArray[np.int64], codes: NDArray[np.uint8]) -> None:
-        """Append codes.
-
-        Parameters
-        ----------
-        shape_ids : (n,) array of int64
-            In ascending order, greater than all before.
-        codes : (n, code_bytes) array of uint8
-        """
-        count = self._count + len(shape_ids)
-        if count > len(self._shape_ids):
-            roomy = np.empty(max(count, len(self._shape_ids) * 9 // 8), np.int64)
-            roomy[: self._count] = self._shape_ids[: self._count]
-            self._shape_ids = roomy
-        self._shape_ids[self._count : count] = shape_ids
-        self._count = count
+    def _add_codes(self, codes: NDArray[np.uint8]) -> None:
         self._table.add(codes)
-
-    def discard(self, shape_ids: Collection[int]) -> None:
-        """Skip these shapes from now on; they are gone."""
-        positions = np.searchsorted(self._shape_ids[: self._count], np.fromiter(shape_ids, np.int64))
-        self._gone = np.union1d(self._gone, positions)
 
     def nearest(self, code: NDArray[np.uint8], count: int) -> NDArray[np.int64]:
         """Ids of the shapes whose codes are nearest to one.

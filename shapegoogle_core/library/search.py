@@ -8,10 +8,10 @@ its local words, see `LocalWords`.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from shapegoogle_core.library.code_index import CodeIndex, best_table
 from shapegoogle_core.library.hamming import asymmetric_distances
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.question import FARTHEST, Question
+from shapegoogle_core.library.shape_index import ShapeIndex
 from shapegoogle_core.library.store import Store
 from shapegoogle_core.library.verification import CERTAIN, SCREENED, verify
 from shapegoogle_core.library.word_index import WordIndex
@@ -238,21 +239,7 @@ class Search:
         return heapq.nsmallest(top, [*best, *matches], key=lambda match: match.rank_key)
 
 
-class _Index(Protocol):
-    """Codes of shapes by their ids, in memory; see `CodeIndex`."""
-
-    @property
-    def last_id(self) -> int: ...
-
-    @property
-    def gone(self) -> int: ...
-
-    def add(self, shape_ids: NDArray[np.int64], codes: NDArray[np.uint8]) -> None: ...
-
-    def discard(self, shape_ids: Collection[int]) -> None: ...
-
-
-_I = TypeVar("_I", bound=_Index)
+_I = TypeVar("_I", bound=ShapeIndex)
 
 
 class _Codes(Generic[_I]):

@@ -7,10 +7,10 @@ hundreds of the 2,048 words, and only theirs are unpacked. A million shapes take
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 from numpy.typing import NDArray
+
+from shapegoogle_core.library.shape_index import ShapeIndex
 
 __all__ = ["WordIndex"]
 
@@ -18,7 +18,7 @@ __all__ = ["WordIndex"]
 _BLOCK = 4096
 
 
-class WordIndex:
+class WordIndex(ShapeIndex):
     """Words of shapes by their ids.
 
     Parameters
@@ -28,44 +28,19 @@ class WordIndex:
     """
 
     def __init__(self, code_bytes: int) -> None:
+        super().__init__()
         self._code_bytes = code_bytes
-        self._shape_ids = np.empty(0, np.int64)
         self._blocks: list[NDArray[np.uint8]] = []
-        self._gone = np.empty(0, np.intp)
 
-    @property
-    def last_id(self) -> int:
-        """The greatest id that was added; 0 if none was."""
-        return int(self._shape_ids[-1]) if len(self._shape_ids) else 0
-
-    @property
-    def gone(self) -> int:
-        """How many are kept of shapes that are gone."""
-        return len(self._gone)
-
-    def add(self, shape_ids: NDArray[np.int64], codes: NDArray[np.uint8]) -> None:
-        """Append the words of some shapes.
-
-        Parameters
-        ----------
-        shape_ids : (n,) array of int64
-            In ascending order, greater than all before.
-        codes : (n, code_bytes) array of uint8
-        """
+    def _add_codes(self, codes: NDArray[np.uint8]) -> None:
         start = 0
         while start < len(codes):
-            used = (len(self._shape_ids) + start) % _BLOCK
+            used = (self._count + start) % _BLOCK
             if used == 0:
                 self._blocks.append(np.zeros((self._code_bytes, _BLOCK), np.uint8))
             portion = codes[start : start + _BLOCK - used]
             self._blocks[-1][:, used : used + len(portion)] = portion.T
             start += len(portion)
-        self._shape_ids = np.concatenate([self._shape_ids, shape_ids])
-
-    def discard(self, shape_ids: Collection[int]) -> None:
-        """Skip these shapes from now on; they are gone."""
-        positions = np.searchsorted(self._shape_ids, np.fromiter(shape_ids, np.int64))
-        self._gone = np.union1d(self._gone, positions)
 
     def nearest(self, weights: NDArray[np.float32], count: int) -> list[NDArray[np.int64]]:
         """Ids of the shapes whose words weigh most, by each of some weightings.
@@ -87,7 +62,7 @@ class WordIndex:
         # As `numpy.packbits` packs them: the first word is the highest bit.
         places, bits = asked // 8, (1 << (7 - asked % 8)).astype(np.uint8)[:, None]
         scores = [weights @ (block[places] & bits > 0).astype(np.float32) for block in self._blocks]
-        known = len(self._shape_ids)
+        known = self._count
         found = np.concatenate([*scores, np.empty((len(weights), 0), np.float32)], axis=1)[:, :known]
         found[:, self._gone] = -np.inf
         count = min(count, known - len(self._gone))
