@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.alignment import (
@@ -24,6 +23,7 @@ from shapegoogle_core.registration.alignment import (
     leading_support,
     motions,
 )
+from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
 
 __all__ = ["RoughPose", "exact_fit", "rough_pose"]
 
@@ -169,16 +169,9 @@ def _step(
 ) -> Frame:
     middle = (weights @ points) / weights.sum()
     arms = points - middle
-    # Columns: turning about three axes, moving along them, growing.
-    columns = np.concatenate(
-        [np.cross(arms, normals), normals, (arms * normals).sum(axis=1, keepdims=True)], axis=1
-    )
+    columns = height_derivatives(arms, normals)
     squares = columns.T @ (weights[:, None] * columns)
     # What the surface does not tell, such as a turn of a sphere, stays as it is.
     squares[np.diag_indices(7)] += 1e-6 * np.trace(squares)
-    solution = np.linalg.solve(squares, -columns.T @ (weights * heights))
-    turn = Rotation.from_rotvec(solution[:3]).as_matrix()
-    growth = float(np.clip(1 + solution[6], 0.9, 1.1))
-    rotation = turn @ frame.rotation
-    translation = growth * turn @ (frame.translation - middle) + middle + solution[3:6]
-    return Frame(growth * frame.scale, rotation, translation)
+    solution: FloatArray = np.linalg.solve(squares, -columns.T @ (weights * heights)).astype(np.float64)
+    return step_of(frame, middle, solution, 0.9, 1.1)

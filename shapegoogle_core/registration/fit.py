@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.alignment import Frame, similarity_transformations
+from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Fit", "Surface", "TangentPlanes", "fit", "frame_between", "matched", "mirrored"]
@@ -223,18 +223,11 @@ def _step(
     weights = np.exp(-(offsets**2).sum(axis=1) / (2 * tolerance**2))
     middle = (weights @ points) / max(weights.sum(), np.finfo(float).tiny)
     arms = points - middle
-    # Columns: turning about three axes, moving along them, growing.
-    columns = np.concatenate(
-        [np.cross(arms, normals), normals, (arms * normals).sum(axis=1, keepdims=True)], axis=1
-    )
+    columns = height_derivatives(arms, normals)
     heights = (offsets * normals).sum(axis=1)
     # What the surface does not tell, such as a turn of a sphere, stays as it is: the least solution.
     solution, *_ = np.linalg.lstsq(weights[:, None] * columns, weights * heights, rcond=1e-6)
-    turn = Rotation.from_rotvec(solution[:3]).as_matrix()
-    growth = float(np.clip(1 + solution[6], 0.8, 1.25))
-    rotation = turn @ frame.rotation
-    translation = growth * turn @ (frame.translation - middle) + middle + solution[3:6]
-    return Frame(growth * frame.scale, rotation, translation)
+    return step_of(frame, middle, solution, 0.8, 1.25)
 
 
 def _covered(points: FloatArray, sample: FloatArray, normals: FloatArray) -> float:
