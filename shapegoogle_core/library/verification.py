@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -125,8 +126,13 @@ class _Query:
     """A sample of the query, ready to be laid over matches."""
 
     def __init__(self, sample: SurfaceSample) -> None:
+        self._sample = sample
         self.placed = Placed(sample)
-        self.shared = Placed(sample, SHARED_SCALES)
+
+    @cached_property
+    def shared(self) -> Placed:
+        """At more scales; only asked for where the first matches are not likely enough."""
+        return Placed(self._sample, SHARED_SCALES)
 
 
 @dataclass(eq=False)
