@@ -4,8 +4,8 @@
 
     python3 scripts/benchmark_parts.py [--individuals N] [--queries N] [--jobs N]
 
-missing   creatures with a third, a half and two thirds cut off, and "partial" of the benchmark at strength 5
-          (30 % gone and five holes): the place of the whole
+missing   creatures with a third, a half and two thirds cut off, halves of another mesh, and "partial" of
+          the benchmark at strength 5 (30 % gone and five holes): the place of the whole
 shared    half a creature that two shapes of the library share, each grown onto another creature: how often
           both are among the first two, five and ten
 
@@ -61,7 +61,7 @@ def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
 
     from shapegoogle_core import Mesh
     from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.evaluation.evidence_pairs import cut
+    from shapegoogle_core.evaluation.evidence_pairs import cut, remeshed
     from shapegoogle_core.evaluation.transformations import transform
 
     kind, seed = job
@@ -69,6 +69,7 @@ def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
     mesh = make_creature(kind, seed).pose(0)
     meshes = {name: cut(mesh, random.normal(size=3), share) for name, share in CUTS.items()}
     meshes["partial, strength 5"] = transform(mesh, "partial", 5, int(random.integers(2**31)))
+    meshes["half missing, another mesh"] = remeshed(meshes["half missing"], random)
     turn = Rotation.random(random_state=seed).as_matrix()
     return {name: describe(Mesh(part.vertices @ turn.T, part.faces)) for name, part in meshes.items()}
 

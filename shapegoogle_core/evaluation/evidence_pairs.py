@@ -13,7 +13,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray, face_areas
 from shapegoogle_core.mesh.resampling import simplify, subdivide
 
-__all__ = ["EvidencePair", "cut", "make_pairs"]
+__all__ = ["EvidencePair", "cut", "make_pairs", "remeshed"]
 
 # Seeds of other individuals, far from those that are asked for.
 _SIBLING, _STRANGER = 50_000, 70_000
@@ -82,13 +82,13 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
         pair("moved", "moved", _moved(mesh, random)),
         pair("scaled", "moved and scaled", _moved(mesh, random, factor), factor),
         pair("mirrored", "reflected and moved", _moved(reflected, random)),
-        pair("re-meshed", "other mesh, moved", _moved(_remeshed(mesh, random), random, size), size),
-        pair("re-meshed", "other mesh in place", _remeshed(mesh, random)),
+        pair("re-meshed", "other mesh, moved", _moved(remeshed(mesh, random), random, size), size),
+        pair("re-meshed", "other mesh in place", remeshed(mesh, random)),
         pair("re-posed", "other pose", _moved(other, random, size), size),
-        pair("re-posed", "other pose and mesh", _moved(_remeshed(other, random), random)),
+        pair("re-posed", "other pose and mesh", _moved(remeshed(other, random), random)),
         pair("contains", "a part", _moved(part, random, size), size, share),
         EvidencePair("part of", "the whole", _moved(part, random), mesh, 1.0, share),
-        EvidencePair("part of", "the whole, other mesh", _remeshed(part, random), mesh, 1.0, share),
+        EvidencePair("part of", "the whole, other mesh", remeshed(part, random), mesh, 1.0, share),
         pair("similar", "another individual of its kind", _moved(sibling, random)),
         pair("similar", "another kind", _moved(stranger, random)),
     ]
@@ -106,8 +106,19 @@ def _shuffled(mesh: Mesh, random: np.random.Generator) -> Mesh:
     return Mesh(mesh.vertices[order], faces.astype(np.int32), mesh.name)
 
 
-def _remeshed(mesh: Mesh, random: np.random.Generator) -> Mesh:
-    """Half of them coarser, half finer and then thinned: none keeps its vertices."""
+def remeshed(mesh: Mesh, random: np.random.Generator) -> Mesh:
+    """Give a surface another mesh, with a third to twice the vertices.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    random : numpy.random.Generator
+
+    Returns
+    -------
+    other : Mesh
+        Half of the time thinned, else refined and then thinned: none keeps its vertices.
+    """
     count = len(mesh.vertices)
     if random.random() < 0.5:
         return simplify(mesh, int(count * random.uniform(0.35, 0.7)))

@@ -19,7 +19,7 @@ from shapegoogle_core.library.duplicates import (
 from shapegoogle_core.library.evidence import Compared, Explainer
 from shapegoogle_core.library.records import ShapeRecord
 from shapegoogle_core.library.store import Store
-from shapegoogle_core.library.verification import unpack_sample
+from shapegoogle_core.library.stored_samples import unpack_sample
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["EXPLAINED_MEMBERS", "by_evidence"]

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.defaults import EXPLAINED
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.store import Store
-from shapegoogle_core.library.verification import unpack_sample
+from shapegoogle_core.library.stored_samples import unpack_sample
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.registration import Placed, SurfaceSample, align

@@ -22,7 +22,7 @@ from shapegoogle_core.library.search import Search
 from shapegoogle_core.library.signatures import check_signature
 from shapegoogle_core.library.stars import Wrapper
 from shapegoogle_core.library.store import Store
-from shapegoogle_core.library.verification import unpack_sample
+from shapegoogle_core.library.stored_samples import unpack_sample
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 

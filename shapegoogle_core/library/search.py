@@ -2,13 +2,13 @@
 """The search: Hamming distance over all codes, the full bags of the nearest (algorithm 2), then geometry.
 
 Where bags are not sure, shapes that share parts with the query are looked at as well: those that have most of
-its local words, see `LocalWords`.
+its local words, see `LocalWords`, and of these the ones with the most support in space, see `supports`.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Generic, TypeVar
@@ -22,7 +22,8 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.question import FARTHEST, Question
 from shapegoogle_core.library.shape_index import ShapeIndex
 from shapegoogle_core.library.store import Store
-from shapegoogle_core.library.verification import CERTAIN, SCREENED, verify
+from shapegoogle_core.library.stored_samples import stored_supports
+from shapegoogle_core.library.verification import CERTAIN, SCREENED, Examples, Sharing, verify
 from shapegoogle_core.library.word_index import WordIndex
 from shapegoogle_core.model import ShapeModel
 
@@ -34,11 +35,13 @@ CANDIDATES = 300
 CANDIDATES_PER_MATCH = 4
 # So many times as many codes are read, and then chosen from by more than their distance.
 ROUGH_PER_CANDIDATE = 4
-# How many of the shapes that have most of the query's local words geometry looks at too, for each size that
-# the query may have beside a match. Among 1,147 shapes, 33 relatives of each kind, of creatures with a half
-# cut off 94 % are among these, with two thirds cut off 81 %, and 89 % of the shapes that share a half with
-# another one; with 100 it is 90, 69 and 73 %.
-LOCAL_CANDIDATES = 200
+# How many of the shapes that have most of the query's local words are compared with it in space too, for each
+# size that the query may have beside a match; and over how many of these pairs it is laid: those of most
+# support · (1 + r/r₀)^-p, with r their rank by words. Of parts asked for among 1,147 creatures, 33 of each
+# kind, all wholes of halves are among them, four of five wholes of thirds, and nine of ten of the shapes that
+# share a half with another one; of the latter seven of ten would be among as many pairs by words alone.
+LOCAL_CANDIDATES, SUPPORTED = 800, 400
+RANK_UNIT, RANK_POWER = 50, 0.25
 # Geometry is not asked where several examples find their best match, other than a copy, so similar by bags.
 # They say in which ways a shape varies, geometry knows each in one pose: on pairs of creatures damaged by
 # noise, holes and moderate cuts it only did harm there; of large cuts, which need it, bags are never so sure.
@@ -152,44 +155,54 @@ class Search:
             copies = [match for match in matches if question.several and match.distance == 0]
             rest = matches[len(copies) :]
             if rest and rest[0].similarity < (CERTAIN_OF_SEVERAL if question.several else CERTAIN):
-                relatives, sharing = self._sharing_parts(question, {match.shape_id for match in matches})
-                views = self._views(question, [*rest, *relatives])
-                rest = verify(self._store, self._model, question.samples, rest, relatives, sharing, views)
+                known = {match.shape_id for match in matches}
+                examples = Examples(question.samples, partial(self._views, question))
+                sharing = partial(self._sharing_parts, question, examples, known)
+                rest = verify(self._store, self._model, examples, rest, sharing)
             matches = [*copies, *rest]
         if not question.has_unlike:
             return matches
         # In order by now: the very last ones are farther than a distance can be.
         return [replace(match, distance=min(match.distance, FARTHEST)) for match in matches]
 
-    def _sharing_parts(self, question: Question, known: set[int]) -> tuple[list[Match], dict[int, set[int]]]:
-        """Shapes that have most of the query's local words.
-
-        First: those of them that are not known yet. Second: at which of `SHARED_SCALES` they do, of all of
-        them by id.
-        """
+    def _sharing_parts(self, question: Question, examples: Examples, known: set[int]) -> Sharing:
+        """Shapes that have most of the query's local words; of those, the ones most supported in space."""
         words = self._model.local_words
         if words is None or self._local_words is None:
-            return [], {}
-        weights = [words.query_weights(sample) for sample in question.samples]
-        scales = [scale for rows in weights for scale in range(len(rows))]
-        sharing: dict[int, set[int]] = {}
+            return Sharing({}, [])
+        weights = [words.query_weights(query.sample) for query in examples.queries]
+        scales: dict[int, set[int]] = {}
 
-        def nearest(index: WordIndex) -> list[int]:
-            sharing.clear()
-            found = index.nearest(np.concatenate(weights), LOCAL_CANDIDATES)
-            for scale, shape_ids in zip(scales, found, strict=True):
-                for shape_id in shape_ids.tolist():
-                    sharing.setdefault(shape_id, set()).add(scale)
-            return [shape_id for shape_id in sharing if shape_id not in known]
+        def supported(index: WordIndex) -> list[int]:
+            scales.clear()
+            for shape_id, scale in self._most_supported(index, examples, weights):
+                scales.setdefault(shape_id, set()).add(scale)
+            return [shape_id for shape_id in scales if shape_id not in known]
 
         with self._store.snapshot():
-            most = len(scales) * LOCAL_CANDIDATES
-            return self._best_of(question, self._local_words, nearest, most), sharing
+            relatives = self._best_of(question, self._local_words, supported, SUPPORTED)
+        return Sharing(scales, relatives)
 
-    def _views(self, question: Question, matches: list[Match]) -> dict[int, int]:
-        """Which of the samples each match is compared with, by shape id; empty if there is but one."""
-        if len(question.samples) == 1:
-            return {}
+    def _most_supported(
+        self, index: WordIndex, examples: Examples, weights: list[NDArray[np.float32]]
+    ) -> list[tuple[int, int]]:
+        """Find the best pairs of a shape's id and a scale of a sample of the query."""
+        pairs = []
+        for query, rows in zip(examples.queries, weights, strict=True):
+            ranks: dict[int, dict[int, int]] = {}
+            for scale, shape_ids in enumerate(index.nearest(rows, LOCAL_CANDIDATES)):
+                for rank, shape_id in enumerate(shape_ids.tolist()):
+                    ranks.setdefault(shape_id, {})[scale] = rank
+            found = stored_supports(self._store, self._model, query.shared, ranks)
+            pairs += [
+                (-float(found[shape_id][scale]) * (1 + rank / RANK_UNIT) ** -RANK_POWER, shape_id, scale)
+                for shape_id in found
+                for scale, rank in ranks[shape_id].items()
+            ]
+        return [(shape_id, scale) for _, shape_id, scale in sorted(pairs)[:SUPPORTED]]
+
+    def _views(self, question: Question, matches: Sequence[Match]) -> dict[int, int]:
+        """Which of the samples each match is compared with, by shape id."""
         shape_ids, bags = self._store.bags([match.shape_id for match in matches], self._model.bag_size)
         return dict(zip(shape_ids, question.nearest_samples(bags).tolist(), strict=True))
 

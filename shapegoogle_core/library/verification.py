@@ -12,25 +12,22 @@ finds another individual in the query's own pose.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.failures import damaged
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.store import Store
+from shapegoogle_core.library.stored_samples import placed_matches, stored_supports
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.registration import Alignment, Placed, SurfaceSample, align, support
+from shapegoogle_core.registration import Alignment, Placed, SurfaceSample, align
 from shapegoogle_core.registration.alignment import SHARED_SCALES, measure
 from shapegoogle_core.registration.exactness import RoughPose, exact_fit, rough_pose
 
-__all__ = ["CERTAIN", "SCREENED", "unpack_sample", "verify"]
-
-# What a match is laid over.
-QueryOf = Callable[[Match], "_Query"]
+__all__ = ["CERTAIN", "SCREENED", "Examples", "Sharing", "verify"]
 
 SCREENED = 300
 """How many of the best candidates geometry looks at."""
@@ -45,8 +42,8 @@ _LIKELY = 0.9
 # Otherwise so many more of those that bags and their support in space together make the best, by
 # d exp(-k support) of the distance d of their bags.
 _NEXT, _NEXT_RELATIVES, _SUPPORT_GAIN = 48, 16, 5.0
-# Those that may share parts with the query are laid over it roughly, so many of the best then exactly; and
-# so many of the aligned ones that cover most of it.
+# The query is laid roughly over all that may share parts with it, then exactly over so many of the best; and
+# over so many of the aligned ones that cover most of it.
 _EXACT, _EXACT_ALIGNED = 20, 12
 # d exp(-k (e - e0)) where a share e > e0 of the query fits exactly. Among creatures, 33 of each kind, it is
 # 0.74 or more of three of four halves on their whole, and 0.47 or less on the best of all others.
@@ -55,14 +52,70 @@ _EXACT_FROM, _EXACT_GAIN = 0.5, 8.0
 _SURELY_EXACT = 0.7
 
 
+class Examples:
+    """Samples of the query, ready to be laid over matches; each match is laid over one of them.
+
+    Parameters
+    ----------
+    samples : sequence of SurfaceSample
+        Of the query; several, if it has several examples.
+    nearest : callable
+        Which of the samples each of some matches is laid over, by its shape id; the first one, where it is
+        not named. With one for each match, several examples take no longer than one.
+    """
+
+    def __init__(
+        self, samples: Sequence[SurfaceSample], nearest: Callable[[Sequence[Match]], Mapping[int, int]]
+    ) -> None:
+        self._nearest = nearest
+        self._views: dict[int, int] = {}
+        self.queries = [_Query(sample) for sample in samples]
+
+    def meet(self, matches: Sequence[Match]) -> None:
+        """Choose the sample of each of these matches."""
+        if len(self.queries) > 1:
+            self._views.update(self._nearest(matches))
+
+    def of(self, match: Match) -> _Query:
+        """Return what a match is laid over."""
+        return self.queries[self._views.get(match.shape_id, 0)]
+
+
+class _Query:
+    """A sample of the query."""
+
+    def __init__(self, sample: SurfaceSample) -> None:
+        self.sample = sample
+        self.placed = Placed(sample)
+
+    @cached_property
+    def shared(self) -> Placed:
+        """At more scales; only asked for where the first matches are not likely enough."""
+        return Placed(self.sample, SHARED_SCALES)
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """Shapes that may share parts with the query.
+
+    Attributes
+    ----------
+    scales : mapping of int to collection of int
+        By their ids, be they among the best by their bags or not: at which of `SHARED_SCALES`.
+    relatives : sequence of Match
+        Those of them that are not among the best by their bags.
+    """
+
+    scales: Mapping[int, Collection[int]]
+    relatives: Sequence[Match]
+
+
 def verify(
     store: Store,
     model: ShapeModel,
-    samples: Sequence[SurfaceSample],
+    examples: Examples,
     matches: Sequence[Match],
-    relatives: Sequence[Match],
-    sharing: Mapping[int, Collection[int]],
-    views: Mapping[int, int],
+    sharing_parts: Callable[[], Sharing],
 ) -> list[Match]:
     """Lay the best matches over the query, and lower the distances of those that fit.
 
@@ -70,17 +123,11 @@ def verify(
     ----------
     store : Store
     model : ShapeModel
-    samples : sequence of SurfaceSample
-        Of the query; several, if it has several examples.
+    examples : Examples
     matches : sequence of Match
         The best by their bags, best first; at least one.
-    relatives : sequence of Match
-        Other shapes that may share parts with the query.
-    sharing : mapping of int to collection of int
-        By the ids of all that may, be they among `matches` or not: at which of `SHARED_SCALES`.
-    views : mapping of int to int
-        Which of the samples a match is laid over, by its shape id; the first one, where it is not named. With
-        one for each match, several examples take no longer than one.
+    sharing_parts : callable
+        Finds shapes that may share parts with the query; asked where none of the first matches is likely.
 
     Returns
     -------
@@ -88,29 +135,26 @@ def verify(
         All of both, best first.
     """
     # Bags where geometry has found nothing say less than bags alone.
-    matches, relatives = _doubted(model, matches), _doubted(model, relatives)
-    queries = [_Query(sample) for sample in samples]
-
-    def query(match: Match) -> _Query:
-        return queries[views.get(match.shape_id, 0)]
-
+    matches = _doubted(model, matches)
+    examples.meet(matches)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        laid = _aligned(query, _placed(store, model, matches[:_FIRST]))
-        _fit_aligned(query, laid.values())
-        rest = [*matches[_FIRST:], *relatives]
-        if rest and max(_verified(model, pair).similarity for pair in laid.values()) < _LIKELY:
-            candidates = [*matches[_FIRST:SCREENED], *relatives]
-            known = {match.shape_id for match in matches}
-            promises, poses = _looked_at(query, _placed(store, model, candidates), sharing, known)
-            laid |= _fitted(query, poses, store, model)
+        laid = _aligned(examples, placed_matches(store, model, matches[:_FIRST]))
+        _fit_aligned(examples, laid.values())
+        rest = list(matches[_FIRST:])
+        if max(_verified(model, pair).similarity for pair in laid.values()) < _LIKELY:
+            sharing = sharing_parts()
+            relatives = _doubted(model, sharing.relatives)
+            examples.meet(relatives)
+            rest += relatives
+            laid |= _looked_for(store, model, examples, [*matches[_FIRST:SCREENED], *relatives], sharing)
             # What the query lies on exactly would come before all that is aligned now.
             if max(pair.exact for pair in laid.values()) < _SURELY_EXACT:
-                chosen = [match for match in promises if match.shape_id in known][:_NEXT]
+                chosen = _promising(store, model, examples, matches[_FIRST:SCREENED])[:_NEXT]
                 # What only words propose is far by its bags, and would have no place among the others.
-                chosen += [match for match in promises if match.shape_id not in known][:_NEXT_RELATIVES]
-                aligned = _aligned(query, _placed(store, model, chosen))
-                _fit_aligned(query, aligned.values())
+                chosen += _promising(store, model, examples, relatives)[:_NEXT_RELATIVES]
+                aligned = _aligned(examples, placed_matches(store, model, chosen))
+                _fit_aligned(examples, aligned.values())
                 laid |= {
                     shape_id: pair
                     for shape_id, pair in aligned.items()
@@ -120,19 +164,6 @@ def verify(
     verified = [_verified(model, pair) for pair in laid.values()]
     rest = [match for match in rest if match.shape_id not in laid]
     return sorted([*verified, *rest], key=lambda match: match.rank_key)
-
-
-class _Query:
-    """A sample of the query, ready to be laid over matches."""
-
-    def __init__(self, sample: SurfaceSample) -> None:
-        self._sample = sample
-        self.placed = Placed(sample)
-
-    @cached_property
-    def shared(self) -> Placed:
-        """At more scales; only asked for where the first matches are not likely enough."""
-        return Placed(self._sample, SHARED_SCALES)
 
 
 @dataclass(eq=False)
@@ -153,53 +184,52 @@ def _doubted(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
     ]
 
 
-def _aligned(query: QueryOf, pairs: Iterable[tuple[Match, Placed | None]]) -> dict[int, _Laid]:
+def _aligned(examples: Examples, pairs: Iterable[tuple[Match, Placed | None]]) -> dict[int, _Laid]:
     return {
-        match.shape_id: _Laid(match, placed, None if placed is None else align(query(match).placed, placed))
+        match.shape_id: _Laid(
+            match, placed, None if placed is None else align(examples.of(match).placed, placed)
+        )
         for match, placed in pairs
     }
 
 
-def _looked_at(
-    query: QueryOf,
-    pairs: Iterable[tuple[Match, Placed | None]],
-    sharing: Mapping[int, Collection[int]],
-    known: Collection[int],
-) -> tuple[list[Match], list[tuple[Match, RoughPose]]]:
-    """Order matches by their bags and their support in space; lay those roughly that may share parts."""
-    promises, poses = [], []
-    for match, placed in pairs:
-        supported = 0.0
-        if placed is not None and match.shape_id in sharing:
-            # What only words propose they propose at some sizes; others owe their place to bags.
-            among = None if match.shape_id in known else sorted(sharing[match.shape_id])
-            pose = rough_pose(query(match).shared, placed, among)
-            poses.append((match, pose))
-            supported = pose.support
-        elif placed is not None:
-            supported = support(query(match).placed, placed)
-        promises.append((match.distance * math.exp(-_SUPPORT_GAIN * supported), match))
+def _promising(store: Store, model: ShapeModel, examples: Examples, matches: Sequence[Match]) -> list[Match]:
+    """Order matches by their bags and their support in space."""
+    promises = []
+    for query in examples.queries:
+        its = [match for match in matches if examples.of(match) is query]
+        scales = range(len(SHARED_SCALES))
+        supported = stored_supports(store, model, query.shared, {match.shape_id: scales for match in its})
+        for match in its:
+            support = float(supported[match.shape_id].max()) if match.shape_id in supported else 0.0
+            promises.append((match.distance * math.exp(-_SUPPORT_GAIN * support), match))
     promises.sort(key=lambda pair: (pair[0], pair[1].rank_key))
-    return [match for _, match in promises], poses
+    return [match for _, match in promises]
 
 
-def _fitted(
-    query: QueryOf, poses: Sequence[tuple[Match, RoughPose]], store: Store, model: ShapeModel
+def _looked_for(
+    store: Store, model: ShapeModel, examples: Examples, matches: Sequence[Match], sharing: Sharing
 ) -> dict[int, _Laid]:
-    """Fit the query to the matches on which most of it lies roughly."""
+    """Lay the query roughly over those that may share parts with it; fit it to the best of them."""
+    poses: list[tuple[Match, RoughPose]] = []
+    sharers = [match for match in matches if match.shape_id in sharing.scales]
+    for match, placed in placed_matches(store, model, sharers):
+        if placed is not None:
+            scales = sorted(sharing.scales[match.shape_id])
+            poses.append((match, rough_pose(examples.of(match).shared, placed, scales)))
     best = sorted(poses, key=lambda pose: (-pose[1].covered, pose[0].rank_key))[:_EXACT]
     laid = {}
-    pairs = _placed(store, model, [match for match, _ in best])
+    pairs = placed_matches(store, model, [match for match, _ in best])
     for (match, placed), (_, pose) in zip(pairs, best, strict=True):
         frame = pose.frame
         if placed is not None and frame is not None:
-            exact, frame = exact_fit(query(match).shared, placed, frame)
-            alignment = measure(query(match).shared, placed, frame)
-            laid[match.shape_id] = _Laid(match, placed, alignment, exact)
+            query = examples.of(match).shared
+            exact, frame = exact_fit(query, placed, frame)
+            laid[match.shape_id] = _Laid(match, placed, measure(query, placed, frame), exact)
     return laid
 
 
-def _fit_aligned(query: QueryOf, laid: Iterable[_Laid]) -> None:
+def _fit_aligned(examples: Examples, laid: Iterable[_Laid]) -> None:
     """Tell of the aligned matches that cover most of the query how exactly they do."""
     covering = [
         (float(pair.alignment.query_covered.mean()), pair)
@@ -209,33 +239,8 @@ def _fit_aligned(query: QueryOf, laid: Iterable[_Laid]) -> None:
     covering.sort(key=lambda scored: (-scored[0], scored[1].match.rank_key))
     for _, pair in covering[:_EXACT_ALIGNED]:
         if pair.placed is not None and pair.alignment is not None:
-            pair.exact, _ = exact_fit(query(pair.match).placed, pair.placed, pair.alignment.frame)
-
-
-def _placed(
-    store: Store, model: ShapeModel, matches: Sequence[Match]
-) -> Iterator[tuple[Match, Placed | None]]:
-    """Pair matches with their surfaces, one at a time: made ready, a surface takes ten times the room."""
-    samples = store.samples([match.shape_id for match in matches])
-    for match in matches:
-        data = samples.get(match.shape_id)
-        sample = None if data is None else unpack_sample(store, model, match.shape_id, data)
-        yield match, None if sample is None else Placed(sample)
-
-
-def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -> SurfaceSample:
-    """Rebuild a stored sample; `LibraryError` when it is damaged."""
-    try:
-        sample = SurfaceSample.from_bytes(data)
-    except ValueError as error:
-        raise damaged(store.path, f"the surface of shape {shape_id} cannot be read: {error}") from error
-    settings = model.settings.sample
-    if settings is None or (len(sample.points), len(sample.descriptors)) != (
-        settings.points,
-        settings.keypoints,
-    ):
-        raise damaged(store.path, f"the surface of shape {shape_id} has another size than its model's")
-    return sample
+            query = examples.of(pair.match).placed
+            pair.exact, _ = exact_fit(query, pair.placed, pair.alignment.frame)
 
 
 def _verified(model: ShapeModel, laid: _Laid) -> Match:

@@ -27,12 +27,11 @@ __all__ = [
     "Alignment",
     "Frame",
     "Placed",
+    "agreeing",
     "align",
     "correspondences",
-    "leading_support",
     "measure",
     "motions",
-    "support",
 ]
 
 TOLERANCES = (0.01, 0.02, 0.05)
@@ -204,9 +203,9 @@ class Placed:
 
 
 def _distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Distances between all points of a set, fast."""
-    squares = (points**2).sum(axis=1)
-    squared = squares[:, None] + squares - 2 * points @ points.T
+    """Distances (..., n, n) between all points of a set (..., n, 3), fast."""
+    squares = (points**2).sum(axis=-1)
+    squared = squares[..., :, None] + squares[..., None, :] - 2 * points @ points.swapaxes(-1, -2)
     distances: NDArray[np.float32] = np.sqrt(np.maximum(squared, 0, out=squared), out=squared)
     return distances
 
@@ -238,31 +237,6 @@ def align(query: Placed, candidate: Placed) -> Alignment:
         for best in np.argsort(-scores)[:_REFINED]
     ]
     return measure(query, candidate, max(refined, key=lambda pair: pair[0])[1])
-
-
-def support(query: Placed, candidate: Placed) -> float:
-    """Count how many correspondences agree with each other, many times faster than `align`.
-
-    Parameters
-    ----------
-    query, candidate : Placed
-
-    Returns
-    -------
-    support : float
-        From 0 to 1. Of the correspondence that the others support most: which share of all agrees both with
-        it and with one of its `_GROUP_SIZE` strongest supporters, on average.
-    """
-    return max(
-        leading_support(correspondences(query, candidate, scale)[1]) for scale in range(len(query.scales))
-    )
-
-
-def leading_support(second_order: NDArray[np.float32]) -> float:
-    """`support` by the correspondences at one scale."""
-    leader = second_order[second_order.sum(axis=1).argmax()]
-    strongest = np.partition(leader, -_GROUP_SIZE)[-_GROUP_SIZE:]
-    return float(strongest.mean()) / len(leader)
 
 
 def motions(
@@ -319,12 +293,47 @@ def correspondences(
     """
     looks, distances, center_distances = query.looks[scale]
     there = (candidate.half_squares - looks @ candidate.sample.descriptors.T).argmin(axis=1)
-    agree = np.abs(distances - _distances(candidate.key_points[there])) < _AGREEMENT
-    agree &= np.abs(center_distances - _distances(candidate.key_centers[there])) < _AGREEMENT
-    # One counterpart of two says nothing.
-    agree &= there[:, None] != there
-    first_order = agree.astype(np.float32)
+    first_order = agreeing(
+        there,
+        distances,
+        center_distances,
+        candidate.key_points[there],
+        candidate.key_centers[there],
+        _AGREEMENT,
+    )
     return there, first_order * (first_order @ first_order)
+
+
+def agreeing(
+    there: NDArray[np.intp],
+    distances: NDArray[np.float32],
+    center_distances: NDArray[np.float32],
+    points: NDArray[np.float32],
+    centers: NDArray[np.float32],
+    tolerance: float,
+) -> NDArray[np.float32]:
+    """Tell which correspondences agree with which.
+
+    Parameters
+    ----------
+    there : (..., k) array of int
+        What corresponds to each of k points of a query.
+    distances, center_distances : (k, k) arrays
+        Between those points, and between the centres of their balls.
+    points, centers : (..., k, 3) arrays
+        The points `there`, and the centres of their balls.
+    tolerance : float
+
+    Returns
+    -------
+    agree : (..., k, k) array of float32
+        0 or 1.
+    """
+    agree = np.abs(distances - _distances(points)) < tolerance
+    agree &= np.abs(center_distances - _distances(centers)) < tolerance
+    # One counterpart of two says nothing.
+    agree &= there[..., :, None] != there[..., None, :]
+    return np.asarray(agree, np.float32)
 
 
 def _groups(second_order: NDArray[np.float32], count: int) -> NDArray[np.int64]:

@@ -20,7 +20,6 @@ from shapegoogle_core.registration.alignment import (
     Frame,
     Placed,
     correspondences,
-    leading_support,
     motions,
 )
 from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
@@ -28,9 +27,9 @@ from shapegoogle_core.registration.gauss_newton import height_derivatives, step_
 __all__ = ["RoughPose", "exact_fit", "rough_pose"]
 
 # Lengths are in units of the candidate's √area.
-# A rough pose is looked for at so many of the query's scales, those with the most support; from so many
-# groups of correspondences at each; by so many of the query's points at this tolerance.
-_SCALES, _GROUPS = 2, 8
+# A rough pose is looked for from so many groups of correspondences at each scale; by so many of the query's
+# points at this tolerance.
+_GROUPS = 8
 _POINTS, _TOLERANCE = 64, 0.05
 # Steps of the fit: how many of the query's points, and the tolerance of the distances.
 _STEPS = (
@@ -58,15 +57,12 @@ class RoughPose:
 
     Attributes
     ----------
-    support : float
-        See `registration.support`.
     covered : float
         Share of the query's points that lie roughly on the candidate, from 0 to 1.
     frame : Frame or None
         From the query to the candidate; None where there is none.
     """
 
-    support: float
     covered: float
     frame: Frame | None
 
@@ -86,12 +82,10 @@ def rough_pose(query: Placed, candidate: Placed, among: Sequence[int] | None = N
         The best one by what lies on the candidate of the query; not by the other way round.
     """
     tried = range(len(query.scales)) if among is None else among
-    found = [correspondences(query, candidate, scale) for scale in tried]
-    supports = [leading_support(second_order) for _, second_order in found]
-    best = RoughPose(max(supports), 0.0, None)
+    best = RoughPose(0.0, None)
     points, normals = query.points[:_POINTS], query.normals[:_POINTS]
-    for place in np.argsort(supports)[::-1][:_SCALES]:
-        there, second_order = found[place]
+    for scale in tried:
+        there, second_order = correspondences(query, candidate, scale)
         scales, rotations, translations = motions(query, candidate, there, second_order, _GROUPS)
         possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
         if not possible.any():
@@ -109,7 +103,7 @@ def rough_pose(query: Placed, candidate: Placed, among: Sequence[int] | None = N
         first = int(covered.argmax())
         if covered[first] > best.covered:
             frame = Frame(float(scales[first]), rotations[first], translations[first])
-            best = RoughPose(best.support, float(covered[first]), frame)
+            best = RoughPose(float(covered[first]), frame)
     return best
 
 

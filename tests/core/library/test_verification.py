@@ -72,10 +72,10 @@ def test_matches_are_in_order_and_no_farther_than_before(library, shapes_in_it):
 
 
 def test_what_stands_far_behind_is_found_by_its_support(library, shapes_in_it, monkeypatch):
-    """With two looked at first and four next, the right one must come in by the support it has."""
+    """With two looked at first and five next, the right one must come in by the support it has."""
     monkeypatch.setattr(verification, "_LIKELY", 2.0)  # the untrained model is sure of everything
     monkeypatch.setattr(verification, "_FIRST", 2)
-    monkeypatch.setattr(verification, "_NEXT", 4)
+    monkeypatch.setattr(verification, "_NEXT", 5)
     firsts = 0
     for index in range(0, 24, 4):
         query = transform(shapes_in_it[index], "partial", 3, seed=index)
@@ -191,14 +191,28 @@ class TestPartsIndex:
         query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         far_away = Frame(1.0, np.eye(3), np.full(3, 10.0))
-        monkeypatch.setattr(
-            verification, "rough_pose", lambda *_: RoughPose(support=0.5, covered=1.0, frame=far_away)
-        )
+        monkeypatch.setattr(verification, "rough_pose", lambda *_: RoughPose(covered=1.0, frame=far_away))
         monkeypatch.setattr(verification, "_FIRST", 2)
         monkeypatch.setattr(search, "CANDIDATES", 3)
         monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
         monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
         assert library.query_signature(strange, top=1)[0].name == "shape 8"
+
+    def test_support_decides_among_those_with_the_words(self, library, shapes_in_it, monkeypatch):
+        """All have some of the words; only one place is given away, by what agrees in space."""
+        query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
+        strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
+        laid = []
+        original = verification.rough_pose
+        monkeypatch.setattr(
+            verification, "rough_pose", lambda *pair: laid.append(pair[1].points) or original(*pair)
+        )
+        monkeypatch.setattr(verification, "_FIRST", 1)
+        monkeypatch.setattr(verification, "_LIKELY", 2.0)
+        monkeypatch.setattr(search, "SUPPORTED", 1)
+        assert library.query_signature(strange, top=1)[0].name == "shape 8"
+        (points,) = laid
+        np.testing.assert_array_equal(points, library.signature(9).sample.points)
 
     def test_local_words_come_back_and_go_with_their_shape(self, library, shapes_in_it):
         code = library.model.describe(shapes_in_it[4]).local_code
