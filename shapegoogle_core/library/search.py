@@ -194,6 +194,8 @@ class Search:
                 for rank, shape_id in enumerate(shape_ids.tolist()):
                     ranks.setdefault(shape_id, {})[scale] = rank
             found = stored_supports(self._store, self._model, query.shared, ranks)
+            # Removed since their words were read.
+            index.discard(set(ranks).difference(found))
             pairs += [
                 (-float(found[shape_id][scale]) * (1 + rank / RANK_UNIT) ** -RANK_POWER, shape_id, scale)
                 for shape_id in found

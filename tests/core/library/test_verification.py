@@ -214,6 +214,16 @@ class TestPartsIndex:
         (points,) = laid
         np.testing.assert_array_equal(points, library.signature(9).sample.points)
 
+    def test_shapes_that_another_process_removed_are_skipped(self, path, library, shapes_in_it, monkeypatch):
+        query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
+        monkeypatch.setattr(verification, "_FIRST", 1)
+        monkeypatch.setattr(verification, "_LIKELY", 2.0)
+        library.query_signature(query)
+        with Library.open(path) as other:
+            other.remove_shape(9)
+        assert "shape 8" not in [match.name for match in library.query_signature(query, top=24)]
+        assert library._search._local_words.current().gone == 1
+
     def test_local_words_come_back_and_go_with_their_shape(self, library, shapes_in_it):
         code = library.model.describe(shapes_in_it[4]).local_code
         np.testing.assert_array_equal(library.signature(5).local_code, code)
