@@ -19,7 +19,7 @@ __all__ = ["register", "running", "unregister"]
 SECONDS_BETWEEN_LOOKS = 0.1
 # Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
 # costs less than so many times as much, left and right may be exchanged.
-POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.2
+POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.25
 
 # The one transfer that waits for the worker, so that it can be shown and cancelled. No property of the
 # session: opening a file ends the operator, and what the session holds is carried over to the new file.
