@@ -7,6 +7,7 @@ JSON; this one answers in `N.answer`. Real clicks come from outside; only what t
 
 import json
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
@@ -197,6 +198,24 @@ def run(code):
     exec(code, scope)
     view()[1].tag_redraw()
     return scope.get("result")
+
+
+def hold_worker():
+    """Stop the process that computes where it is, for as long as a test needs; false if there is none."""
+    return _signal_worker(signal.SIGSTOP)
+
+
+def release_worker():
+    """Let it go on."""
+    return _signal_worker(signal.SIGCONT)
+
+
+def _signal_worker(number):
+    process = sys.modules[f"{NAME}.jobs"].worker()._process
+    if process is None or process.poll() is not None:
+        return False
+    process.send_signal(number)
+    return True
 
 
 def quit_blender():

@@ -155,11 +155,17 @@ def test_mark_shows_both_shapes_in_the_same_colours(window, found):
     assert colorful(window.picture("window")) > colorful(before) + 0.005
 
 
+def begin_transfer(window) -> None:
+    """From the best match, a horse in another pose, by a click; then its worker waits to be released."""
+    window.press("shape_google.transfer_match")
+    window.wait(
+        lambda state: state["transferring"] and window.ask("hold_worker"), "the transfer begun, and held"
+    )
+
+
 @pytest.fixture
 def transferring(window, found) -> None:
-    """A transfer from the best match, a horse in another pose, begun by a click."""
-    window.press("shape_google.transfer_match")
-    window.wait(lambda state: state["transferring"], "the transfer begun")
+    begin_transfer(window)
 
 
 def test_transfer_carries_weights_and_is_undone_and_redone(window, transferring):
@@ -167,6 +173,7 @@ def test_transfer_carries_weights_and_is_undone_and_redone(window, transferring)
         item = state["objects"][NAME]
         return (item["groups"], item["colors"]) == (["High"], ["Coat"])
 
+    window.ask("release_worker")
     state = window.wait(there, "the match's vertex group and colours on the query")
     assert set(state["objects"]) == {NAME}
     height = make_creature(QUERY[0], 2011, vertex_count=QUERY[2]).pose("rest").vertices[:, 2]
@@ -189,8 +196,7 @@ def test_a_transfer_is_cancelled_by_escape_and_in_the_panel(window, transferring
     window.move(left + 0.3 * (right - left), (top + bottom) / 2)
     window.tool("key", "Escape")
     window.wait(lambda state: not state["transferring"], "the transfer cancelled")
-    window.press("shape_google.transfer_match")
-    window.wait(lambda state: state["transferring"], "another one begun")
+    begin_transfer(window)
     window.press("shape_google.cancel_transfer", columns=LAST)
     state = window.wait(lambda state: not state["transferring"], "that one cancelled")
     assert not state["objects"][NAME]["groups"]
@@ -198,6 +204,7 @@ def test_a_transfer_is_cancelled_by_escape_and_in_the_panel(window, transferring
 
 def test_a_transfer_is_for_the_object_that_it_began_with(window, transferring, query):
     window.ask("add_object", str(query), "Other", [2, 0, 0])
+    window.ask("release_worker")
     state = window.wait(lambda state: not state["transferring"], "the end of the transfer")
     assert state["objects"][NAME]["groups"] == ["High"]
     assert not state["objects"]["Other"]["groups"]
@@ -208,6 +215,7 @@ def test_a_transfer_survives_that_its_object_is_deleted(window, transferring):
     window.move(left + 0.3 * (right - left), (top + bottom) / 2)
     window.tool("key", "Delete")
     window.wait(lambda state: not state["objects"], "the object deleted")
+    window.ask("release_worker")
     state = window.wait(lambda state: not state["transferring"], "the end of the transfer")
     assert not state["objects"]
 
