@@ -83,7 +83,8 @@ def test_a_failure_in_blender_is_one_of_the_demo(demo, monkeypatch, tmp_path):
 def test_the_demo_finds_the_horse_again(demo):
     result = subprocess.run([sys.executable, str(SCRIPT)], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
-    names = re.findall(r"^\d+ +[\d.]+ +[\d.]+ +(\S+)", result.stdout, re.MULTILINE)
+    # The name stands after the evidence and before the path.
+    names = re.findall(r"^\d+ +[\d.]+ +[\d.]+ .+ (\S+) +\S+$", result.stdout, re.MULTILINE)
     assert len(names) == demo.MATCHES
     assert all(name.startswith("horse-") for name in names[: demo.POSES_EACH]), result.stdout
     if "left out" not in result.stdout:
