@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Which of many surfaces may have something in common with a query, in a tenth of the time of a rough pose.
+"""Which of many surfaces may have something in common with a query, in an eighth of the time of a rough pose.
 
 Of points that look alike most pairs are wrong. Right ones agree with each other on distances, wrong ones
-with few. A quarter of what `align` compares is enough to tell where there is something to find, if pairs have
-to agree closely.
+with few. Half of the pairs that `align` compares are enough to tell where there is something to find, if they
+have to agree closely.
 """
 
 from __future__ import annotations
@@ -53,34 +53,29 @@ def supports(
     found = np.zeros(asked.shape, np.float32)
     for start in range(0, len(candidates), _AT_ONCE):
         portion = slice(start, start + _AT_ONCE)
-        stacked = [
-            np.stack([np.asarray(array, np.float32) for array in arrays])
-            for arrays in zip(*(_keypoints(sample) for sample in candidates[portion]), strict=True)
-        ]
+        placed = [Placed(sample) for sample in candidates[portion]]
+        stacked = (
+            np.stack([candidate.sample.descriptors for candidate in placed]),
+            np.stack([candidate.half_squares for candidate in placed]),
+            np.stack([candidate.key_points for candidate in placed]),
+            np.stack([candidate.key_centers for candidate in placed]),
+        )
         for scale in np.flatnonzero(asked[portion].any(axis=0)):
             rows = np.flatnonzero(asked[portion, scale])
             found[start + rows, scale] = _supports_at(query, int(scale), *(array[rows] for array in stacked))
     return found
 
 
-def _keypoints(
-    sample: SurfaceSample,
-) -> tuple[NDArray[np.floating], NDArray[np.floating], NDArray[np.floating]]:
-    count = len(sample.descriptors)
-    points = sample.points[:count]
-    return sample.descriptors, points, points - sample.radii[:count, None] * sample.normals[:count]
-
-
 def _supports_at(
     query: Placed,
     scale: int,
     descriptors: NDArray[np.float32],
+    half_squares: NDArray[np.float32],
     points: NDArray[np.float32],
     centers: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """Supports of b candidates with k keypoints each: arrays (b, k, ...)."""
     looks, distances, center_distances = (array[:_KEYPOINTS] for array in query.looks[scale])
-    half_squares = (descriptors**2).sum(axis=2) / 2
     there = (half_squares[:, None] - looks @ descriptors.transpose(0, 2, 1)).argmin(axis=2)
     agree = agreeing(
         there,
