@@ -85,13 +85,12 @@ class _Query:
     """A sample of the query."""
 
     def __init__(self, sample: SurfaceSample) -> None:
-        self.sample = sample
         self.placed = Placed(sample)
 
     @cached_property
     def shared(self) -> Placed:
         """At more scales; only asked for where the first matches are not likely enough."""
-        return Placed(self.sample, SHARED_SCALES)
+        return Placed(self.placed.sample, SHARED_SCALES)
 
 
 @dataclass(frozen=True)
