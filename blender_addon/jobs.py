@@ -27,7 +27,7 @@ import bpy
 from . import assets
 
 if TYPE_CHECKING:
-    from shapegoogle_core.background import Worker
+    from shapegoogle_core.processes.worker import Worker
 
 __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up_soon", "watch", "worker"]
 
@@ -49,7 +49,7 @@ _warm: set[Path] = set()
 
 def worker() -> Worker:
     """Return the worker process of this Blender, which starts at its first task."""
-    from shapegoogle_core.background import Worker
+    from shapegoogle_core.processes.worker import Worker
 
     if not _worker:
         _worker.append(Worker())
@@ -86,7 +86,7 @@ def warm_up_soon(library: Path, counted: Callable[[int], None]) -> None:
 def _import_core() -> Future[ModuleType]:
     """Import in another thread what tasks are sent with; numpy comes along."""
     importer = ThreadPoolExecutor(1)
-    imported = importer.submit(importlib.import_module, "shapegoogle_core.library.tasks")
+    imported = importer.submit(importlib.import_module, "shapegoogle_core.service.requests")
     importer.shutdown(wait=False)
     return imported
 
@@ -153,7 +153,7 @@ class BackgroundRun:
         self.reported = False
         self._started = time.monotonic()
         self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
-        from shapegoogle_core.launching import NO_WINDOW
+        from shapegoogle_core.processes.launching import NO_WINDOW
 
         self._process = subprocess.Popen(
             command,

@@ -97,7 +97,7 @@ class SceneIndexing:
 
     def cancel(self) -> None:
         """Describe no more; nothing is stored."""
-        from shapegoogle_core.arguments import INTERRUPTED
+        from shapegoogle_core.cli.arguments import INTERRUPTED
 
         self.exit_code = INTERRUPTED
         for task in self._tasks:
@@ -107,7 +107,7 @@ class SceneIndexing:
     def events(self) -> list[dict[str, Any]]:
         """Report what was described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.arguments import DONE, UNUSABLE
+        from shapegoogle_core.cli.arguments import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []
@@ -127,7 +127,7 @@ class SceneIndexing:
     def _submit(self) -> None:
         """Read some objects and hand them to the worker."""
         from shapegoogle_core import Library, MeshError, load_model
-        from shapegoogle_core.library.tasks import describe
+        from shapegoogle_core.service.requests import describe
 
         if not self._library.exists():
             Library.open(self._library, load_model(self._model)).close()

@@ -64,7 +64,7 @@ class Pair:
 
 def remeshed(mesh: Mesh, vertices: int) -> Mesh:
     """Mesh a shape anew, with about so many vertices."""
-    from shapegoogle_core.mesh.resampling import simplify, subdivide
+    from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 
     return subdivide(mesh, vertices) if vertices > len(mesh.vertices) else simplify(mesh, vertices)
 
@@ -89,8 +89,8 @@ def mirror(rest: Mesh) -> NDArray[np.int64] | None:
 
 def creatures(seeds: list[int]) -> Iterator[Pair]:
     """Creatures in two random poses, the second one meshed anew."""
+    from benchmarks.creatures import CREATURE_KINDS, make_creature
     from shapegoogle_core import MeshError
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
 
     for kind in CREATURE_KINDS:
         for seed in seeds:
@@ -141,8 +141,8 @@ def tosca_same(data: Path) -> Iterator[Pair]:
     from scipy.spatial import KDTree
 
     import shapegoogle_core as sg
-    from shapegoogle_core.mesh import repair
-    from shapegoogle_core.prolongation import nearest_faces
+    from shapegoogle_core.mesh.prolongation import nearest_faces
+    from shapegoogle_core.preprocessing import repair
 
     for path in sorted((data / "tosca").glob("*.ply")):
         other = data / "tosca_remeshed" / path.name
@@ -223,8 +223,8 @@ def tosca_loops(data: Path, per_class: int) -> Iterator[dict[str, Any]]:
     import numpy as np
 
     import shapegoogle_core as sg
-    from shapegoogle_core.mesh import repair
-    from shapegoogle_core.prolongation import prolongation
+    from shapegoogle_core.mesh.prolongation import prolongation
+    from shapegoogle_core.preprocessing import repair
 
     poses: dict[str, list[Path]] = {}
     for path in sorted((data / "tosca_remeshed").glob("*.ply")):

@@ -29,7 +29,7 @@ import numpy as np
 
 import shapegoogle_core as sg
 from shapegoogle_core.library import NewShape
-from shapegoogle_core.library.duplicates import MIN_SIMILARITY, distance_at
+from shapegoogle_core.library.duplicates.duplicates import MIN_SIMILARITY, distance_at
 from shapegoogle_core.registration import SurfaceSample
 
 # Variance of direction i, relative to the first: 1 / (1 + i / 4)². On 702 shapes of TOSCA and the Princeton
@@ -45,7 +45,7 @@ def made_up_bags(model: sg.ShapeModel, embedded: np.ndarray, inverse: np.ndarray
 
 def creature_samples() -> list[SurfaceSample]:
     """Surfaces of one creature of each kind."""
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+    from benchmarks.creatures import CREATURE_KINDS, make_creature
 
     model = sg.load_model()
     signatures = [model.describe(make_creature(kind, 100).rest) for kind in CREATURE_KINDS]

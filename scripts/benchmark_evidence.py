@@ -48,9 +48,9 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
     """Explain all pairs of one creature, each as if it were a match of a search."""
     from threadpoolctl import threadpool_limits
 
+    from benchmarks.evidence_pairs import make_pairs
     from shapegoogle_core import load_model
-    from shapegoogle_core.evaluation.evidence_pairs import make_pairs
-    from shapegoogle_core.library.evidence import Compared, Explainer
+    from shapegoogle_core.library.search.explain import Compared, Explainer
     from shapegoogle_core.registration import SurfaceSample
     from shapegoogle_core.registration.isometry import functional_map
 
@@ -82,7 +82,7 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
 def print_tables(outcomes: Sequence[Outcome]) -> None:
     import numpy as np
 
-    from shapegoogle_core.library.evidence import KINDS
+    from shapegoogle_core.library.search.explain import KINDS
 
     counts = Counter((outcome.kind, str(outcome.said["kind"])) for outcome in outcomes)
     print(f"{len(outcomes)} pairs; rows: what they are, columns: what was said\n")
@@ -116,7 +116,7 @@ def print_weights(outcomes: Sequence[Outcome]) -> None:
     import numpy as np
     from sklearn.linear_model import LogisticRegression
 
-    from shapegoogle_core.library.evidence import pose_features
+    from shapegoogle_core.library.search.explain import pose_features
 
     chosen = [outcome for outcome in outcomes if outcome.kind in ("re-posed", "similar")]
     features = np.array([pose_features(*outcome.pose) for outcome in chosen])
@@ -131,9 +131,9 @@ def describe(job: tuple[str, int]) -> tuple[list[tuple[str, ShapeSignature]], li
     import numpy as np
     from threadpoolctl import threadpool_limits
 
+    from benchmarks.creatures import make_creature
     from shapegoogle_core import load_model
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, transform
+    from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 
     threadpool_limits(1)
     kind, seed = job
@@ -157,7 +157,7 @@ def print_similarities(kinds: Sequence[str], jobs: int) -> None:
     import numpy as np
 
     from shapegoogle_core import Library
-    from shapegoogle_core.progress import progress_bar
+    from shapegoogle_core.processes.progress import progress_bar
 
     found = []
     with get_context("spawn").Pool(jobs) as pool, tempfile.TemporaryDirectory() as folder:
@@ -194,8 +194,8 @@ def main() -> int:
     options = parser.parse_args()
     environment.enter(("demo",))
 
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS
-    from shapegoogle_core.progress import progress_bar
+    from benchmarks.creatures import CREATURE_KINDS
+    from shapegoogle_core.processes.progress import progress_bar
 
     if options.similarity:
         print_similarities(CREATURE_KINDS, options.jobs)

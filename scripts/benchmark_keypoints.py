@@ -52,11 +52,11 @@ class Null:
 
     def versions(self, strengths: Sequence[int]) -> Iterator[tuple[str, int, Mesh]]:
         """Make the null shape, of strength 0, and all that can be made of it."""
+        from benchmarks.creatures import make_creature
+        from benchmarks.protocol.collection import ISOMETRY, NULL
         from shapegoogle_core import MeshError, read_mesh
-        from shapegoogle_core.evaluation.collection import ISOMETRY, NULL
-        from shapegoogle_core.evaluation.creatures import make_creature
-        from shapegoogle_core.evaluation.transformations import TRANSFORMATIONS, transform
-        from shapegoogle_core.mesh import repair
+        from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
+        from shapegoogle_core.preprocessing import repair
 
         if self.path is None:
             creature = make_creature(self.name, self.seed, VERTICES)
@@ -83,14 +83,9 @@ def one_thread() -> None:
 
 def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
     """Find the keypoints of a shape and all its versions; one row for each version and detector."""
+    from benchmarks.repeatability import NullShape, found_points, places_on_null, repeatability
     from shapegoogle_core import MeshError
-    from shapegoogle_core.evaluation.repeatability import (
-        NullShape,
-        found_points,
-        places_on_null,
-        repeatability,
-    )
-    from shapegoogle_core.settings import PRESETS
+    from shapegoogle_core.model import PRESETS
 
     settings = PRESETS["default" if options.preparation == "mended" else "paper"]
     rows = []
@@ -186,7 +181,7 @@ def main() -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures here")
     options = parser.parse_args()
     environment.enter(("benchmark",))
-    from shapegoogle_core.progress import progress_bar
+    from shapegoogle_core.processes.progress import progress_bar
 
     nulls = null_shapes(options)
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn"), initializer=one_thread) as pool:

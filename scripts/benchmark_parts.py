@@ -48,7 +48,7 @@ def describe(mesh: Mesh) -> ShapeSignature:
 
 
 def whole(job: tuple[str, int]) -> ShapeSignature:
-    from shapegoogle_core.evaluation.creatures import make_creature
+    from benchmarks.creatures import make_creature
 
     kind, seed = job
     return describe(make_creature(kind, seed).pose(0))
@@ -59,10 +59,10 @@ def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
     import numpy as np
     from scipy.spatial.transform import Rotation
 
+    from benchmarks.creatures import make_creature
+    from benchmarks.evidence_pairs import cut, remeshed
     from shapegoogle_core import Mesh
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.evaluation.evidence_pairs import cut, remeshed
-    from shapegoogle_core.evaluation.transformations import transform
+    from shapegoogle_core.model.augmentation import transform
 
     kind, seed = job
     random = np.random.default_rng([seed, len(kind)])
@@ -78,9 +78,9 @@ def shared(job: tuple[str, int, tuple[str, str]]) -> tuple[ShapeSignature, list[
     """Describe half of a creature, and two others of the same area that it has grown onto."""
     import numpy as np
 
+    from benchmarks.creatures import make_creature
+    from benchmarks.evidence_pairs import cut
     from shapegoogle_core import Mesh
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.evaluation.evidence_pairs import cut
 
     kind, seed, others = job
     random = np.random.default_rng([seed, len(kind), 1])
@@ -126,9 +126,9 @@ def main() -> int:
     options = parser.parse_args()
     environment.enter(("demo",))
 
+    from benchmarks.creatures import CREATURE_KINDS
     from shapegoogle_core import Library
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS
-    from shapegoogle_core.progress import progress_bar
+    from shapegoogle_core.processes.progress import progress_bar
 
     kinds = list(CREATURE_KINDS)
     jobs = [(kind, FIRST_SEED + number) for number in range(options.individuals) for kind in kinds]

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import KDTree
 
+from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Library, Mesh, heat_kernel_signature, load_model
-from shapegoogle_core.describing import WorkingShape, working_shape
-from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model.describe import WorkingShape, working_shape
 
 # Training used the seeds 0 to 7.
 FIRST_SEED = 100

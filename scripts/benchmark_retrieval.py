@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 import environment
 
 if TYPE_CHECKING:
-    from shapegoogle_core.evaluation.collection import BenchmarkShape, Collection, LabelledCollection
+    from benchmarks.protocol.collection import BenchmarkShape, Collection, LabelledCollection
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 POSES = 5
@@ -55,7 +55,7 @@ def read_labels(data: Path) -> dict[str, list[Row]]:
 
 def database(labels: dict[str, list[Row]]) -> tuple[list[BenchmarkShape], list[BenchmarkShape]]:
     """Find the null shapes of TOSCA, the lowest pose of each class, and the unrelated shapes."""
-    from shapegoogle_core.evaluation.collection import NEGATIVE, NULL, database_shape
+    from benchmarks.protocol.collection import NEGATIVE, NULL, database_shape
 
     lowest: dict[str, Path] = {}
     for row in labels["tosca"]:
@@ -66,12 +66,7 @@ def database(labels: dict[str, list[Row]]) -> tuple[list[BenchmarkShape], list[B
 
 def retrieval(labels: dict[str, list[Row]], seed: int) -> Collection:
     """Re-create the protocol of the paper's section 6.1."""
-    from shapegoogle_core.evaluation.collection import (
-        ISOMETRY,
-        BenchmarkShape,
-        Collection,
-        generated_queries,
-    )
+    from benchmarks.protocol.collection import ISOMETRY, BenchmarkShape, Collection, generated_queries
 
     nulls, negatives = database(labels)
     queries: list[BenchmarkShape] = []
@@ -87,7 +82,7 @@ def retrieval(labels: dict[str, list[Row]], seed: int) -> Collection:
 
 def remeshed(labels: dict[str, list[Row]]) -> Collection:
     """Ask with shapes of another triangulation, as isometries of strength 1."""
-    from shapegoogle_core.evaluation.collection import ISOMETRY, BenchmarkShape, Collection
+    from benchmarks.protocol.collection import ISOMETRY, BenchmarkShape, Collection
 
     nulls, negatives = database(labels)
     queries = [
@@ -108,7 +103,7 @@ def _by_null(
 
 def categories(rows: Sequence[Row], name: str) -> LabelledCollection:
     """Let every shape ask for the others of its class."""
-    from shapegoogle_core.evaluation.collection import NULL, LabelledCollection, database_shape
+    from benchmarks.protocol.collection import NULL, LabelledCollection, database_shape
 
     shapes = tuple(database_shape(row.path, NULL) for row in rows)
     return LabelledCollection(name, shapes, tuple(row.label for row in rows))
@@ -141,7 +136,7 @@ def check_training(folder: Path, parser: argparse.ArgumentParser) -> None:
 
 
 def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
-    from shapegoogle_core.benchmark_command import add_run_options
+    from benchmarks.command import add_run_options
 
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -174,9 +169,9 @@ def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespac
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    from shapegoogle_core.benchmark_command import measure
+    from benchmarks.command import measure
     from shapegoogle_core.errors import ShapeGoogleError
-    from shapegoogle_core.launching import orderly_end
+    from shapegoogle_core.processes.launching import orderly_end
 
     options = parse_arguments(arguments)
     labels = read_labels(options.data)

@@ -60,9 +60,9 @@ def measure(size: int, repeats: int, dense: bool) -> Measured:
     import scipy.linalg
 
     import shapegoogle_core as sg
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.mesh import repair
-    from shapegoogle_core.spectrum import operator_spectrum
+    from benchmarks.creatures import make_creature
+    from shapegoogle_core.preprocessing import repair
+    from shapegoogle_core.spectral import operator_spectrum
 
     mesh = repair(make_creature(KIND, SEED, size).rest)
     operator = sg.build_operator(mesh)

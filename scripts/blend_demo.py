@@ -26,7 +26,7 @@ import workbench
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 from shapegoogle_core.rendering import contact_sheet
 
 __all__ = ["run"]

@@ -21,8 +21,8 @@ import bpy
 import creature_rigs
 import numpy as np
 
-from shapegoogle_core.evaluation import creatures
-from shapegoogle_core.evaluation.creatures import Creature, make_creature
+from benchmarks import creatures
+from benchmarks.creatures import Creature, make_creature
 
 __all__ = [
     "CATALOG_FILE",

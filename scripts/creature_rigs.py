@@ -15,8 +15,8 @@ import numpy as np
 from mathutils import Quaternion, Vector
 from numpy.typing import NDArray
 
-from shapegoogle_core.evaluation.creatures import Creature
-from shapegoogle_core.evaluation.creatures.skeleton import Skeleton
+from benchmarks.creatures import Creature
+from benchmarks.creatures.skeleton import Skeleton
 from shapegoogle_core.mesh import Mesh
 
 __all__ = ["add_creature", "bone_names", "mesh_data", "take_pose"]

@@ -63,7 +63,7 @@ COLUMNS = 5
 
 def library_meshes() -> Iterator[tuple[str, Mesh]]:
     """Yield the shapes to search among, with the names of their files."""
-    from shapegoogle_core.evaluation.creatures import make_creature
+    from benchmarks.creatures import make_creature
 
     for kind in KINDS:
         creature = make_creature(kind, INDIVIDUAL)
@@ -74,8 +74,8 @@ def library_meshes() -> Iterator[tuple[str, Mesh]]:
 
 def query_mesh() -> Mesh:
     """Make what to search for: in a pose the library lacks, meshed anew and larger."""
+    from benchmarks.creatures import make_creature
     from shapegoogle_core import Mesh
-    from shapegoogle_core.evaluation.creatures import make_creature
 
     creature = make_creature(QUERY_KIND, INDIVIDUAL, vertex_count=QUERY_VERTICES)
     if QUERY_POSE in creature.pose_names[:POSES_EACH]:

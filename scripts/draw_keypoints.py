@@ -32,8 +32,8 @@ LARGE, SMALL = 0.035, 0.018
 
 def shapes() -> Iterator[tuple[str, Mesh]]:
     """Creatures with their captions."""
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.evaluation.transformations import transform
+    from benchmarks.creatures import make_creature
+    from shapegoogle_core.model.augmentation import transform
 
     horse = make_creature("horse", INDIVIDUAL, VERTICES)
     yield "horse", horse.pose("rest")
@@ -70,10 +70,10 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=OUTPUT, help="the picture (%(default)s)")
     options = parser.parse_args()
     environment.enter(("demo",))
-    from shapegoogle_core.describing import working_shape
     from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
+    from shapegoogle_core.model import PRESETS
+    from shapegoogle_core.model.describe import working_shape
     from shapegoogle_core.rendering import contact_sheet
-    from shapegoogle_core.settings import PRESETS
 
     prepared = [(caption, working_shape(PRESETS["default"], mesh)) for caption, mesh in shapes()]
     images, captions = [], []

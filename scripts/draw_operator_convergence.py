@@ -19,7 +19,7 @@ import trimesh
 
 from shapegoogle_core import Mesh, build_operator
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectrum import operator_spectrum
+from shapegoogle_core.spectral import operator_spectrum
 
 OUTPUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "operator_convergence.png"
 # Marks and colours, told apart without colours too.

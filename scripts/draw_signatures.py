@@ -19,7 +19,7 @@ import creature_rigs
 import numpy as np
 import workbench
 
-from shapegoogle_core.evaluation.creatures import Creature, make_creature
+from benchmarks.creatures import Creature, make_creature
 from shapegoogle_core.rendering import contact_sheet
 
 __all__ = ["main"]

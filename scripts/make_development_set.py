@@ -43,7 +43,7 @@ def write(mesh: Mesh, path: Path, seed: int) -> None:
 def write_creatures(output: Path, first_seed: int) -> int:
     from tqdm import tqdm
 
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+    from benchmarks.creatures import CREATURE_KINDS, make_creature
 
     written = 0
     for number, kind in enumerate(tqdm(sorted(CREATURE_KINDS), "creatures", disable=None)):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Train the models that ship with the package: "default" and "paper".
 
-Training shapes are the procedural creatures of `shapegoogle_core.evaluation.creatures`, and, with
+Training shapes are the procedural creatures of `benchmarks.creatures`, and, with
 --blend-meshes, the CC0 models that `scripts/export_blend_meshes.py` wrote. Never evaluation data.
 """
 
@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 import environment
 
 if TYPE_CHECKING:
-    from shapegoogle_core.training import TrainingShape
+    from shapegoogle_core.model.training import TrainingShape
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
 def creature_shapes(individuals: int, poses: int) -> list[TrainingShape]:
-    from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
-    from shapegoogle_core.training import TrainingShape
+    from benchmarks.creatures import CREATURE_KINDS, make_creature
+    from shapegoogle_core.model.training import TrainingShape
 
     shapes = []
     for kind in sorted(CREATURE_KINDS):
@@ -38,7 +38,7 @@ def creature_shapes(individuals: int, poses: int) -> list[TrainingShape]:
 
 def blend_shapes(folder: Path, poses: int) -> list[TrainingShape]:
     from shapegoogle_core.mesh import read_mesh
-    from shapegoogle_core.training import TrainingShape
+    from shapegoogle_core.model.training import TrainingShape
 
     with (folder / "meshes.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["pack"] != "posed_characters"]
@@ -61,13 +61,13 @@ def main() -> int:
     parser.add_argument("--poses", type=int, default=3, help="of each shape that has poses")
     parser.add_argument("--versions", type=int, default=8, help="transformed versions of each shape")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--output", type=Path, default=REPOSITORY / "shapegoogle_core" / "models")
+    parser.add_argument("--output", type=Path, default=REPOSITORY / "shapegoogle_core" / "model" / "shipped")
     arguments = parser.parse_args()
     environment.enter(("demo",))
 
-    from shapegoogle_core.progress import progress_bar
-    from shapegoogle_core.settings import PRESETS
-    from shapegoogle_core.training import train_model
+    from shapegoogle_core.model import PRESETS
+    from shapegoogle_core.model.training import train_model
+    from shapegoogle_core.processes.progress import progress_bar
 
     shapes = creature_shapes(arguments.individuals, arguments.poses)
     sources = f"{len(shapes)} procedural creatures"

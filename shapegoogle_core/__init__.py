@@ -11,8 +11,6 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from shapegoogle_core.bags import bag_of_features as bag_of_features
-    from shapegoogle_core.bags import spatially_sensitive_bag as spatially_sensitive_bag
     from shapegoogle_core.correspondence import VertexMatch as VertexMatch
     from shapegoogle_core.correspondence import match_vertices as match_vertices
     from shapegoogle_core.descriptors import heat_kernel as heat_kernel
@@ -23,48 +21,46 @@ if TYPE_CHECKING:
     from shapegoogle_core.errors import MeshError as MeshError
     from shapegoogle_core.errors import ModelError as ModelError
     from shapegoogle_core.errors import ShapeGoogleError as ShapeGoogleError
-    from shapegoogle_core.heat_diffusion import full_heat_kernel as full_heat_kernel
-    from shapegoogle_core.heat_diffusion import full_heat_kernel_signature as full_heat_kernel_signature
     from shapegoogle_core.keypoints import Keypoints as Keypoints
     from shapegoogle_core.keypoints import detect_keypoints as detect_keypoints
     from shapegoogle_core.laplacian import Operator as Operator
     from shapegoogle_core.laplacian import build_operator as build_operator
     from shapegoogle_core.library import Library as Library
     from shapegoogle_core.library import Match as Match
-    from shapegoogle_core.mending import Mending as Mending
-    from shapegoogle_core.mending import mend as mend
     from shapegoogle_core.mesh import Mesh as Mesh
     from shapegoogle_core.mesh import read_mesh as read_mesh
     from shapegoogle_core.model import ShapeModel as ShapeModel
     from shapegoogle_core.model import ShapeSignature as ShapeSignature
     from shapegoogle_core.model import load_model as load_model
-    from shapegoogle_core.spectrum import Spectrum as Spectrum
-    from shapegoogle_core.spectrum import compute_spectrum as compute_spectrum
-    from shapegoogle_core.vertex_signatures import VertexKeypoints as VertexKeypoints
-    from shapegoogle_core.vertex_signatures import VertexSpectrum as VertexSpectrum
-    from shapegoogle_core.vertex_signatures import VertexWords as VertexWords
-    from shapegoogle_core.vertex_signatures import vertex_keypoints as vertex_keypoints
-    from shapegoogle_core.vertex_signatures import vertex_spectrum as vertex_spectrum
-    from shapegoogle_core.vertex_signatures import vertex_words as vertex_words
+    from shapegoogle_core.model.vertex_signatures import VertexKeypoints as VertexKeypoints
+    from shapegoogle_core.model.vertex_signatures import VertexSpectrum as VertexSpectrum
+    from shapegoogle_core.model.vertex_signatures import VertexWords as VertexWords
+    from shapegoogle_core.model.vertex_signatures import vertex_keypoints as vertex_keypoints
+    from shapegoogle_core.model.vertex_signatures import vertex_spectrum as vertex_spectrum
+    from shapegoogle_core.model.vertex_signatures import vertex_words as vertex_words
+    from shapegoogle_core.preprocessing import Mending as Mending
+    from shapegoogle_core.preprocessing import mend as mend
+    from shapegoogle_core.spectral import Spectrum as Spectrum
+    from shapegoogle_core.spectral import compute_spectrum as compute_spectrum
+    from shapegoogle_core.spectral.small_times import full_heat_kernel as full_heat_kernel
+    from shapegoogle_core.spectral.small_times import full_heat_kernel_signature as full_heat_kernel_signature
+    from shapegoogle_core.words import bag_of_features as bag_of_features
     from shapegoogle_core.words import hard_words as hard_words
     from shapegoogle_core.words import soft_words as soft_words
+    from shapegoogle_core.words import spatially_sensitive_bag as spatially_sensitive_bag
 
 # Where each public name is; its module, and all that brings along, is imported when the name is first used:
 # together they take half a second, which an error message, a help text or Blender's start need not wait for.
 _MODULES = {
-    "bags": ("bag_of_features", "spatially_sensitive_bag"),
     "correspondence": ("VertexMatch", "match_vertices"),
     "descriptors": ("heat_kernel", "heat_kernel_signature", "scale_invariant_hks", "wave_kernel_signature"),
     "errors": ("LibraryError", "MeshError", "ModelError", "ShapeGoogleError"),
-    "heat_diffusion": ("full_heat_kernel", "full_heat_kernel_signature"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
     "library": ("Library", "Match"),
-    "mending": ("Mending", "mend"),
     "mesh": ("Mesh", "read_mesh"),
     "model": ("ShapeModel", "ShapeSignature", "load_model"),
-    "spectrum": ("Spectrum", "compute_spectrum"),
-    "vertex_signatures": (
+    "model.vertex_signatures": (
         "VertexKeypoints",
         "VertexSpectrum",
         "VertexWords",
@@ -72,7 +68,10 @@ _MODULES = {
         "vertex_spectrum",
         "vertex_words",
     ),
-    "words": ("hard_words", "soft_words"),
+    "preprocessing": ("Mending", "mend"),
+    "spectral": ("Spectrum", "compute_spectrum"),
+    "spectral.small_times": ("full_heat_kernel", "full_heat_kernel_signature"),
+    "words": ("bag_of_features", "hard_words", "soft_words", "spatially_sensitive_bag"),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

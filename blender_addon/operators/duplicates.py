@@ -69,7 +69,7 @@ class _Similar(_Search):
         self.go_on()
 
     def go_on(self) -> None:
-        from shapegoogle_core.library.tasks import describe_meshes
+        from shapegoogle_core.service.requests import describe_meshes
 
         count = len(self._signatures)
         if count < len(self._meshes):
@@ -113,7 +113,7 @@ def _group(
     signatures: Sequence[ShapeSignature | str],
     least: float,
 ) -> list[duplicates.Group]:
-    from shapegoogle_core.library.tasks import group_similar
+    from shapegoogle_core.service.requests import group_similar
 
     # What cannot be described, such as a plane without area, is like nothing.
     described = [
@@ -170,7 +170,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         if shown.scope == "LIBRARY":
-            from shapegoogle_core.library.tasks import library_duplicates
+            from shapegoogle_core.service.requests import library_duplicates
 
             library = _Library()
             _running.append(library)
@@ -192,7 +192,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Look for all of it now."""
         from shapegoogle_core import Library, ShapeGoogleError
-        from shapegoogle_core.library.tasks import describe_meshes
+        from shapegoogle_core.service.requests import describe_meshes
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()

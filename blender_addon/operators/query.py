@@ -16,7 +16,7 @@ from ..properties import examples_of, session_of
 from ..scene_index import file_of, is_here
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library.tasks import Answer
+    from shapegoogle_core.service.requests import Answer
 
 __all__ = ["register", "unregister"]
 
@@ -81,7 +81,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Ask and wait for the answer."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.library.tasks import explain
+        from shapegoogle_core.service.requests import explain
 
         started = time.monotonic()
         future = self._ask(context)
@@ -104,7 +104,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
 
     def _ask(self, context: Any) -> Future[Answer] | None:
         from shapegoogle_core import MeshError
-        from shapegoogle_core.library.tasks import query
+        from shapegoogle_core.service.requests import query
 
         session = session_of(context)
         examples = _examples(context)
@@ -173,7 +173,7 @@ def _show_kinds(context: Any, kinds: dict[int, str]) -> None:
 
 def _explain_shown(answer: Answer, first: int = 0) -> None:
     """Say what kind of match each is: after the answer, a few at a time, as long as it is the one shown."""
-    from shapegoogle_core.library.tasks import explain
+    from shapegoogle_core.service.requests import explain
 
     portion = answer.matches[first : first + EXPLAINED_AT_ONCE]
     if not portion or _shown != [answer]:

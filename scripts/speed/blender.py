@@ -213,7 +213,7 @@ def fill(path: Path) -> None:
     from PIL import Image
 
     import shapegoogle_core as sg
-    from shapegoogle_core.evaluation.creatures import make_creature
+    from benchmarks.creatures import make_creature
     from shapegoogle_core.library import NewShape
     from speed.search import made_up_signature
 
@@ -234,7 +234,7 @@ def use_library(path: Path) -> None:
     """Choose it in the preferences, and have the worker open it, as the panel does when it is drawn."""
     import bpy
 
-    from shapegoogle_core.library.tasks import warm_up
+    from shapegoogle_core.service.requests import warm_up
 
     bpy.context.preferences.addons["blender_addon"].preferences.library = str(path)
     module("jobs").worker().submit(warm_up, path).result()
@@ -246,7 +246,7 @@ def select_creature(size: int) -> None:
     import trimesh
 
     import shapegoogle_core as sg
-    from shapegoogle_core.evaluation.creatures import make_creature
+    from benchmarks.creatures import make_creature
 
     steps = 0
     while size > LARGEST_CREATURE * 4**steps:
@@ -271,7 +271,7 @@ def measure_find(path: Path, repeats: int) -> Row:
     import bpy
 
     import shapegoogle_core as sg
-    from shapegoogle_core.library import tasks
+    from shapegoogle_core.service import requests as tasks
 
     scene, query = module("scene"), module("operators.query")
     watch = Stopwatch()

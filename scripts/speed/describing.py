@@ -24,10 +24,12 @@ from unittest.mock import patch
 import numpy as np
 
 import shapegoogle_core as sg
-from shapegoogle_core import describing, mending, model
-from shapegoogle_core.launching import single_threaded
+from shapegoogle_core.model import describe as describing
+from shapegoogle_core.model import shape_model as model
+from shapegoogle_core.model.settings import DESCRIPTORS
+from shapegoogle_core.preprocessing import preprocess as mending
+from shapegoogle_core.processes.launching import single_threaded
 from shapegoogle_core.registration import LocalWords
-from shapegoogle_core.settings import DESCRIPTORS
 from speed.measuring import Options, Row
 from speed.meshes import creature, write_mesh
 from speed.processes import figures_of

@@ -29,8 +29,8 @@ import trimesh
 
 import shapegoogle_core as sg
 from shapegoogle_core.indexing import iterate_shapes
-from shapegoogle_core.indexing.work import start_worker
-from shapegoogle_core.launching import single_threaded
+from shapegoogle_core.indexing.tasks import start_worker
+from shapegoogle_core.processes.launching import single_threaded
 from speed.measuring import Options, Row
 from speed.meshes import write_mesh
 from speed.processes import ProcessFigures, descendants

@@ -31,9 +31,9 @@ def creature(vertices: int, tolerance: float = 0.0) -> Mesh:
     import numpy as np
     import trimesh
 
+    from benchmarks.creatures import make_creature
     from shapegoogle_core import Mesh
-    from shapegoogle_core.evaluation.creatures import make_creature
-    from shapegoogle_core.mesh.resampling import simplify
+    from shapegoogle_core.preprocessing.resampling import simplify
 
     mesh = make_creature(KIND, SEED, min(vertices, LARGEST_CREATURE)).rest
     while len(mesh.vertices) < (1 - tolerance) * vertices:

@@ -27,12 +27,16 @@ from benchmark_duplicates import DECAY
 from numpy.typing import NDArray
 
 import shapegoogle_core as sg
-from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.library import NewShape
-from shapegoogle_core.library.code_index import CODE_TABLES, CodeTable, WordTable
-from shapegoogle_core.library.hamming import asymmetric_distances, count_bits, count_bits_portable
-from shapegoogle_core.library.search import CANDIDATES, ROUGH_PER_CANDIDATE
-from shapegoogle_core.settings import ChannelSettings, ModelSettings
+from shapegoogle_core.library.search.codes.code_index import CODE_TABLES, CodeTable, WordTable
+from shapegoogle_core.library.search.codes.hamming import (
+    asymmetric_distances,
+    count_bits,
+    count_bits_portable,
+)
+from shapegoogle_core.library.search.search import CANDIDATES, ROUGH_PER_CANDIDATE
+from shapegoogle_core.model import ChannelSettings, ModelSettings
+from shapegoogle_core.model.describe import ChannelWords
 from speed.measuring import Options, Row
 from speed.processes import figures_of
 from speed.reporting import label, panels
@@ -174,7 +178,7 @@ def measure_library(size: int, repeats: int, folder: Path) -> Row:
     full = size <= FULL_LIBRARY
     model, like = small_model(), None
     if full:
-        from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+        from benchmarks.creatures import CREATURE_KINDS, make_creature
 
         model = sg.load_model()
         like = model.describe(make_creature(CREATURE_KINDS[0], 100, 3_000).pose(100))

@@ -15,12 +15,12 @@ from scipy.spatial import KDTree
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature, wave_kernel_signature
 from shapegoogle_core.laplacian import Operator, build_operator
+from shapegoogle_core.mesh.checks import check_surface
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
-from shapegoogle_core.mesh.repair import check_surface, repair_mapped
-from shapegoogle_core.mesh.resampling import resample
-from shapegoogle_core.prolongation import vertex_prolongation
+from shapegoogle_core.mesh.prolongation import vertex_prolongation
+from shapegoogle_core.preprocessing import repair_mapped, resample
 from shapegoogle_core.registration.sample import farthest_points
-from shapegoogle_core.spectrum import Spectrum, operator_spectrum
+from shapegoogle_core.spectral import Spectrum, operator_spectrum
 
 __all__ = ["SurfaceSettings", "WorkingSurface", "distance_graph", "working_surface"]
 

@@ -21,7 +21,7 @@ from shapegoogle_core.descriptors.spectral import (
 from shapegoogle_core.descriptors.spin_image import vertex_spin_images
 from shapegoogle_core.descriptors.volumetric import volumetric_hks
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["DESCRIPTORS"]
 

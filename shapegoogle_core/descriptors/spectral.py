@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = [
     "global_point_signature",

@@ -13,7 +13,7 @@ from scipy.sparse import coo_array, csc_array, diags_array, eye_array
 from shapegoogle_core.descriptors.spectral import LEAST_HEAT, heat_kernel_signature
 from shapegoogle_core.laplacian import Operator
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.spectrum import operator_spectrum
+from shapegoogle_core.spectral import operator_spectrum
 
 __all__ = ["volumetric_hks"]
 

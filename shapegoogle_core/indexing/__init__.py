@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """From folders of files to a library: which files, their shapes, the worker processes, the batch."""
 
-from shapegoogle_core.indexing.batch import FileOutcome, IndexReport, index_files
 from shapegoogle_core.indexing.files import find_meshes
+from shapegoogle_core.indexing.index import FileOutcome, IndexReport, index_files
 from shapegoogle_core.indexing.readers import (
     ANSWER,
     ExternalReader,
@@ -15,7 +15,7 @@ from shapegoogle_core.indexing.readers import (
     read_shapes,
     readable_suffixes,
 )
-from shapegoogle_core.indexing.work import DescribedShape, describe_shape
+from shapegoogle_core.indexing.tasks import DescribedShape, describe_shape
 from shapegoogle_core.indexing.workers import default_jobs
 
 __all__ = [

@@ -36,8 +36,8 @@ from typing import Any
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.launching import NO_WINDOW, without_memory_limit
 from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
+from shapegoogle_core.processes.launching import NO_WINDOW, without_memory_limit
 
 __all__ = [
     "ANSWER",

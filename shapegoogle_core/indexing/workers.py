@@ -29,7 +29,7 @@ from typing import Self
 from pebble import ProcessExpired, ProcessPool
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.indexing.work import (
+from shapegoogle_core.indexing.tasks import (
     DescribedShape,
     Failure,
     ReadFile,

@@ -16,7 +16,7 @@ from shapegoogle_core.keypoints.harris import harris_3d
 from shapegoogle_core.keypoints.heat import hks_maxima
 from shapegoogle_core.keypoints.scale_space import mesh_dog, salient_points
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["DETECTORS", "Keypoints", "detect_keypoints"]
 

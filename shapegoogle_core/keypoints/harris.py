@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.keypoints.surroundings import discs, maxima_in
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["fit_quadrics", "harris_3d", "harris_response"]
 

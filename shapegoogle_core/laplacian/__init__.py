@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.laplacian.cotangents import cotangent, cotangent_voronoi
-from shapegoogle_core.laplacian.elements import fem1, fem2, fem3
-from shapegoogle_core.laplacian.flow import factor_definite, heat_step
+from shapegoogle_core.laplacian.cotangent import cotangent, cotangent_voronoi
+from shapegoogle_core.laplacian.fem import fem1, fem2, fem3
+from shapegoogle_core.laplacian.heat_step import factor_definite, heat_step
 from shapegoogle_core.laplacian.operator import Operator
 from shapegoogle_core.laplacian.tufted import point_cloud, robust
 from shapegoogle_core.mesh.mesh import Mesh, boundary_vertices

@@ -1,9 +1,35 @@
 # SPDX-License-Identifier: MIT
-"""A collection of shapes in one file: store, search, matches."""
+"""A library of shapes: storage, search, duplicates."""
 
-from shapegoogle_core.library.duplicates import DuplicateGroup, DuplicateMember
-from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
+import importlib
+from typing import TYPE_CHECKING
 
-__all__ = ["DuplicateGroup", "DuplicateMember", "Library", "Match", "NewShape", "ShapeRecord", "SourceRecord"]
+if TYPE_CHECKING:
+    from shapegoogle_core.library.duplicates.duplicates import DuplicateGroup as DuplicateGroup
+    from shapegoogle_core.library.duplicates.duplicates import DuplicateMember as DuplicateMember
+    from shapegoogle_core.library.library import Library as Library
+    from shapegoogle_core.library.match import Match as Match
+    from shapegoogle_core.library.storage.records import NewShape as NewShape
+    from shapegoogle_core.library.storage.records import ShapeRecord as ShapeRecord
+    from shapegoogle_core.library.storage.records import SourceRecord as SourceRecord
+
+# Imported when first used: the command line reads the default settings below this package without numpy.
+_MODULE_OF = {
+    "DuplicateGroup": "duplicates.duplicates",
+    "DuplicateMember": "duplicates.duplicates",
+    "Library": "library",
+    "Match": "match",
+    "NewShape": "storage.records",
+    "ShapeRecord": "storage.records",
+    "SourceRecord": "storage.records",
+}
+
+__all__ = sorted(_MODULE_OF)
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Import a public name when it is first used (PEP 562)."""
+        if name not in _MODULE_OF:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(importlib.import_module(f"{__name__}.{_MODULE_OF[name]}"), name)

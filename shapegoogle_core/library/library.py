@@ -10,21 +10,22 @@ from types import TracebackType
 from typing import Self
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.duplicate_evidence import EXPLAINED_MEMBERS, by_evidence
-from shapegoogle_core.library.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
-from shapegoogle_core.library.evidence import EXPLAINED, explain_matches
+from shapegoogle_core.library.duplicates.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
+from shapegoogle_core.library.duplicates.evidence import EXPLAINED_MEMBERS, by_evidence
+from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.missing import missing_files
-from shapegoogle_core.library.opening import open_store
-from shapegoogle_core.library.question import Question
-from shapegoogle_core.library.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.search import Search
-from shapegoogle_core.library.signatures import check_signature
-from shapegoogle_core.library.stars import Wrapper
-from shapegoogle_core.library.store import Store
-from shapegoogle_core.library.stored_samples import unpack_sample
+from shapegoogle_core.library.search.explain import EXPLAINED, explain_matches
+from shapegoogle_core.library.search.query import Question
+from shapegoogle_core.library.search.search import Search
+from shapegoogle_core.library.storage.missing import missing_files
+from shapegoogle_core.library.storage.opening import open_store
+from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
+from shapegoogle_core.library.storage.samples import unpack_sample
+from shapegoogle_core.library.storage.signatures import check_signature
+from shapegoogle_core.library.storage.sqlite import Store
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.shape_model import ShapeSignature
 
 __all__ = ["Library"]
 

@@ -7,53 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["FEWEST_POINTS", "check_cloud", "point_normals", "thin"]
+__all__ = ["point_normals", "thin"]
 
-FEWEST_POINTS = 10
-"""Fewer points than these are no shape."""
-
-# A cloud that is thinner in two directions than this share of its extent is a line.
-_LEAST_WIDTH = 1e-6
 _GRID_STEPS = 18  # of bisection: the cell to 1e-5 of the longest side
 _NEIGHBOURS = 16
-
-
-def check_cloud(mesh: Mesh) -> None:
-    """Raise unless points without faces can be described.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Faces, if there are any, are not looked at.
-
-    Raises
-    ------
-    MeshError
-        If there are fewer than ten different points, all lie on a line, or the coordinates are so large or
-        small that areas leave the range of floating-point numbers.
-    """
-    count = len(np.unique(mesh.vertices, axis=0))
-    if count < FEWEST_POINTS:
-        different = "" if count == len(mesh.vertices) else f", {count} of them at different places"
-        raise MeshError(
-            f"{mesh.name!r} has no faces and {len(mesh.vertices)} points{different}; a point cloud needs at "
-            f"least {FEWEST_POINTS}, a mesh its faces: export it again"
-        )
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        extent = np.ptp(mesh.vertices, axis=0).max()
-        area = extent**2
-    if not 0 < area < np.inf:
-        raise MeshError(
-            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
-            "scale the points to a usual size"
-        )
-    centered = (mesh.vertices - mesh.vertices.mean(axis=0)) / extent
-    widths = np.sqrt(np.maximum(np.linalg.eigvalsh(centered.T @ centered / len(centered)), 0))
-    if widths[1] < max(_LEAST_WIDTH, 8 * np.finfo(float).eps * np.abs(mesh.vertices).max() / extent):
-        raise MeshError(f"{mesh.name!r}: all its points lie on a line; a shape needs points of a surface")
 
 
 def thin(points: FloatArray, count: int) -> FloatArray:

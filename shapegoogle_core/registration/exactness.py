@@ -16,12 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.alignment import (
-    Frame,
-    Placed,
-    correspondences,
-    motions,
-)
+from shapegoogle_core.registration.alignment import Frame, Placed, correspondences, motions
 from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
 
 __all__ = ["RoughPose", "exact_fit", "rough_pose"]

@@ -162,8 +162,7 @@ def fit_local_words(samples: Sequence[SurfaceSample], settings: LocalSettings, s
     # These import scikit-learn: half a second that only training needs.
     from sklearn.cluster import MiniBatchKMeans
 
-    from shapegoogle_core.hashing import rotated_components
-    from shapegoogle_core.weighting import InverseDocumentFrequency
+    from shapegoogle_core.words import InverseDocumentFrequency, rotated_components
 
     random = np.random.default_rng(seed)
     descriptors = np.concatenate([sample.descriptors for sample in samples])

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
-from shapegoogle_core.medial import medial_radii
 from shapegoogle_core.mesh.cloud import point_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_normals
-from shapegoogle_core.spectrum import Spectrum
+from shapegoogle_core.registration.medial import medial_radii
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("skimage", reason="making creatures needs scikit-image")
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 # In the order in which they import one another.

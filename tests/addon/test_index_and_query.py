@@ -13,8 +13,8 @@ import bpy
 import numpy as np
 import pytest
 
+from benchmarks.creatures import make_creature
 from shapegoogle_core import Library, ShapeGoogleError
-from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.mesh.mesh import face_areas
 from tests.addon.conftest import to_point_cloud
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import shapegoogle_core as sg
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.rendering import word_palette
 from tests.addon.conftest import addon_name

@@ -59,6 +59,6 @@ def test_importing_the_package_imports_nothing_large() -> None:
     assert not modules_after("-c", "from shapegoogle_core import MeshError").intersection(HEAVY)
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["query", "--help"], ["benchmark", "--help"]])
+@pytest.mark.parametrize("arguments", [["--help"], ["query", "--help"], ["train", "--help"]])
 def test_help_imports_nothing_large(arguments: list[str]) -> None:
     assert not modules_after("-m", "shapegoogle_core", *arguments).intersection(HEAVY)

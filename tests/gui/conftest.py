@@ -25,7 +25,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent

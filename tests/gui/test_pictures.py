@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 from tests.gui.conftest import FIRST, ROOT, SIZE, write_ply
 
 TARGET = os.environ.get("SHAPEGOOGLE_SCREENSHOTS")

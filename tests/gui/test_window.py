@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.evaluation.creatures import make_creature
+from benchmarks.creatures import make_creature
 from tests.gui.conftest import CREATURES, FIRST, LAST, LIMIT, QUERY, colorful
 
 NAME = "Rearing Horse"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
+from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh, read_mesh
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "demo.py"

@@ -9,7 +9,7 @@ import trimesh
 
 from shapegoogle_core import Mesh, MeshError, VertexMatch, match_vertices
 from shapegoogle_core.correspondence import SurfaceSettings, match_with_points
-from shapegoogle_core.mesh.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 
 # Small copies, so that a test takes a second; the defaults are measured by the benchmark.
 QUICK = SurfaceSettings(floor=600, budget=1200, eigenpairs=60, samples=500, compared=200)
@@ -33,7 +33,7 @@ def turned(mesh: Mesh, scale: float = 2.5) -> Mesh:
 @pytest.fixture(scope="module")
 def creature():
     pytest.importorskip("skimage")
-    from shapegoogle_core.evaluation.creatures import make_creature
+    from benchmarks.creatures import make_creature
 
     return make_creature("horse", 102, 2500)
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.describing import ChannelWords
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature
-from shapegoogle_core.settings import ChannelSettings, ModelSettings
+from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
+from shapegoogle_core.model.describe import ChannelWords
+from shapegoogle_core.model.shape_model import ShapeSignature
 
 SignatureMaker = Callable[..., ShapeSignature]
 

@@ -13,15 +13,9 @@ from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core import Mesh, compute_spectrum
-from shapegoogle_core.evaluation.transformations import transform
-from shapegoogle_core.mending import Mending, mend
-from shapegoogle_core.registration import (
-    Placed,
-    SampleSettings,
-    SurfaceSample,
-    align,
-    sample_surface,
-)
+from shapegoogle_core.model.augmentation import transform
+from shapegoogle_core.preprocessing import Mending, mend
+from shapegoogle_core.registration import Placed, SampleSettings, SurfaceSample, align, sample_surface
 from shapegoogle_core.registration.alignment import similarity_transformations
 
 

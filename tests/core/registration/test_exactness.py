@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.creatures import make_creature
+from benchmarks.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
-from shapegoogle_core.evaluation.creatures import make_creature
-from shapegoogle_core.evaluation.evidence_pairs import cut
-from shapegoogle_core.mesh.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 from shapegoogle_core.registration import Placed, SampleSettings, sample_surface
 from shapegoogle_core.registration.alignment import SHARED_SCALES, Frame
 from shapegoogle_core.registration.exactness import exact_fit, rough_pose

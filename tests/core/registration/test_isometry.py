@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.creatures import make_creature
 from shapegoogle_core import Mesh, compute_spectrum
-from shapegoogle_core.evaluation.creatures import make_creature
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
 from shapegoogle_core.registration.isometry import functional_map, spectral_difference
 

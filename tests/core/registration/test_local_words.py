@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.evaluation.creatures import CREATURE_KINDS, make_creature
-from shapegoogle_core.evaluation.transformations import transform
+from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.registration import (
     LocalSettings,
     LocalWords,

@@ -8,9 +8,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from benchmarks.creatures import make_creature
+from benchmarks.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
-from shapegoogle_core.evaluation.creatures import make_creature
-from shapegoogle_core.evaluation.evidence_pairs import cut
 from shapegoogle_core.registration import (
     Placed,
     SampleSettings,

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Measuring the product; not shipped with it."""

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: MIT
+"""Procedurally made articulated shapes, seeded: many kinds, any number of individuals and poses."""
+
+from benchmarks.creatures.creature import CREATURE_KINDS, Creature, make_creature
+
+__all__ = ["CREATURE_KINDS", "Creature", "make_creature"]

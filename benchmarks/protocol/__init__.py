@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The protocol of SHREC 2010: collections, queries, metrics, results."""

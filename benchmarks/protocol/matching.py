@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""What a variant of the search is: a name, and distances from queries to a database."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.protocol.collection import BenchmarkShape
+from benchmarks.protocol.spectra_cache import Arrays
+from benchmarks.protocol.workshop import Workshop
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model.describe import FloatBags
+
+__all__ = ["Matched", "Variant", "VariantGroup", "between", "median_seconds", "stacked"]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One row of the benchmark's table.
+
+    Attributes
+    ----------
+    name : str
+        Unlike those of all other variants.
+    family : {"baseline", "bags", "codes", "model"}
+    parameters : dict of str to str, int or float
+        Columns of the overview.
+    headline : bool
+        Whether labelled collections are scored with it too.
+    """
+
+    name: str
+    family: str
+    parameters: dict[str, str | int | float] = field(default_factory=dict, hash=False)
+    headline: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """The distances that a variant gives.
+
+    Attributes
+    ----------
+    variant : Variant
+    distances : (q, d) array
+        Infinite to or from a shape that could not be described.
+    seconds : float
+        To match one query with the database, once all are described.
+    bytes_per_shape : int
+        What is kept of a database shape to match with.
+    describe_seconds : float
+        As in `VariantResult`.
+    """
+
+    variant: Variant
+    distances: FloatArray
+    seconds: float
+    bytes_per_shape: int
+    describe_seconds: float
+
+
+class VariantGroup(Protocol):
+    """Variants that share what they compute of each shape."""
+
+    @property
+    def variants(self) -> tuple[Variant, ...]:
+        """In the order of the table."""
+
+    def only(self, names: set[str]) -> Self:
+        """Leave the variants with other names out."""
+
+    def match(
+        self, workshop: Workshop, queries: Sequence[BenchmarkShape], database: Sequence[BenchmarkShape]
+    ) -> Iterator[Matched]:
+        """Compare all queries with the database, for each of the variants."""
+
+
+def between(
+    variant: Variant,
+    distance: Callable[[FloatBags, FloatBags], FloatArray],
+    queries: FloatBags,
+    database: FloatBags,
+    bytes_per_shape: int,
+    describe_seconds: float,
+) -> Matched:
+    """Compare described shapes.
+
+    Parameters
+    ----------
+    variant : Variant
+    distance : callable
+        Of (q, …) and (d, …) rows without NaN, gives (q, d).
+    queries, database : (q, …) and (d, …) arrays
+        From `stacked`: rows of NaN are shapes that failed.
+    bytes_per_shape : int
+    describe_seconds : float
+
+    Returns
+    -------
+    matched : Matched
+    """
+    asked, known = ~_failed(queries), ~_failed(database)
+    distances = np.full((len(queries), len(database)), np.inf)
+    started = time.perf_counter()
+    if asked.any() and known.any():
+        distances[np.ix_(asked, known)] = distance(queries[asked], database[known])
+    seconds = (time.perf_counter() - started) / max(int(asked.sum()), 1)
+    return Matched(variant, distances, seconds, bytes_per_shape, describe_seconds)
+
+
+def stacked(descriptions: Sequence[Arrays | None], name: str) -> FloatBags:
+    """One row for each shape.
+
+    Parameters
+    ----------
+    descriptions : sequence of dict of str to array, or None
+        From `Workshop.describe`.
+    name : str
+        Of the array.
+
+    Returns
+    -------
+    rows : (n, …) array of float32
+        NaN for shapes that failed.
+    """
+    size = next((entry[name].shape for entry in descriptions if entry is not None), (1,))
+    rows = np.full((len(descriptions), *size), np.nan, np.float32)
+    for row, entry in zip(rows, descriptions, strict=True):
+        if entry is not None:
+            row[...] = entry[name]
+    return rows
+
+
+def median_seconds(descriptions: Iterable[Arrays | None]) -> float:
+    """Median of the processor time that descriptions took, of those that did not fail.
+
+    Parameters
+    ----------
+    descriptions : iterable of dict of str to array, or None
+        From `Workshop.describe`; "seconds" holds the time, also of those that were found in the cache.
+
+    Returns
+    -------
+    seconds : float
+        NaN if all failed.
+    """
+    times = [float(entry["seconds"]) for entry in descriptions if entry is not None]
+    return float(np.median(times)) if times else float("nan")
+
+
+def _failed(rows: FloatBags) -> NDArray[np.bool_]:
+    return np.asarray(np.isnan(rows).any(axis=tuple(range(1, rows.ndim))), dtype=np.bool_)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""The benchmark: every variant answers every query, and is scored (paper, section 6.1)."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Sequence
+from datetime import datetime
+from importlib import metadata
+from itertools import chain
+
+import numpy as np
+
+from benchmarks.protocol.collection import Collection, LabelledCollection
+from benchmarks.protocol.matching import VariantGroup
+from benchmarks.protocol.metrics import category_scores
+from benchmarks.protocol.results import BenchmarkResult, CategoryResult, VariantResult
+from benchmarks.protocol.scoring import score_variant
+from benchmarks.protocol.spectra_cache import BenchmarkCache
+from benchmarks.protocol.workshop import Progress, Workshop
+from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.processes.progress import progress_bar
+
+__all__ = ["run_benchmark"]
+
+
+def run_benchmark(
+    collection: Collection,
+    labelled: Sequence[LabelledCollection],
+    variants: Sequence[VariantGroup],
+    cache: BenchmarkCache,
+    *,
+    jobs: int = 1,
+    seed: int = 0,
+    progress: Progress = progress_bar,
+) -> BenchmarkResult:
+    """Measure variants of the search.
+
+    What was computed before is taken from the cache, so a run that was ended goes on where it was. No shape
+    ends the run: a query that cannot be described counts as if its null shape stood last, a database shape
+    that cannot be described stands last, and a query that cannot be made of its null shape is left out. All
+    are listed in `BenchmarkResult.problems`.
+
+    Parameters
+    ----------
+    collection : Collection
+        Ranked retrieval: null shapes and unrelated ones, and the queries.
+    labelled : sequence of LabelledCollection
+        In which every shape asks for the others of its class; only headline variants do.
+    variants : sequence of VariantGroup
+        In the order of the table.
+    cache : BenchmarkCache
+    jobs : int
+        Worker processes; 0 works in this process. Call it under ``if __name__ == "__main__":`` else.
+    seed : int
+        What the result says of the seed of all random choices.
+    progress : callable
+        Wraps an iterable: `progress(iterable, description, total)`.
+
+    Returns
+    -------
+    result : BenchmarkResult
+
+    Raises
+    ------
+    BenchmarkError
+        If there is no variant, no query can be made, or the cache cannot be written.
+    """
+    if not any(group.variants for group in variants):
+        raise BenchmarkError("no variant of the search is chosen; leave --variants out to measure all")
+    workshop = Workshop(cache, jobs, progress)
+    results: list[VariantResult] = []
+    categories: list[CategoryResult] = []
+    for group in variants:
+        results += _ranked(collection, group, workshop)
+        for labels in labelled:
+            categories += _labelled(labels, group, workshop)
+    order = {variant.name: place for place, variant in enumerate(chain(*(g.variants for g in variants)))}
+    return BenchmarkResult(
+        collection=collection.name,
+        counts={**collection.counts(), "queries": len(results[0].outcomes)},
+        version=metadata.version("shapegoogle-core"),
+        machine={
+            "system": platform.system(),
+            "processor": platform.machine(),
+            "cores": os.cpu_count() or 1,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+        },
+        seed=seed,
+        variants=tuple(sorted(results, key=lambda result: order[result.name])),
+        categories=tuple(categories),
+        date=datetime.now().astimezone().isoformat(timespec="minutes"),
+        problems=workshop.problems,
+    )
+
+
+def _ranked(collection: Collection, group: VariantGroup, workshop: Workshop) -> list[VariantResult]:
+    results = []
+    database = [shape.name for shape in collection.database]
+    for matched in group.match(workshop, collection.queries, collection.database):
+        # Which queries cannot be made is known once somebody tried.
+        rows = [row for row, query in enumerate(collection.queries) if query.name not in workshop.left_out]
+        if not rows:
+            raise BenchmarkError(
+                f"none of the {len(collection.queries)} queries of {collection.name!r} can be made; take "
+                "finer null shapes"
+            )
+        variant = matched.variant
+        results.append(
+            score_variant(
+                variant.name,
+                variant.family,
+                variant.parameters,
+                matched.distances[rows],
+                [collection.queries[row] for row in rows],
+                database,
+                matched.seconds,
+                matched.bytes_per_shape,
+                matched.describe_seconds,
+            )
+        )
+    return results
+
+
+def _labelled(
+    collection: LabelledCollection, group: VariantGroup, workshop: Workshop
+) -> list[CategoryResult]:
+    chosen = group.only({variant.name for variant in group.variants if variant.headline})
+    if not chosen.variants:
+        return []
+    return [
+        CategoryResult(
+            collection.name, matched.variant.name, category_scores(matched.distances, collection.labels)
+        )
+        for matched in chosen.match(workshop, collection.shapes, collection.shapes)
+    ]

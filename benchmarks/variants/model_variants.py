@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: MIT
+"""A trained model as rows of the benchmark: its full bags, its codes, and the search as a user gets it."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from benchmarks.protocol.collection import BenchmarkShape
+from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
+from benchmarks.protocol.spectra_cache import (
+    SEARCH_CODE,
+    SIGNATURE_CODE,
+    Arrays,
+    BenchmarkCache,
+    code_digest,
+    digest,
+)
+from benchmarks.protocol.workshop import Source, Workshop, shape_key
+from shapegoogle_core.indexing import index_files
+from shapegoogle_core.indexing.files import absolute
+from shapegoogle_core.library import Library
+from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model import ShapeModel, load_model, row_distances
+from shapegoogle_core.model.describe import FloatBags
+
+__all__ = ["ModelGroup", "model_group"]
+
+
+@dataclass(frozen=True)
+class _SignatureTask:
+    """Describe a shape with a model."""
+
+    model_file: Path
+    key: str
+    title: str
+    kind: str = "signatures"
+
+    def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
+        del cache  # nothing on the way to a signature is kept
+        mesh, model = source.mesh(), _model(self.model_file)
+        started = time.process_time()
+        signature = model.describe(mesh)
+        seconds = time.process_time() - started
+        return {"bags": signature.bags, "code": signature.code, "seconds": np.array(seconds)}
+
+
+@dataclass(frozen=True)
+class _SearchTask:
+    """Ask a library for a shape, as a user does."""
+
+    library_file: Path
+    shapes: int
+    key: str
+    title: str
+    kind: str = "answers"
+
+    def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
+        del cache
+        mesh, library = source.mesh(), _library(self.library_file)
+        started = time.process_time()
+        signature = library.model.describe(mesh)
+        described = time.process_time() - started
+        started = time.perf_counter()
+        matches = library.query_signature(signature, top=_TOP)
+        seconds = time.perf_counter() - started
+        # Who asks for ten sees no more. The places behind them are those of who asks for all.
+        seen = {match.shape_id for match in matches}
+        everything = library.query_signature(signature, top=self.shapes)
+        matches += [match for match in everything if match.shape_id not in seen]
+        return {
+            "sources": np.array([match.source for match in matches], dtype=np.str_),
+            "distances": np.array([match.distance for match in matches], dtype=np.float64),
+            "seconds": np.array(described),
+            "query_seconds": np.array(seconds),
+        }
+
+
+# What `shapegoogle query` asks for unless told otherwise.
+_TOP = 10
+
+
+# Worker processes ask for the same ones for every shape.
+@lru_cache(maxsize=2)
+def _model(path: Path) -> ShapeModel:
+    return load_model(path)
+
+
+@lru_cache(maxsize=1)
+def _library(path: Path) -> Library:
+    return Library.open(path, read_only=True)
+
+
+@dataclass(frozen=True, eq=False)
+class ModelGroup:
+    """The rows of one model, see `model_group`."""
+
+    model: ShapeModel
+    variants: tuple[Variant, ...]
+
+    def only(self, names: set[str]) -> Self:
+        """Leave the variants with other names out."""
+        return replace(self, variants=tuple(v for v in self.variants if v.name in names))
+
+    def match(
+        self, workshop: Workshop, queries: Sequence[BenchmarkShape], database: Sequence[BenchmarkShape]
+    ) -> Iterator[Matched]:
+        """Compare all queries with the database, for each of the variants."""
+        stages = {variant.parameters["stage"]: variant for variant in self.variants}
+        if stages.keys() - {"search"}:
+            yield from self._match_signatures(workshop, queries, database, stages)
+        if "search" in stages:
+            yield self._search(workshop, queries, database, stages["search"])
+
+    def _match_signatures(
+        self,
+        workshop: Workshop,
+        queries: Sequence[BenchmarkShape],
+        database: Sequence[BenchmarkShape],
+        stages: dict[str | int | float, Variant],
+    ) -> Iterator[Matched]:
+        model = self.model
+        path = workshop.cache.path("models", model.identifier)
+        if not path.exists():
+            unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+            model.save(unfinished)
+            unfinished.replace(path)
+        key = digest(model.identifier, code_digest(SIGNATURE_CODE))
+        task = _SignatureTask(path, key, f"{model.name}: signatures")
+        known, asked = workshop.describe(task, database), workshop.describe(task, queries)
+        cost = median_seconds([*known, *asked])
+        if "full bags" in stages:
+            first, second = (
+                _where_finite(model.comparable, stacked(described, "bags")) for described in (asked, known)
+            )
+
+            def compare(queries: FloatBags, others: FloatBags) -> FloatArray:
+                metric = model.settings.metric
+                return np.array([row_distances(metric, query[None], others) for query in queries])
+
+            # Bags are kept as half floats.
+            yield between(stages["full bags"], compare, first, second, 2 * model.bag_size, cost)
+        if "codes" in stages:
+            first, second = stacked(asked, "code"), stacked(known, "code")
+            yield between(stages["codes"], hamming, first, second, model.code_bits // 8, cost)
+        if "asymmetric codes" in stages:
+            first = _where_finite(model.code_projections, stacked(asked, "bags"))
+            second = stacked(known, "code")
+
+            def weigh(projections: FloatBags, codes: FloatBags) -> FloatArray:
+                packed = codes.astype(np.uint8)
+                return np.array([asymmetric_distances(packed, one) for one in projections], np.float64)
+
+            yield between(stages["asymmetric codes"], weigh, first, second, model.code_bits // 8, cost)
+
+    def _search(
+        self,
+        workshop: Workshop,
+        queries: Sequence[BenchmarkShape],
+        database: Sequence[BenchmarkShape],
+        variant: Variant,
+    ) -> Matched:
+        paths = [absolute(shape.path) for shape in database]
+        contents = [shape_key(shape) for shape in database]
+        key = digest(self.model.identifier, code_digest(SEARCH_CODE), [str(path) for path in paths], contents)
+        library_file = workshop.cache.path("libraries", key, ".sglib")
+        with Library.open(library_file, self.model) as library:
+            bytes_per_shape = self._index(workshop, library, dict(zip(paths, database, strict=True)))
+        task = _SearchTask(library_file, len(database), key, f"{self.model.name}: search")
+        answers = workshop.describe(task, queries)
+        column = {str(path): index for index, path in enumerate(paths)}
+        distances = np.full((len(queries), len(database)), np.inf)
+        times = []
+        for row, answer in zip(distances, answers, strict=True):
+            if answer is not None:
+                places = [column[source] for source in answer["sources"]]
+                row[places] = _in_order(answer["distances"])
+                times.append(answer["query_seconds"])
+        seconds = float(np.median(times)) if times else float("nan")
+        return Matched(variant, distances, seconds, bytes_per_shape, median_seconds(answers))
+
+    def _index(self, workshop: Workshop, library: Library, shapes: dict[Path, BenchmarkShape]) -> int:
+        """Put the database into a library and return how many bytes it keeps of a shape to match with."""
+        title = f"{self.model.name}: library"
+        bar = iter(workshop.progress(range(len(shapes)), title, len(shapes)))
+        report = index_files(
+            library, list(shapes), jobs=max(workshop.jobs, 1), progress=lambda _: next(bar, None)
+        )
+        next(bar, None)  # past the last one, the bar closes
+        for path, reason in report.failed:
+            workshop.failures[shapes[path].name] = reason
+        size = int(str(library.info()["bytes"])) - len(self.model.to_bytes())
+        size -= sum(len(library.thumbnail(shape.shape_id) or b"") for shape in library.shapes())
+        return max(size, 0) // max(len(library), 1)
+
+
+def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
+    """Make the rows of a model.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    name : str, optional
+        What the rows call it; left out, the model's name.
+
+    Returns
+    -------
+    group : ModelGroup
+        Four variants: "full bags" compares the bags of all shapes, "codes" their codes alone, "asymmetric
+        codes" the same codes with the query's projections, and "search" asks a `Library` in a file for ten
+        matches, as a user does: codes, bags, then geometry in turn.
+    """
+    name = name or model.name
+    bits = model.code_bits
+    described: dict[str, str | int | float] = {"model": name, "bits": bits}
+    return ModelGroup(
+        model,
+        (
+            Variant(f"{name} · full bags", "model", {"model": name, "stage": "full bags"}, headline=True),
+            Variant(f"{name} · {bits}-bit codes", "codes", {**described, "stage": "codes"}, headline=True),
+            Variant(
+                f"{name} · {bits}-bit codes, asymmetric",
+                "codes",
+                {**described, "stage": "asymmetric codes"},
+                headline=True,
+            ),
+            Variant(f"{name} · search", "model", {**described, "stage": "search"}, headline=True),
+        ),
+    )
+
+
+def hamming(first: FloatBags, second: FloatBags) -> FloatArray:
+    """Hamming distances between packed codes.
+
+    Parameters
+    ----------
+    first, second : (q, bytes) and (d, bytes) arrays
+        Whole numbers from 0 to 255.
+
+    Returns
+    -------
+    distances : (q, d) array
+        Numbers of differing bits.
+    """
+    a, b = (np.unpackbits(codes.astype(np.uint8), axis=1) for codes in (first, second))
+    return np.asarray(cdist(a, b, "cityblock"), np.float64)
+
+
+def _where_finite(function: Callable[[FloatBags], FloatBags], rows: FloatBags) -> FloatBags:
+    """Apply a function of rows to those that are no NaN."""
+    usable = np.isfinite(rows).all(axis=1)
+    if not usable.any():
+        return rows
+    values = function(rows[usable])
+    result = np.full((len(rows), values.shape[1]), np.nan, np.float32)
+    result[usable] = values
+    return result
+
+
+def _in_order(distances: FloatArray) -> FloatArray:
+    """Distances of answers, best first, changed as little as makes them increase.
+
+    The search decides the order, by names where distances are equal; a re-ranking may go against them.
+    """
+    steps = np.arange(len(distances)) * 1e-9
+    return np.asarray(np.maximum.accumulate(distances) + steps)

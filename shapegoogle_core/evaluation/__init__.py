@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Transformations, procedural shapes, protocol and metrics: how well the search works."""

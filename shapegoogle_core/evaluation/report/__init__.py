@@ -1,6 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""The page that shows what a benchmark found; needs matplotlib and jinja2."""
-
-from shapegoogle_core.evaluation.report.page import write_report
-
-__all__ = ["write_report"]

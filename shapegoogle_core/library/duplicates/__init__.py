@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Groups of duplicates in a library."""

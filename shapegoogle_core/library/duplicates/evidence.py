@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""What the members of a group of duplicates are: exact copies apart from other meshes, poses and parts."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+from threadpoolctl import threadpool_limits
+
+from shapegoogle_core.library.defaults import EXPLAINED_MEMBERS
+from shapegoogle_core.library.duplicates.duplicates import (
+    DuplicateGroup,
+    DuplicateMember,
+    distance_at,
+    largest_saving_first,
+)
+from shapegoogle_core.library.search.explain import Compared, Explainer
+from shapegoogle_core.library.storage.records import ShapeRecord
+from shapegoogle_core.library.storage.samples import unpack_sample
+from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.model import ShapeModel
+
+__all__ = ["EXPLAINED_MEMBERS", "by_evidence"]
+
+# Groups of which samples are in memory at once.
+_PAGE = 200
+
+
+def by_evidence(
+    store: Store, model: ShapeModel, groups: Sequence[DuplicateGroup], explained: int = EXPLAINED_MEMBERS
+) -> list[DuplicateGroup]:
+    """Split groups by what geometry says of their members.
+
+    Copies of a mesh with its vertices in the same order are told at once, so all members are asked for that.
+    Laying others over the first takes longer; it is done in the order of the savings, and for those that are
+    left the group says "same" or "similar" as before.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+    groups : sequence of DuplicateGroup
+        From `find_duplicates`.
+    explained : int, optional
+        How many members are laid over the first of their groups.
+
+    Returns
+    -------
+    groups : list of DuplicateGroup
+        The largest saving first. A group may have become several, one for each kind of evidence, each with
+        the same first member; groups of copied files stay as they are.
+    """
+    split = [group for group in groups if group.kind == "copies"]
+    asked = [group for group in groups if group.kind != "copies"]
+    if model.settings.sample is None:
+        return largest_saving_first([*split, *asked])
+    left = explained
+    with threadpool_limits(1, user_api="blas"):
+        for start in range(0, len(asked), _PAGE):
+            page = asked[start : start + _PAGE]
+            wanted = [member.shape_id for group in page for member in group.members]
+            records = {record.shape_id: record for record in store.shapes(wanted)}
+            for group in page:
+                known = _compared(store, model, group, records)
+                parts, used = _split(model, group, known, left)
+                split += parts
+                left -= used
+    return largest_saving_first(split)
+
+
+def _compared(
+    store: Store, model: ShapeModel, group: DuplicateGroup, records: dict[int, ShapeRecord]
+) -> dict[int, Compared]:
+    """Read what is compared of the members of a group, but for those that were removed meanwhile."""
+    samples = store.samples([member.shape_id for member in group.members])
+    known = {}
+    for shape_id, data in samples.items():
+        record = records.get(shape_id)
+        if record is not None:
+            sample = unpack_sample(store, model, shape_id, data)
+            known[shape_id] = Compared(sample, record.vertex_count, record.face_count, record.area)
+    return known
+
+
+def _split(
+    model: ShapeModel, group: DuplicateGroup, known: dict[int, Compared], left: int
+) -> tuple[list[DuplicateGroup], int]:
+    """Split a group, and count the members that were laid over the first one for it."""
+    first = group.members[0]
+    if first.shape_id not in known:
+        return [group], 0
+    explainer = Explainer(known[first.shape_id])
+    kinds: defaultdict[str, list[DuplicateMember]] = defaultdict(list)
+    faces: defaultdict[str, int] = defaultdict(int)
+    used = 0
+    for member in group.members[1:]:
+        kind = group.kind
+        compared = known.get(member.shape_id)
+        if compared is not None:
+            evidence = explainer.copy(compared)
+            if evidence is None and used < left:
+                distance = distance_at(model, max(member.similarity, 1e-9))
+                evidence = explainer.explain(compared, member.similarity, distance)
+                used += 1
+            if evidence is not None:
+                kind = str(evidence["kind"])
+                member = replace(member, scale=float(str(evidence.get("factor", member.scale))))
+            faces[kind] += compared.face_count
+        kinds[kind].append(member)
+    parts = [
+        DuplicateGroup(
+            kind=kind,
+            members=(first, *members),
+            similarity=min(member.similarity for member in members),
+            saved_faces=faces[kind],
+        )
+        for kind, members in kinds.items()
+    ]
+    return parts, used

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Binary codes in memory, and Hamming search over them."""

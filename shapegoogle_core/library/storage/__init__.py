@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The library on disk: records, schema, and the SQLite file."""

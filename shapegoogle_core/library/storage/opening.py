@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""How a library file is opened or made, and which files and models are refused."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.model import ShapeModel, load_model
+
+__all__ = ["open_store"]
+
+
+def open_store(
+    path: Path, model: ShapeModel | None, *, read_only: bool, timeout: float
+) -> tuple[Store, ShapeModel]:
+    """Open a library file, or make a new one; arguments and errors as of `Library.open`.
+
+    Returns
+    -------
+    store : Store
+    model : ShapeModel
+        The one that describes its shapes.
+    """
+    exists = _is_file(path)
+    if not exists:
+        _check_place(path, read_only=read_only)
+        # Before the file is made: a missing model must not leave one behind.
+        model = model or load_model()
+    store = Store(path, create=not exists, read_only=read_only, timeout=timeout)
+    try:
+        if store.is_empty():
+            if read_only:
+                raise LibraryError(f"'{path}' is empty; index a folder into it first")
+            model = model or load_model()
+            store.initialise(model.identifier, model.to_bytes())
+        store.check_format()
+        return store, _matching_model(store, model)
+    except BaseException:
+        store.close()
+        raise
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is a file at a path; a folder, or no way to know, is an error."""
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError) as error:  # ValueError: a null character
+        raise LibraryError(f"'{path}' cannot be reached ({error}); choose another place") from error
+    if stat.S_ISDIR(mode):
+        raise LibraryError(
+            f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
+        )
+    return True
+
+
+def _check_place(path: Path, *, read_only: bool) -> None:
+    """Make sure that a library may be made at a path where there is none."""
+    if read_only:
+        raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
+    if not path.parent.is_dir():
+        raise LibraryError(f"'{path}' cannot be made: there is no folder '{path.parent}'; make it first")
+
+
+def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
+    """Return the library's model, or the given one if it is the same."""
+    identifier, content = store.model()
+    if model is None:
+        try:
+            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.path}'")
+        except ModelError as error:
+            raise LibraryError(str(error)) from error
+    if model.identifier != identifier:
+        raise LibraryError(
+            f"'{store.path}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
+            "their signatures cannot be compared; leave the model out to use the library's own, or index "
+            "your folders into a new library"
+        )
+    return model

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""Checks that a mesh or a point cloud can be described."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh.mesh import Mesh, face_areas
+
+__all__ = ["FEWEST_POINTS", "check_cloud", "check_surface"]
+
+FEWEST_POINTS = 10
+"""Fewer points than these are no shape."""
+
+# A cloud that is thinner in two directions than this share of its extent is a line.
+_LEAST_WIDTH = 1e-6
+
+# A surface with less area than this share of its squared extent is a line drawn with float32 rounding errors.
+LEAST_RELATIVE_AREA = 1e-7
+
+
+def check_surface(mesh: Mesh) -> None:
+    """Raise unless the mesh is a surface that can be described.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If there are no faces or fewer than four vertices, all points coincide, the surface has no area, or
+        the coordinates are so large or small that areas leave the range of floating-point numbers.
+    """
+    count = len(mesh.vertices)
+    if mesh.is_point_cloud:
+        raise MeshError(
+            f"{mesh.name!r} has no faces and {count} points, where a surface of triangles is needed: "
+            "export the mesh with its faces"
+        )
+    if count < 4:
+        raise MeshError(f"{mesh.name!r} has only {count} vertices; a shape needs at least 4")
+    used = np.zeros(count, bool)
+    used[mesh.faces] = True
+    corners = mesh.vertices[used]
+    with np.errstate(over="ignore"):
+        extent = float(np.ptp(corners, axis=0).max())
+    if extent <= 4 * np.finfo(np.float64).eps * float(np.abs(corners).max()):
+        raise MeshError(f"{mesh.name!r}: all points of its faces coincide; export the mesh again")
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        area = mesh.area
+        if 1e-100 < area < 1e100:
+            relative_area = area / extent**2
+        else:  # rounded or out of range, where the shape itself may be sound
+            scaled = face_areas(Mesh(mesh.vertices / extent, mesh.faces)) if extent < np.inf else np.zeros(1)
+            relative_area = float(scaled.sum())
+    if relative_area <= LEAST_RELATIVE_AREA and extent < np.inf:
+        raise MeshError(
+            f"{mesh.name!r}: its faces have no area (all points lie on a line); export the mesh again"
+        )
+    if not 0 < area < np.inf:
+        raise MeshError(
+            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
+            "scale the mesh to a usual size"
+        )
+
+
+def check_cloud(mesh: Mesh) -> None:
+    """Raise unless points without faces can be described.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Faces, if there are any, are not looked at.
+
+    Raises
+    ------
+    MeshError
+        If there are fewer than ten different points, all lie on a line, or the coordinates are so large or
+        small that areas leave the range of floating-point numbers.
+    """
+    count = len(np.unique(mesh.vertices, axis=0))
+    if count < FEWEST_POINTS:
+        different = "" if count == len(mesh.vertices) else f", {count} of them at different places"
+        raise MeshError(
+            f"{mesh.name!r} has no faces and {len(mesh.vertices)} points{different}; a point cloud needs at "
+            f"least {FEWEST_POINTS}, a mesh its faces: export it again"
+        )
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        extent = np.ptp(mesh.vertices, axis=0).max()
+        area = extent**2
+    if not 0 < area < np.inf:
+        raise MeshError(
+            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
+            "scale the points to a usual size"
+        )
+    centered = (mesh.vertices - mesh.vertices.mean(axis=0)) / extent
+    widths = np.sqrt(np.maximum(np.linalg.eigvalsh(centered.T @ centered / len(centered)), 0))
+    if widths[1] < max(_LEAST_WIDTH, 8 * np.finfo(float).eps * np.abs(mesh.vertices).max() / extent):
+        raise MeshError(f"{mesh.name!r}: all its points lie on a line; a shape needs points of a surface")

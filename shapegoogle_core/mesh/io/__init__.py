@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Reading mesh files: one module per format."""

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: MIT
+"""What can happen to a shape: the transformation classes of SHREC 2010, and bending.
+
+The paper's section 6.1 names eleven classes. Ten of them are made here from any mesh; the eleventh,
+isometry, is other poses of the same shape and cannot be made from one mesh (`creatures` has poses, `bend`
+comes near).
+"""
+
+from shapegoogle_core.model.augmentation.bending import bend, edge_length_changes
+from shapegoogle_core.model.augmentation.classes import TRANSFORMATIONS, scale_factor, transform
+
+__all__ = ["TRANSFORMATIONS", "bend", "edge_length_changes", "scale_factor", "transform"]

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: MIT
+"""What a model is made with: every choice of the method in one place, and the presets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from shapegoogle_core.descriptors import DESCRIPTORS
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.keypoints import DETECTORS
+from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS
+from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.preprocessing import Mending
+from shapegoogle_core.registration.local_words import LocalSettings
+from shapegoogle_core.registration.sample import SampleSettings
+from shapegoogle_core.spectral import Spectrum
+
+__all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
+
+
+def _check(right: bool, name: str, wanted: str, value: object) -> None:
+    if not right:
+        raise ModelError(f"{name} must be {wanted}, not {value!r}")
+
+
+CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
+
+BAGS = ("area", "plain", "pairs", "plain-pairs")
+"""Kinds of bags: of words or of pairs of words, weighted by area or counting vertices alike."""
+
+COUNTING_BAGS = ("plain", "plain-pairs")
+"""Those of `BAGS` that count vertices alike: detected points have no area."""
+
+
+@dataclass(frozen=True)
+class ChannelSettings:
+    """One descriptor, its vocabulary and its bags.
+
+    Attributes
+    ----------
+    descriptor : str
+        A key of `DESCRIPTORS`.
+    parameters : mapping
+        Of the descriptor. Times of the surface's heat are in squared units of the shape after scaling to
+        `ModelSettings.area`; whatever else is a length or a time is relative to the area.
+    words : int
+        V, the size of the vocabulary.
+    soft : bool
+        Soft (paper, equation 12) or hard quantisation.
+    bags : tuple of str
+        Which of `BAGS` are taken.
+    pair_time : float
+        t of the kernel in the bags of pairs (equation 16), in the same unit as the times.
+    sigma_factor : float
+        σ of the soft words as a multiple of the median distance of a descriptor to its nearest word.
+    detector : str or None
+        A key of `shapegoogle_core.keypoints.DETECTORS`: only the points it finds are counted (paper,
+        algorithm 2, lines 1 to 4), in "plain" bags. None: all vertices.
+    """
+
+    descriptor: str
+    parameters: Mapping[str, Any]
+    words: int = 48
+    soft: bool = True
+    bags: tuple[str, ...] = ("area", "pairs")
+    pair_time: float = 0.0256
+    sigma_factor: float = 2.0
+    detector: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.descriptor not in DESCRIPTORS:
+            raise ModelError(f"descriptor must be one of {', '.join(DESCRIPTORS)}, not {self.descriptor!r}")
+        if not self.bags or not set(self.bags) <= set(BAGS):
+            raise ModelError(f"bags must be some of {', '.join(BAGS)}, not {self.bags}")
+        if self.detector is not None:
+            if self.detector not in DETECTORS:
+                raise ModelError(f"detector must be one of {', '.join(DETECTORS)}, not {self.detector!r}")
+            if not set(self.bags) <= set(COUNTING_BAGS):
+                raise ModelError(
+                    f"detected points have no area: with a detector, bags must be some of "
+                    f"{', '.join(COUNTING_BAGS)}, not {self.bags}"
+                )
+        _check(self.words >= 1, "words", "at least 1", self.words)
+        _check(0 <= self.pair_time < math.inf, "pair_time", "a time ≥ 0", self.pair_time)
+        _check(0 < self.sigma_factor < math.inf, "sigma_factor", "positive", self.sigma_factor)
+        try:
+            self.size  # noqa: B018 (tries the parameters)
+        except (TypeError, ValueError) as error:
+            raise ModelError(f"parameters of {self.descriptor!r} do not work: {error}") from error
+
+    @property
+    def size(self) -> int:
+        """d, how many values the descriptor has at a vertex."""
+        tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
+        spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(4, 3), np.ones(4))
+        return int(DESCRIPTORS[self.descriptor](tetrahedron, spectrum, **self.parameters).shape[1])
+
+    def bag_sizes(self) -> list[int]:
+        """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""
+        pairs = self.words * (self.words + 1) // 2
+        return [pairs if "pairs" in bag else self.words for bag in self.bags]
+
+
+@dataclass(frozen=True)
+class ModelSettings:
+    """Every choice between a mesh and its code.
+
+    Attributes
+    ----------
+    name : str
+        Of the preset, shown to users.
+    channels : tuple of ChannelSettings
+        Their bags stand side by side.
+    mending : Mending or None
+        How a mesh is mended and brought to the working resolution; None: only repaired.
+    area : float
+        Every shape is scaled to this area first, in squared units: the search forgets the size.
+    laplacian : str
+        A key of `shapegoogle_core.laplacian.LAPLACIANS`. Points without faces always have "point-cloud".
+    boundary : {"neumann", "dirichlet"}
+        Condition on open boundaries, see `compute_spectrum`. What is held at 0 has no heat: descriptors there
+        say nothing.
+    eigenpairs : int
+        k, the size of the spectrum.
+    square_root : bool
+        Take the square root of all bags (Hellinger), so that frequent words do not drown the rare.
+    inverse_document_frequency : bool
+        Weight words and pairs by tf-idf (paper, equations 17 and 18).
+    projected : int
+        Dimensions of the learnt projection in which bags are compared and hashed.
+    shrinkage : float
+        How far the learnt metric is drawn towards plain principal components, from 0 to 1.
+    metric : {"cosine", "l1"}
+        Compare bags by the cosine of their projections, or by the L1 distance of the bags themselves
+        (the paper's).
+    code_bits : int
+        Length of the binary code, a multiple of 8.
+    code_directions : {"eigenvectors", "random", "rotated"}
+        Where the candidates for the codes' directions come from, see `SimilaritySensitiveHashing`; or
+        "rotated": no candidates, the directions of `rotated_components`, which are not learnt from pairs.
+    sample : SampleSettings or None
+        How many points of a surface are kept, to lay the best candidates of a search over the query. None:
+        candidates are compared by their bags alone.
+    local : LocalSettings or None
+        The index of parts, which is made from the samples; None: candidates come from the bags' codes alone.
+    """
+
+    name: str
+    channels: tuple[ChannelSettings, ...]
+    mending: Mending | None = field(default_factory=Mending)
+    area: float = 1.0
+    laplacian: str = "robust"
+    boundary: str = "neumann"
+    eigenpairs: int = 100
+    square_root: bool = True
+    inverse_document_frequency: bool = False
+    projected: int = 400
+    shrinkage: float = 0.05
+    metric: str = "cosine"
+    code_bits: int = 256
+    code_directions: str = "eigenvectors"
+    sample: SampleSettings | None = None
+    local: LocalSettings | None = None
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise ModelError("a model needs at least one channel")
+        if self.laplacian not in LAPLACIANS:
+            raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
+        if self.boundary not in BOUNDARIES:
+            raise ModelError(f"boundary must be one of {', '.join(BOUNDARIES)}, not {self.boundary!r}")
+        if self.code_directions not in CODE_DIRECTIONS:
+            choices = ", ".join(CODE_DIRECTIONS)
+            raise ModelError(f"code_directions must be one of {choices}, not {self.code_directions!r}")
+        if self.metric not in ("cosine", "l1"):
+            raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
+        bits = self.code_bits
+        _check(bits > 0 and bits % 8 == 0, "code_bits", "a positive multiple of 8", bits)
+        _check(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)
+        _check(0 < self.area < math.inf, "area", "positive", self.area)
+        _check(self.projected >= 1, "projected", "at least 1", self.projected)
+        _check(0 <= self.shrinkage <= 1, "shrinkage", "from 0 to 1", self.shrinkage)
+        if self.local is not None and self.sample is None:
+            raise ModelError("local words are of samples: a model with them needs sample settings")
+
+    @property
+    def bag_size(self) -> int:
+        """B, the length of all bags side by side."""
+        return sum(sum(channel.bag_sizes()) for channel in self.channels)
+
+    def with_descriptors(self, names: Sequence[str]) -> ModelSettings:
+        """Choose other descriptors.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Keys of `DESCRIPTORS`, one for each channel.
+
+        Returns
+        -------
+        settings : ModelSettings
+            A descriptor that these settings have keeps its channel. Others have their usual parameters, and
+            words and bags as the first channel.
+
+        Raises
+        ------
+        ModelError
+            If a name is unknown, or a descriptor that is not here has no usual parameters.
+        """
+        known = {channel.descriptor: channel for channel in self.channels}
+        return replace(
+            self,
+            channels=tuple(
+                known[name] if name in known else replace(self.channels[0], descriptor=name, parameters={})
+                for name in names
+            ),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Nested dicts for JSON; see `from_dict`.
+
+        Returns
+        -------
+        values : dict
+            Without `sample`, `local` and `detector` where they are None, and without `boundary` where it is
+            "neumann": models from before these existed keep their identifier.
+        """
+        values = asdict(self)
+        later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]
+        later += [(channel, "detector", None) for channel in values["channels"]]
+        for choices, name, before in later:
+            if choices[name] == before:
+                del choices[name]
+        return values
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> ModelSettings:
+        """Rebuild settings from `to_dict`, for example out of JSON.
+
+        Parameters
+        ----------
+        values : mapping
+
+        Returns
+        -------
+        settings : ModelSettings
+
+        Raises
+        ------
+        ModelError
+            If something is missing, unknown or out of range.
+        """
+        try:
+            unknown = set(values) - {entry.name for entry in fields(cls)}
+            if unknown:
+                raise ModelError(f"unknown settings {', '.join(sorted(unknown))}; update Shape Google")
+            known = dict(values)
+            known["channels"] = tuple(
+                ChannelSettings(**{**channel, "bags": tuple(channel["bags"])})
+                for channel in known["channels"]
+            )
+            known["mending"] = None if known["mending"] is None else Mending(**known["mending"])
+            if known.get("sample") is not None:
+                known["sample"] = SampleSettings(**known["sample"])
+            if known.get("local") is not None:
+                known["local"] = LocalSettings(**known["local"])
+            return cls(**known)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ModelError(f"the settings of the model are damaged ({error!r})") from error
+
+
+# The authors' times 1024 … 4096, for shapes of area 40,000 (paper, section 6).
+PAPER_AREA = 40_000.0
+PAPER_TIMES = (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
+
+
+def _octaves(first: float, last: float) -> tuple[float, ...]:
+    """Return times 2^first … 2^last in the authors' unit, two for each octave; here for unit area."""
+    exponents = np.arange(first, last + 0.25, 0.5)
+    return tuple(float(f"{2.0**exponent / PAPER_AREA:.4g}") for exponent in exponents)
+
+
+_ALL_BAGS = ("area", "plain", "pairs")
+
+PRESETS: dict[str, ModelSettings] = {
+    # Chosen on procedural creatures and CC0 models that were not trained on (docs/results.md).
+    "default": ModelSettings(
+        name="default",
+        channels=(
+            ChannelSettings(
+                "hks",
+                {"times": _octaves(5, 12), "multiply_by_time": True, "normalize": True},
+                words=40,
+                bags=_ALL_BAGS,
+            ),
+            ChannelSettings("log-hks", {"times": _octaves(2, 10)}, words=40, bags=_ALL_BAGS),
+            ChannelSettings(
+                "si-hks",
+                {"alpha": 2.0, "tau_start": -13.0, "tau_end": 0.0, "tau_step": 0.125, "frequencies": 6},
+                words=40,
+                bags=_ALL_BAGS,
+            ),
+        ),
+        code_directions="rotated",
+        sample=SampleSettings(),
+        local=LocalSettings(),
+    ),
+    "paper": ModelSettings(
+        name="paper",
+        channels=(
+            ChannelSettings(
+                "hks",
+                {"times": PAPER_TIMES, "multiply_by_time": True, "normalize": True},
+                words=48,
+                bags=("plain-pairs",),
+                pair_time=1024.0,
+            ),
+        ),
+        mending=None,
+        area=PAPER_AREA,
+        laplacian="cotangent",
+        eigenpairs=200,
+        square_root=False,
+        metric="l1",
+        code_bits=96,
+    ),
+}

@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: MIT
+"""Learning a model from shapes: vocabularies, the metric, the codes and what a similarity means.
+
+Positive pairs are a shape in two versions: poses that came with it, and transformations made here
+(noise, holes, parts cut off, …; see `shapegoogle_core.model.augmentation`). Negative pairs are
+versions of two different shapes.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from shapegoogle_core.errors import MeshError, ModelError
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
+from shapegoogle_core.model.describe import ChannelWords, FloatBags, WorkingShape, shape_bags, working_shape
+from shapegoogle_core.model.metric import calibrate, choose_pairs, learn_projection, rival_pairs
+from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
+from shapegoogle_core.model.shape_model import ShapeModel, row_distances
+from shapegoogle_core.registration import Placed, SurfaceSample, align, fit_local_words, sample_surface
+from shapegoogle_core.words import (
+    InverseDocumentFrequency,
+    SimilaritySensitiveHashing,
+    Vocabulary,
+    rotated_components,
+)
+
+__all__ = ["TrainingShape", "train_model"]
+
+PAIRS = 10_000
+"""Of each kind, to learn the codes and the similarity from."""
+
+ALIGNED_PAIRS = 2_000
+"""Of each kind, to learn from what an agreement in space says."""
+
+logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class Progress(Protocol):
+    """Shows how far a loop is, as tqdm does."""
+
+    def __call__(self, iterable: Iterable[T], description: str, total: int, /) -> Iterable[T]:
+        """Wrap an iterable of a known length."""
+
+
+def _silent(iterable: Iterable[T], _description: str, _total: int, /) -> Iterable[T]:
+    return iterable
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingShape:
+    """A shape to learn from.
+
+    Attributes
+    ----------
+    identity : str
+        Its name; training shapes of one identity are the same shape.
+    meshes : tuple of Mesh
+        The shape in one or several poses, at least one.
+    """
+
+    identity: str
+    meshes: tuple[Mesh, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Version:
+    """One transformed version of a shape, made where it is needed: in a worker process."""
+
+    label: int
+    mesh: Mesh
+    kind: str
+    strength: int
+    seed: int
+
+    def make(self) -> Mesh:
+        if self.kind == "null":
+            return self.mesh
+        if self.kind == "bend":
+            return bend(self.mesh, self.seed, self.strength / 5)
+        return transform(self.mesh, self.kind, self.strength, self.seed)
+
+
+def train_model(
+    shapes: Sequence[TrainingShape],
+    settings: ModelSettings,
+    *,
+    versions: int = 10,
+    jobs: int = 1,
+    seed: int = 0,
+    trained_on: str = "",
+    progress: Progress | None = None,
+) -> ShapeModel:
+    """Learn a model.
+
+    Parameters
+    ----------
+    shapes : sequence of TrainingShape
+        At least 8 different ones; the more varied, the better it generalises.
+    settings : ModelSettings
+    versions : int
+        How many transformed versions of each shape are made, beside its own meshes.
+    jobs : int
+        Worker processes.
+    seed : int
+        Of all random choices: the same shapes, settings and seed give the same model.
+    trained_on : str
+        A sentence that `shapegoogle info` shows.
+    progress : callable, optional
+        Wraps an iterable: `progress(iterable, description, total)`.
+
+    Returns
+    -------
+    model : ShapeModel
+
+    Raises
+    ------
+    ModelError
+        If there are too few usable shapes.
+    """
+    _check_variety(len({shape.identity for shape in shapes}))
+    if versions < 1 or not all(shape.meshes for shape in shapes):
+        raise ValueError("training needs at least one version and at least one mesh of every shape")
+    random = np.random.default_rng(seed)
+    plan = _plan_versions(shapes, versions, random)
+    show = progress or _silent
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
+        chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
+        sampling = pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen], chunksize=2)
+        sampled = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
+        if not sampled:
+            raise ModelError("none of the training shapes could be described; see the warnings")
+        vocabularies = _learn_vocabularies(settings, sampled, seed)
+        describing = pool.map(partial(_describe_version, settings, vocabularies), plan, chunksize=2)
+        described = list(show(describing, "bags", len(plan)))
+    usable = [(version.label, *found) for version, found in zip(plan, described, strict=True) if found]
+    labels = np.array([label for label, _, _ in usable], dtype=np.int64)
+    _check_variety(len(np.unique(labels)))
+    bags = np.array([bag for _, bag, _ in usable], dtype=np.float32)
+    samples = [sample for _, _, sample in usable if sample is not None]
+    return fit_metric(settings, vocabularies, bags, labels, samples, seed=seed, trained_on=trained_on)
+
+
+def _check_variety(different: int) -> None:
+    if different < 8:
+        raise ModelError(f"a model needs at least 8 different usable shapes to learn from, not {different}")
+
+
+def _one_thread() -> None:
+    threadpool_limits(1)
+
+
+def _plan_versions(
+    shapes: Sequence[TrainingShape], versions: int, random: np.random.Generator
+) -> list[_Version]:
+    label_of = {identity: label for label, identity in enumerate(sorted({s.identity for s in shapes}))}
+    kinds = [kind for kind in TRANSFORMATIONS if kind != "scale"]  # the search forgets the size anyway
+    plan = []
+    for shape in shapes:
+        label = label_of[shape.identity]
+        plan += [_Version(label, mesh, "null", 0, 0) for mesh in shape.meshes]
+        for _ in range(versions):
+            mesh = shape.meshes[random.integers(len(shape.meshes))]
+            kind = str(random.choice([*kinds, "bend"]))
+            plan.append(_Version(label, mesh, kind, int(random.integers(1, 6)), int(random.integers(2**31))))
+    return plan
+
+
+def _version_shape(settings: ModelSettings, version: _Version) -> WorkingShape | None:
+    try:
+        return working_shape(settings, version.make())
+    except MeshError as error:  # e.g. holes that leave nothing of a tiny shape
+        logger.warning("left out of the training (%s %d): %s", version.kind, version.strength, error)
+        return None
+
+
+def _sample_descriptors(settings: ModelSettings, version: _Version) -> list[FloatArray] | None:
+    shape = _version_shape(settings, version)
+    if shape is None:
+        return None
+    random = np.random.default_rng(version.seed)
+    vertices = random.permutation(len(shape.mesh.vertices))[:750]
+    return [
+        DESCRIPTORS[channel.descriptor](shape.mesh, shape.spectrum, **channel.parameters)[vertices]
+        for channel in settings.channels
+    ]
+
+
+def _describe_version(
+    settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], version: _Version
+) -> tuple[FloatBags, SurfaceSample | None] | None:
+    shape = _version_shape(settings, version)
+    if shape is None:
+        return None
+    sample = None
+    if settings.sample is not None:
+        sample = sample_surface(shape.mesh, shape.spectrum, settings.sample)
+    return shape_bags(settings, vocabularies, shape), sample
+
+
+def _learn_vocabularies(
+    settings: ModelSettings, samples: list[list[FloatArray]], seed: int
+) -> tuple[ChannelWords, ...]:
+    vocabularies = []
+    for index, channel in enumerate(settings.channels):
+        descriptors = np.concatenate([sample[index] for sample in samples])
+        vocabulary = Vocabulary(channel.words, sigma_factor=channel.sigma_factor, random_state=seed)
+        vocabulary.fit(descriptors)
+        vocabularies.append(ChannelWords(vocabulary.centers_, vocabulary.sigma_))
+    return tuple(vocabularies)
+
+
+def fit_metric(
+    settings: ModelSettings,
+    vocabularies: tuple[ChannelWords, ...],
+    bags: FloatBags,
+    labels: NDArray[np.int64],
+    samples: Sequence[SurfaceSample] = (),
+    *,
+    seed: int = 0,
+    trained_on: str = "",
+) -> ShapeModel:
+    """Learn what comes after the bags: weights, projection, codes and the calibration of similarities.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+    vocabularies : tuple of ChannelWords
+    bags : (n, B) array of float32
+        Of all versions of all training shapes.
+    labels : (n,) array of int
+        Which shape each is a version of.
+    samples : sequence of SurfaceSample, optional
+        Of all versions; left out, an agreement in space will say nothing, and parts have no index.
+    seed : int
+    trained_on : str
+        A sentence that `shapegoogle info` shows.
+
+    Returns
+    -------
+    model : ShapeModel
+    """
+    if samples and len(samples) != len(bags):
+        raise ValueError(f"there are {len(samples)} samples for {len(bags)} bags")
+    random = np.random.default_rng(seed)
+    weights = np.ones(bags.shape[1], np.float32)
+    if settings.inverse_document_frequency:
+        # Soft bags contain every word a little: a word occurs where it has more than its own mean share.
+        occurrences = (bags > bags.mean(axis=0)).astype(np.float64)
+        weights = InverseDocumentFrequency().fit(occurrences).weights_.astype(np.float32)
+    bags = bags * weights
+    mean, projection = learn_projection(bags, labels, settings.projected, settings.shrinkage)
+    local_words = None
+    if settings.local is not None and samples:
+        local_words = fit_local_words(samples, settings.local, seed)
+    untrained = ShapeModel(
+        settings=settings if local_words is not None else replace(settings, local=None),
+        vocabularies=vocabularies,
+        weights=weights,
+        mean=mean,
+        projection=projection.astype(np.float16),
+        directions=np.zeros((settings.code_bits, projection.shape[1]), np.float32),
+        thresholds=np.zeros(settings.code_bits, np.float32),
+        similarity_half=1.0,
+        similarity_slope=1.0,
+        trained_on=trained_on,
+        local_words=local_words,
+    )
+    directions, thresholds = _learn_code(settings, untrained.embed(bags).astype(np.float64), labels, seed)
+    compared = untrained.comparable(bags)
+    pairs = rival_pairs(settings.metric, compared, labels, random, ALIGNED_PAIRS if samples else 5_000)
+    first, second, similar = pairs
+    distances = row_distances(settings.metric, compared[first], compared[second])
+    agreements = _agreements(samples, first, second) if samples else None
+    alone = calibrate(distances, similar)
+    joint = alone if agreements is None else calibrate(distances, similar, agreements)
+    return replace(
+        untrained,
+        directions=directions.astype(np.float32),
+        thresholds=thresholds.astype(np.float32),
+        similarity_half=alone.half,
+        similarity_slope=alone.slope,
+        agreement_gain=joint.gain,
+        verified_half=joint.half,
+        verified_slope=joint.slope,
+    )
+
+
+def _learn_code(
+    settings: ModelSettings, vectors: FloatArray, labels: NDArray[np.int64], seed: int
+) -> tuple[FloatArray, FloatArray]:
+    """Learn directions and thresholds of the code."""
+    if settings.code_directions == "rotated":
+        directions = rotated_components(vectors, settings.code_bits, seed)
+        return directions, -np.median(vectors @ directions.T, axis=0)
+    hashing = SimilaritySensitiveHashing(
+        settings.code_bits, projection=settings.code_directions, random_state=seed
+    )
+    first, second, similar = choose_pairs(labels, np.random.default_rng(seed), count=PAIRS)
+    hashing.fit(vectors[first], vectors[second], similar)
+    return hashing.directions_, hashing.thresholds_
+
+
+def _agreements(
+    samples: Sequence[SurfaceSample], first: NDArray[np.int64], second: NDArray[np.int64]
+) -> FloatArray:
+    """Align pairs of surfaces, for `Alignment.excess`."""
+    # On matrices of this size a second BLAS thread only doubles the processor time.
+    with threadpool_limits(1, user_api="blas"):
+        agreements = [
+            align(Placed(samples[i]), Placed(samples[j])).excess for i, j in zip(first, second, strict=True)
+        ]
+    return np.array(agreements)

@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: MIT
+"""Repair: one vertex per place, one face per triangle, nothing left over."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh, cross_lengths, face_blocks, used_vertices
+
+__all__ = ["repair", "repair_mapped"]
+
+# Vertices closer than this share of the bounding-box diagonal are one: well above float32 rounding, far below
+# what anyone models.
+WELD_TOLERANCE = 1e-6
+# ... but one stray vertex far away must not weld the whole model into a point.
+WELD_TOLERANCE_OF_EDGE = 1e-3
+# Vertices that may be at one place are looked for in cells so many times larger first: of those, few hold two
+# vertices of any mesh.
+COARSE = 128
+
+
+def repair(mesh: Mesh) -> Mesh:
+    """Weld coincident vertices and drop what is no part of the surface.
+
+    Vertices within 1e-6 of the bounding-box diagonal (and 1e-3 of the median edge) become one: the seams of
+    glTF and flat-shaded exports, the triangle soup of STL. Faces that name a vertex twice or are flatter than
+    that tolerance go, so do all but the first face on the same three vertices, and unreferenced vertices.
+    Kept vertices and faces keep their order and their coordinates, so repairing twice changes nothing more.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A point cloud is only welded.
+
+    Returns
+    -------
+    repaired : Mesh
+        May have no faces left if none had an area.
+    """
+    return repair_mapped(mesh)[0]
+
+
+def repair_mapped(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
+    """Repair a mesh as `repair` does, and say where its vertices went.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    repaired : Mesh
+    place : (n,) array of int
+        For each vertex of `mesh` the vertex of `repaired` that stands for it; −1 if none does.
+    """
+    place = np.arange(len(mesh.vertices))
+    while True:
+        # Dropping faces can change the tolerance; the end is where nothing changes any more.
+        repaired, step = _repair_once(mesh)
+        if len(repaired.vertices) == len(mesh.vertices) and len(repaired.faces) == len(mesh.faces):
+            return mesh, place
+        place = np.where(place < 0, -1, step[place])
+        mesh = repaired
+
+
+def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
+    if len(mesh.vertices) == 0:
+        return mesh, np.empty(0, np.int64)
+    tolerance = _weld_tolerance(mesh)
+    representative = _weld(mesh.vertices, tolerance)
+    if mesh.is_point_cloud:
+        used, place = np.unique(representative, return_inverse=True)
+        return Mesh(mesh.vertices[used], name=mesh.name), place
+    faces = representative[mesh.faces]
+    faces = faces[~_degenerate(mesh.vertices, faces, tolerance)]
+    faces = faces[_first_of_each(faces, len(mesh.vertices))]
+    used, compact = used_vertices(faces, len(mesh.vertices))
+    place = np.full(len(mesh.vertices), -1)
+    place[used] = np.arange(len(used))
+    return Mesh(mesh.vertices[used], compact, mesh.name), place[representative]
+
+
+def _weld_tolerance(mesh: Mesh) -> float:
+    corners = mesh.vertices
+    if not mesh.is_point_cloud:
+        corners = corners[used_vertices(mesh.faces, len(corners))[0]]
+    tolerance = WELD_TOLERANCE * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    if not mesh.is_point_cloud:
+        lengths = np.empty((3, len(mesh.faces)))
+        for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
+            lengths[:, block] = _lengths(b - a), _lengths(c - b), _lengths(a - c)
+        positive = lengths[lengths > 0]
+        if positive.size:
+            tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * float(np.median(positive)))
+    return tolerance
+
+
+def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
+    """For each vertex the first vertex at its place.
+
+    Vertices are linked if they share a cell of a grid of side 2·tolerance. Of eight grids, shifted by half a
+    cell along each set of axes, at least one has no wall between two points within the tolerance.
+    Sorting cells needs no list of pairs, which has n² entries when many points crowd in one place.
+    """
+    first = _first_at_place(vertices)
+    places = np.flatnonzero(first == np.arange(len(vertices)))
+    if tolerance <= 0:
+        return first
+    points = vertices[places]
+    cells = (points - points.min(axis=0)) / (2 * tolerance)
+    crowded = _may_share_a_cell(cells)
+    cells = cells[crowded]
+    links = []
+    for shift in np.ndindex(2, 2, 2):
+        cell = np.floor(cells + 0.5 * np.array(shift))
+        leader = _first_in_group(_hash(cell))
+        linked = np.flatnonzero((leader != np.arange(len(cell))) & (cell[leader] == cell).all(axis=1))
+        links.append(np.stack([linked, leader[linked]]))
+    row, column = np.concatenate(links, axis=1)
+    if row.size == 0:
+        return first
+    graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(len(cells), len(cells)))
+    _, label = connected_components(graph, directed=False)
+    leader_of_place = places.copy()
+    leader_of_place[crowded] = places[crowded[_first_in_group(label)]]
+    rank = np.empty(len(vertices), np.int64)
+    rank[places] = np.arange(len(places))
+    welded: NDArray[np.int64] = leader_of_place[rank[first]]
+    return welded
+
+
+def _first_at_place(vertices: FloatArray) -> NDArray[np.int64]:
+    """For each vertex the first one with the same coordinates."""
+    everything = np.arange(len(vertices))
+    keys = _hash(vertices + 0.0)  # + 0.0: minus zero is zero
+    candidates = _repeated(keys)
+    if candidates.size == 0:
+        return everything
+    first = everything.copy()
+    first[candidates] = candidates[_first_in_group(keys[candidates])]
+    same = (vertices[first] == vertices).all(axis=1)
+    return np.where(same, first, everything)  # two places with one hash, if ever, stay apart
+
+
+def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
+    """Vertices that can be in one cell with another, in any of the grids, from coordinates in cells.
+
+    Two vertices in one cell are in one coarse cell as well, or both are close to a wall of those.
+    """
+    coarse = cells / COARSE
+    cell = np.floor(coarse)
+    coarse -= cell
+    wall = 1.5 / COARSE  # no two in one cell are farther than one from each other; the rest is for rounding
+    chosen: NDArray[np.bool_] = np.any((coarse < wall) | (coarse > 1 - wall), axis=1)
+    chosen[_repeated(_hash(cell))] = True
+    return np.flatnonzero(chosen)
+
+
+def _repeated(keys: NDArray[np.uint64]) -> NDArray[np.int64]:
+    """Find all entries whose key is there more than once."""
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():  # mostly; sorting without indices is twice as fast
+        return np.empty(0, np.int64)
+    order = np.argsort(keys)
+    same = keys[order[1:]] == keys[order[:-1]]
+    repeated = np.zeros(len(keys), bool)
+    repeated[order[1:][same]] = True
+    repeated[order[:-1][same]] = True
+    return np.flatnonzero(repeated)
+
+
+def _hash(rows: FloatArray | NDArray[np.int64]) -> NDArray[np.uint64]:
+    """One 64-bit number per row of three: equal rows have equal numbers, others almost surely not."""
+    bits = np.ascontiguousarray(rows).view(np.uint64)
+    mixed = np.zeros(len(rows), np.uint64)
+    for axis in range(3):
+        # Rounds of the splitmix64 finaliser; unsigned arithmetic wraps on purpose.
+        mixed = (mixed ^ bits[:, axis]) * np.uint64(0xBF58476D1CE4E5B9)
+        mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mixed ^= mixed >> np.uint64(31)
+    return mixed
+
+
+def _first_in_group(keys: NDArray[np.integer]) -> NDArray[np.int64]:
+    """For each entry the index of the first entry with the same key."""
+    _, first, group = np.unique(keys, return_index=True, return_inverse=True)
+    indices: NDArray[np.int64] = first[group]
+    return indices
+
+
+def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float) -> NDArray[np.bool_]:
+    """Faces that name a vertex twice or are no higher than the tolerance."""
+    flat = np.empty(len(faces), bool)
+    for block, (a, b, c) in face_blocks(vertices, faces):
+        longest = np.maximum.reduce([_lengths(b - a), _lengths(c - b), _lengths(a - c)])
+        flat[block] = cross_lengths(b - a, c - a) <= tolerance * longest
+    a, b, c = faces.T
+    flat |= (a == b) | (b == c) | (c == a)
+    return flat
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Length of each row, to the last bit that of `numpy.linalg.norm`."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
+
+
+def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.int64]:
+    """Return the indices of all faces that are the first on their three vertices, in order."""
+    low, high = faces.min(axis=1), faces.max(axis=1)
+    middle = faces.sum(axis=1) - low - high
+    everything = np.arange(len(faces))
+    candidates = _repeated(_hash(np.stack([low, middle, high], axis=1)))
+    if candidates.size == 0:
+        return everything
+    low, middle, high = low[candidates], middle[candidates], high[candidates]
+    _, pair = np.unique(low * vertex_count + middle, return_inverse=True)
+    _, first = np.unique(pair * vertex_count + high, return_index=True)
+    return np.delete(everything, np.delete(candidates, first))

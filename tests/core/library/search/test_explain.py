@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""What is said of matches whose kind is known, by the default model, through a library as users have it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from benchmarks.evidence_pairs import EvidencePair, make_pairs
+from shapegoogle_core import Library
+from shapegoogle_core.library.search.explain import KINDS, evidence_text
+
+
+@pytest.fixture(scope="module")
+def pairs() -> list[EvidencePair]:
+    return make_pairs("deer", 1234)
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory, pairs) -> Iterator[tuple[Library, dict[str, dict[str, object]]]]:
+    """All candidates of one query in a library, and what is said of each."""
+    path: Path = tmp_path_factory.mktemp("evidence") / "shapes.sglib"
+    query = pairs[0].query
+    with Library.open(path) as library:
+        for pair in pairs:
+            if pair.query is query:
+                library.add(pair.candidate, pair.detail)
+        yield library, {match.name: dict(match.evidence or {}) for match in library.query(query, top=20)}
+
+
+def test_every_kind_is_made(pairs):
+    assert {pair.kind for pair in pairs} == set(KINDS)
+
+
+@pytest.mark.parametrize(
+    ("detail", "kind"),
+    [
+        ("a copy", "identical"),
+        ("other order of vertices and faces", "identical"),
+        ("moved", "moved"),
+        ("moved and scaled", "scaled"),
+        ("reflected and moved", "mirrored"),
+        ("other mesh, moved", "re-meshed"),
+        ("other mesh in place", "re-meshed"),
+        ("other pose", "re-posed"),
+        ("other pose and mesh", "re-posed"),
+        ("a part", "contains"),
+        ("another kind", "similar"),
+    ],
+)
+def test_kinds_are_told(answers, detail, kind):
+    assert answers[1][detail]["kind"] == kind
+
+
+def test_figures_are_those_of_the_pairs(answers, pairs):
+    for pair in pairs:
+        said = answers[1].get(pair.detail)
+        if said is None or said["kind"] != pair.kind or pair.kind == "similar":
+            continue
+        assert said["factor"] == pytest.approx(pair.factor, rel=0.03), pair.detail
+        if "deviation" in said:
+            assert 0 <= float(str(said["deviation"])) <= 0.01
+        if "share" in said:
+            assert said["share"] == pytest.approx(pair.share, abs=0.05)
+
+
+def test_a_part_finds_its_whole(tmp_path, pairs):
+    chosen = next(pair for pair in pairs if pair.kind == "part of")
+    with Library.open(tmp_path / "shapes.sglib") as library:
+        library.add(chosen.candidate, "whole")
+        (match,) = library.query(chosen.query)
+    assert match.evidence is not None
+    assert match.evidence["kind"] == "part of"
+    assert match.evidence["share"] == pytest.approx(chosen.share, abs=0.05)
+
+
+def test_only_so_many_are_explained(answers, pairs):
+    library, _ = answers
+    matches = library.query(pairs[0].query, top=6, explained=2)
+    assert [match.evidence is not None for match in matches] == [True, True, False, False, False, False]
+    assert all(match.evidence is None for match in library.query(pairs[0].query, top=3, explained=0))
+
+
+def test_evidence_leaves_the_ranking_as_it_is(answers, pairs):
+    library, _ = answers
+    plain = library.query(pairs[0].query, top=20, explained=0)
+    explained = library.query(pairs[0].query, top=20)
+    assert [replace(match, evidence=None) for match in explained] == plain
+
+
+def test_with_several_examples_the_nearest_one_is_compared(answers, pairs):
+    library, _ = answers
+    stranger = next(pair.candidate for pair in pairs if pair.detail == "another kind")
+    matches = library.query([pairs[0].query, stranger], top=20)
+    kinds = {match.name: (match.evidence or {})["kind"] for match in matches}
+    assert kinds["a copy"] == kinds["another kind"] == "identical"
+
+
+def test_what_was_removed_meanwhile_has_no_evidence(tmp_path, pairs):
+    with Library.open(tmp_path / "shapes.sglib") as library:
+        shape_id = library.add(pairs[0].candidate, "gone soon")
+        signature = library.model.describe(pairs[0].query, keep_surface=True)
+        matches = library.query_signature(signature)
+        library.remove_shape(shape_id)
+        assert library.explain([signature], matches)[0].evidence is None
+
+
+def test_samples_alone_tell_the_same(answers, pairs):
+    """As for duplicates: of neither shape the surface is at hand."""
+    library, exact = answers
+    signature = replace(library.model.describe(pairs[0].query), surface=None)
+    matches = library.explain([signature], library.query_signature(signature, top=20))
+    assert {match.name: (match.evidence or {})["kind"] for match in matches} == {
+        name: said["kind"] for name, said in exact.items()
+    }
+
+
+def test_duplicates_are_grouped_by_what_they_are(answers):
+    library, _ = answers
+    groups = {group.kind: [member.name for member in group.members] for group in library.duplicates(0.5)}
+    first = "a copy"
+    assert groups["identical"] == [first, "other order of vertices and faces"]
+    assert groups["moved"] == [first, "moved"]
+    assert groups["scaled"] == [first, "moved and scaled"]
+    assert groups["mirrored"] == [first, "reflected and moved"]
+    assert set(groups["re-meshed"]) == {first, "other mesh, moved", "other mesh in place"}
+    assert set(groups["re-posed"]) >= {first, "other pose"}
+
+
+def test_exact_copies_are_told_without_laying_anything_over(answers, pairs):
+    library, _ = answers
+    groups = library.duplicates(0.5, explained=0)
+    kinds = {group.kind: group for group in groups}
+    assert {"moved", "scaled"} <= set(kinds)
+    assert not {"re-meshed", "re-posed"} & set(kinds)
+    scaled = next(pair for pair in pairs if pair.kind == "scaled")
+    assert kinds["scaled"].members[1].scale == pytest.approx(scaled.factor, rel=1e-3)
+    savings = [group.saved_faces for group in groups]
+    assert savings == sorted(savings, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("evidence", "text"),
+    [
+        (None, ""),
+        ({"kind": "identical", "factor": 1.0}, "identical"),
+        ({"kind": "scaled", "factor": 2.54}, "scaled ×2.54"),
+        ({"kind": "part of", "share": 0.493, "factor": 1.0}, "the query is 49 % of it"),
+        ({"kind": "contains", "share": 0.3, "factor": 0.5}, "30 % of the query ×0.5"),
+        ({"kind": "similar", "factor": 3.0}, "similar"),
+    ],
+)
+def test_evidence_in_words(evidence, text):
+    assert evidence_text(evidence) == text

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: MIT
+"""Several examples of what is looked for, and examples of what is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from benchmarks.creatures import make_creature
+from shapegoogle_core import Library, LibraryError, Mesh
+from shapegoogle_core.library.search import search
+from shapegoogle_core.library.search import verify as verification
+from shapegoogle_core.library.search.query import FARTHEST, Question, pool_distances
+from shapegoogle_core.library.storage.sqlite import round_bags
+from shapegoogle_core.preprocessing import Mending
+from shapegoogle_core.registration import SampleSettings
+
+SHAPES = 60
+
+
+def between(make_signature, model, first: int, second: int, share: float = 0.5):
+    """A signature between those of two seeds."""
+    one, other = make_signature(first), make_signature(second)
+    bags = ((1 - share) * one.bags + share * other.bags).astype(np.float32)
+    return replace(one, bags=bags, code=model.codes(bags[None])[0])
+
+
+@pytest.fixture
+def filled(path, model, make_signature):
+    with Library.open(path, model) as library:
+        for seed in range(SHAPES):
+            library.add_signature(make_signature(seed), f"shape {seed}")
+        yield library
+
+
+def names(matches) -> list[str]:
+    return [match.name for match in matches]
+
+
+@given(arrays(np.float64, (3, 5), elements=st.floats(0, 2)))
+def test_the_pooled_distance_lies_between_those_of_the_examples(distances):
+    pooled = pool_distances(distances)
+    assert (pooled >= distances.min(axis=0) * (1 - 1e-12)).all()
+    assert (pooled <= distances.max(axis=0) * (1 + 1e-12)).all()
+    assert (pooled[(distances == 0).any(axis=0)] == 0).all()
+    np.testing.assert_allclose(pool_distances(distances[::-1]), pooled)
+    np.testing.assert_array_equal(pool_distances(distances[:1]), distances[0])
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("metric", ["cosine", "l1"])
+def test_one_example_is_an_ordinary_query(path, make_model, make_signature, exact, metric):
+    """To the last bit what the model's own distance gives."""
+    model = make_model(metric=metric)
+    with Library.open(path, model) as library:
+        for seed in range(SHAPES):
+            library.add_signature(make_signature(seed, model), f"shape {seed}")
+        query = make_signature(1_000, model)
+        matches = library.query_signatures([query], SHAPES, exact)
+        assert matches == library.query_signature(query, SHAPES, exact)
+        bags = np.stack([round_bags(make_signature(seed, model).bags) for seed in range(SHAPES)])
+        expected = np.round(model.distances(round_bags(query.bags), bags), 6)
+        assert {match.name: match.distance for match in matches} == {
+            f"shape {seed}": distance for seed, distance in enumerate(expected.tolist())
+        }
+
+
+def test_what_both_examples_are_near_to_comes_before_what_one_is(filled, model, make_signature):
+    """A shape half-way between two is the third one at best for each, and the first for both."""
+    first, second = (between(make_signature, model, 1_000, 1_001, share) for share in (0.0, 1.0))
+    filled.add_signature(between(make_signature, model, 1_000, 1_001), "between")
+    for step in range(3):  # nearer to one of them, and far from the other
+        for name, seed in (("first", 1_000), ("second", 1_001)):
+            decoy = between(make_signature, model, seed, 2_000 + seed + step, 0.35)
+            filled.add_signature(decoy, f"near the {name}, {step}")
+    together = filled.query_signatures([first, second], SHAPES)
+    assert together[0].name == "between"
+    assert together == filled.query_signatures([second, first], SHAPES)
+    for alone in (first, second):
+        assert names(filled.query_signature(alone)).index("between") > 0
+
+
+def test_copies_of_the_examples_come_first(filled, make_signature):
+    examples = [make_signature(seed) for seed in (3, 14, 15)]
+    matches = filled.query_signatures(examples, SHAPES)
+    assert names(matches[:3]) == ["shape 14", "shape 15", "shape 3"]
+    assert [match.similarity for match in matches[:3]] == [1, 1, 1]
+    assert all(0 < match.similarity < 1 for match in matches[3:])
+    assert [match.distance for match in matches] == sorted(match.distance for match in matches)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_what_is_not_meant_falls_behind_all_that_is_nearer_to_the_example(
+    filled, model, make_signature, exact
+):
+    example, unwanted = make_signature(1_000), make_signature(7)
+    filled.add_signature(make_signature(7), "shape 7 again")
+    filled.add_signature(between(make_signature, model, 7, 1_000, 0.2), "much like 7")
+    matches = filled.query_signatures([example], SHAPES + 2, exact, unlike=[unwanted])
+    assert sorted(names(matches[-2:])) == ["shape 7", "shape 7 again"]
+    assert [(match.distance, match.similarity) for match in matches[-2:]] == [(FARTHEST, 0), (FARTHEST, 0)]
+    assert [match.similarity for match in matches] == sorted(
+        (match.similarity for match in matches), reverse=True
+    )
+    before = names(filled.query_signature(example, SHAPES + 2, exact))
+    assert names(matches).index("much like 7") > before.index("much like 7")
+    assert sorted(names(matches)) == sorted(before)
+
+
+def test_what_is_far_from_all_that_is_not_meant_stays_where_it_is(filled, make_signature):
+    """And a copy of the example stays the first, however near that is."""
+    example = make_signature(5)
+    plain = {match.name: match.distance for match in filled.query_signature(example, SHAPES)}
+    matches = filled.query_signatures([example], SHAPES, unlike=[make_signature(6), make_signature(7)])
+    assert (matches[0].name, matches[0].distance, matches[0].similarity) == ("shape 5", 0, 1)
+    assert all(match.distance >= plain[match.name] for match in matches)
+
+
+def test_the_similarity_is_the_probability_among_three(filled, model, make_signature):
+    example, unwanted = make_signature(1_000), make_signature(7)
+    matches = filled.query_signatures([example], SHAPES, unlike=[unwanted])
+
+    def odds(query) -> dict[str, float]:
+        found = filled.query_signature(query, SHAPES)
+        with np.errstate(divide="ignore"):
+            return {match.name: 1 / (1 / match.similarity - 1) for match in found if match.similarity < 1}
+
+    meant, other = odds(example), odds(unwanted)
+    for match in matches[:-1]:
+        expected = meant[match.name] / (1 + meant[match.name] + other[match.name] / 8)
+        assert match.similarity == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_shape_that_is_asked_for_and_not_wanted_is_not_wanted(filled, make_signature):
+    """The copy of the query in the library, marked by someone who has it already."""
+    matches = filled.query_signatures([make_signature(5)], SHAPES, unlike=[make_signature(5)])
+    assert (matches[-1].name, matches[-1].similarity) == ("shape 5", 0)
+    plain = names(filled.query_signature(make_signature(5), SHAPES))
+    assert names(matches[:-1]) == plain[1:]
+
+
+def test_every_example_brings_its_own_candidates(filled, model, make_signature, monkeypatch):
+    """As many as codes find for each: no example is drowned by another one."""
+    monkeypatch.setattr(search, "CANDIDATES", 5)
+    monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
+    matches = filled.query_signatures([make_signature(3), make_signature(40)], 5)
+    assert {"shape 3", "shape 40"} <= set(names(matches))
+
+
+def test_what_cannot_be_asked(filled, model, make_signature, other_model):
+    with pytest.raises(ValueError, match="at least one example"):
+        filled.query_signatures([])
+    with pytest.raises(ValueError, match="at least one example"):
+        filled.query([])
+    with pytest.raises(ValueError, match="top must be"):
+        filled.query_signatures([make_signature(1)], 0)
+    strange = replace(make_signature(1), bags=np.ones(3, np.float32))
+    for like, unlike in (([make_signature(1), strange], []), ([make_signature(1)], [strange])):
+        with pytest.raises(LibraryError, match="another model"):
+            filled.query_signatures(like, unlike=unlike)
+
+
+@pytest.fixture(scope="module")
+def verifying(make_model):
+    model = make_model()
+    settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
+    return replace(model, settings=settings, agreement_gain=8.0, similarity_half=1e-6)
+
+
+@pytest.fixture(scope="module")
+def poses() -> dict[str, list[Mesh]]:
+    creatures = [make_creature(kind, 101, vertex_count=800) for kind in ("horse", "human", "crab")]
+    return {creature.kind: [creature.pose(pose) for pose in range(3)] for creature in creatures}
+
+
+class TestMeshes:
+    """From meshes, with a model that lays surfaces over one another."""
+
+    @pytest.fixture
+    def library(self, path, verifying, poses):
+        with Library.open(path, verifying) as library:
+            for kind, meshes in poses.items():
+                library.add(meshes[2], name=kind)
+            library.add(poses["horse"][0], name="the example itself")
+            yield library
+
+    def test_several_meshes_and_one_that_is_not_meant(self, library, poses):
+        assert library.query(poses["horse"][0]) == library.query([poses["horse"][0]])
+        matches = library.query(poses["horse"][:2], unlike=[poses["human"][2]])
+        assert (matches[0].name, matches[0].distance) == ("the example itself", 0)
+        assert matches[-1].name == "human"
+        assert [match.distance for match in matches] == sorted(match.distance for match in matches)
+        assert [match.similarity for match in matches] == sorted(
+            (match.similarity for match in matches), reverse=True
+        )
+
+    def test_each_match_is_laid_over_the_example_nearest_to_it(self, library, poses, monkeypatch):
+        """Several examples take no more alignments than one, and the copy of one stops none."""
+        looked_at = []
+        original = verification.align
+        monkeypatch.setattr(search, "CERTAIN_OF_SEVERAL", 2.0)
+        monkeypatch.setattr(
+            verification, "align", lambda query, other: looked_at.append(query) or original(query, other)
+        )
+        model = library.model
+        examples = [model.describe(poses[kind][0]) for kind in ("horse", "human")]
+        library.query_signatures(examples)
+        assert len(looked_at) == 3  # all but the copy
+        assert len({id(query) for query in looked_at}) <= 2
+        question = Question(model, examples)
+        bags = np.stack([example.bags for example in examples])
+        assert question.nearest_samples(bags).tolist() == [0, 1]
+
+    def test_geometry_is_not_asked_where_several_are_sure(self, library, poses, monkeypatch):
+        monkeypatch.setattr(search, "CERTAIN_OF_SEVERAL", 0.0)
+        monkeypatch.setattr(verification, "align", None)  # would fail if it were called
+        examples = [library.model.describe(mesh) for mesh in poses["horse"][:2]]
+        bare = [replace(example, sample=None) for example in examples]
+        assert library.query_signatures(examples) == library.query_signatures(bare)
+
+    def test_examples_without_samples(self, library, poses):
+        """As after an interrupted repair by hand: geometry goes by the others."""
+        examples = [library.model.describe(mesh) for mesh in poses["horse"][:2]]
+        bare = replace(examples[0], sample=None)
+        assert library.query_signatures([bare, examples[1]])[0].name == "the example itself"
+        assert library.query_signatures([bare, bare], unlike=[bare])[-1].name == "the example itself"

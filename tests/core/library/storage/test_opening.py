@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: MIT
+"""Everything that may lie where a library should: each gets a sentence that names it and says what to do."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shapegoogle_core import LibraryError
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.model import ShapeModel
+
+
+@pytest.fixture
+def filled(path, model, make_signature) -> Path:
+    with Library.open(path, model) as library:
+        shapes = [NewShape(make_signature(seed), f"shape {seed}", f"{seed}") for seed in range(50)]
+        library.replace_source("a.blend", size=1, mtime_ns=1, sha256="ab", shapes=shapes)
+    return path
+
+
+@pytest.fixture
+def unprivileged_folder() -> Iterator[Path]:
+    """A folder of an ordinary user, as whom the test runs; root could write anywhere."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        was_root = hasattr(os, "geteuid") and os.geteuid() == 0
+        if was_root and not hasattr(os, "setresuid"):
+            pytest.skip("root may write anywhere, and cannot become another user for a while here")
+        if was_root:
+            nobody = 65534
+            os.chown(folder, nobody, nobody)
+            os.setresgid(nobody, nobody, 0)
+            os.setresuid(nobody, nobody, 0)
+        try:
+            yield folder
+        finally:
+            folder.chmod(0o700)
+            if was_root:
+                os.setresuid(0, 0, 0)
+                os.setresgid(0, 0, 0)
+
+
+posix = pytest.mark.skipif(os.name == "nt", reason="permissions of folders work differently on Windows")
+
+
+def change(path: Path, *statements: str) -> None:
+    connection = sqlite3.connect(path)
+    with connection:
+        for statement in statements:
+            connection.execute(statement)
+    connection.close()
+
+
+def test_a_folder(tmp_path, model):
+    with pytest.raises(LibraryError, match=f"'{tmp_path}' is a folder; .*name a file"):
+        Library.open(tmp_path, model)
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+def test_no_such_folder(tmp_path, model, read_only):
+    path = tmp_path / "typo" / "shapes.sglib"
+    match = "there is no library" if read_only else "there is no folder '.*typo'; make it first"
+    with pytest.raises(LibraryError, match=match):
+        Library.open(path, model, read_only=read_only)
+    assert not path.parent.exists()
+
+
+def test_nothing_to_read(path, model):
+    with pytest.raises(LibraryError, match=r"there is no library '.*shapes\.sglib'; check the name"):
+        Library.open(path, model, read_only=True)
+    assert not path.exists()
+
+
+def test_below_a_file_and_impossible_names(path, model):
+    path.touch()
+    with pytest.raises(LibraryError, match="there is no folder"):
+        Library.open(path / "inside.sglib", model)
+    with pytest.raises(LibraryError, match="cannot be reached"):
+        Library.open(path.parent / ("x" * 5_000), model)
+    with pytest.raises(LibraryError, match=r"cannot be reached .*null"):
+        Library.open(f"{path}\0", model)
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize("content", [b"solid cube\nfacet normal 0 0 1\n" * 100, b"mesh", b"SQLite format 3"])
+def test_no_database(path, model, content, read_only):
+    path.write_bytes(content)
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' is not a Shape Google library"):
+        Library.open(path, model, read_only=read_only)
+    assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+def test_database_of_another_program(path, model, read_only):
+    change(path, "CREATE TABLE moz_places (url)", "INSERT INTO moz_places VALUES ('somewhere')")
+    before = path.read_bytes()
+    with pytest.raises(LibraryError, match="an SQLite database of another program"):
+        Library.open(path, model, read_only=read_only)
+    assert path.read_bytes() == before
+
+
+def test_an_empty_file_becomes_a_library_but_is_none_to_read(path, model):
+    path.touch()
+    with pytest.raises(LibraryError, match="is empty; index a folder into it first"):
+        Library.open(path, model, read_only=True)
+    with Library.open(path, model) as library:
+        assert len(library) == 0
+
+
+def test_the_format_that_was_given_up(filled, model):
+    change(filled, "UPDATE meta SET value = '2' WHERE key = 'schema'")
+    with pytest.raises(LibraryError, match=r"format 2.* index your folders into a new library"):
+        Library.open(filled, model)
+
+
+def test_newer_schema(filled, model):
+    change(filled, "UPDATE meta SET value = '7' WHERE key = 'schema'")
+    with pytest.raises(LibraryError, match=r"newer version of Shape Google \(format 7, .* up to 5\); update"):
+        Library.open(filled, model)
+
+
+@pytest.mark.parametrize("value", ["", "one", "-1"])
+def test_unreadable_schema(filled, model, value):
+    change(filled, f"UPDATE meta SET value = '{value}' WHERE key = 'schema'")
+    with pytest.raises(LibraryError, match=r"is damaged .*which format"):
+        Library.open(filled, model)
+
+
+def test_another_model(filled, model, other_model):
+    match = (
+        f"made with model {model.identifier}, not with {other_model.identifier}"
+        ".*leave the model out.*new library"
+    )
+    with pytest.raises(LibraryError, match=match):
+        Library.open(filled, other_model)
+    with Library.open(filled, ShapeModel.from_bytes(model.to_bytes())) as library:
+        assert len(library) == 50
+
+
+def test_a_damaged_model(filled):
+    change(filled, "UPDATE model SET content = substr(content, 1, 200)")
+    with pytest.raises(LibraryError, match=r"the model in '.*shapes\.sglib'"):
+        Library.open(filled)
+
+
+def test_a_model_that_is_not_the_one_it_says(filled):
+    change(filled, "UPDATE model SET identifier = '0123456789abcdef'")
+    with pytest.raises(LibraryError, match="0123456789abcdef"):
+        Library.open(filled)
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_not_one_model(filled, model, count):
+    change(filled, "DELETE FROM model", *["INSERT INTO model VALUES ('a', x'')"] * count)
+    with pytest.raises(LibraryError, match=rf"is damaged .*{count} models"):
+        Library.open(filled)
+
+
+@pytest.mark.parametrize("part", [0.02, 0.3, 0.9, 0.999])
+def test_cut_short(filled, part):
+    """Whatever is left of it, the error is a sentence, at the latest when the shapes are read."""
+    content = filled.read_bytes()
+    filled.write_bytes(content[: int(part * len(content))])
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' is (damaged or was cut short|not a Shape)"):
+        Library.open(filled)
+
+
+def test_overwritten_in_the_middle(filled, make_signature):
+    """Random bytes over every page but the first: any method may fail, but only with a LibraryError."""
+    content = bytearray(filled.read_bytes())
+    for page in range(4096, len(content), 4096):
+        content[page : page + 64] = bytes(range(64))
+    filled.write_bytes(content)
+    with pytest.raises(LibraryError, match="is damaged"):
+        Library.open(filled)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    ["UPDATE codes SET code = substr(code, 2)", "UPDATE bags SET halves = x'00'"],
+)
+def test_rows_of_the_wrong_length(filled, make_signature, statement):
+    change(filled, statement)
+    with Library.open(filled) as library:
+        with pytest.raises(LibraryError, match=r"is damaged .*another length than its model's"):
+            library.query_signature(make_signature(1))
+        with pytest.raises(LibraryError, match="is damaged"):
+            library.signature(1)
+
+
+def test_names_that_are_no_text_and_tables_that_are_gone(filled):
+    change(filled, "UPDATE shapes SET name = CAST(x'ff41' AS TEXT)")
+    with Library.open(filled) as library, pytest.raises(LibraryError, match=r"is damaged .*name is no text"):
+        list(library.shapes())
+    change(filled, "DROP TABLE codes")
+    with Library.open(filled) as library, pytest.raises(LibraryError, match=r"is damaged .*no such table"):
+        len(library)
+
+
+def test_a_shape_without_its_signature(filled):
+    change(filled, "DELETE FROM bags WHERE shape_id = 3")
+    with (
+        Library.open(filled) as library,
+        pytest.raises(LibraryError, match=r"shape 3 .* index 'a\.blend' again"),
+    ):
+        library.signature(3)
+
+
+def test_no_model_given_and_none_shipped_leaves_no_file(path, monkeypatch):
+    def no_model() -> ShapeModel:
+        return ShapeModel.from_bytes(b"", "the shipped model")
+
+    monkeypatch.setattr("shapegoogle_core.library.storage.opening.load_model", no_model)
+    with pytest.raises(ModelError, match="the shipped model"):
+        Library.open(path)
+    assert not path.exists()
+
+
+def test_read_only_refuses_every_change(filled, make_signature):
+    before = filled.read_bytes()
+    with Library.open(filled, read_only=True) as library:
+        assert library.read_only
+        for change_it in (
+            lambda: library.add_signature(make_signature(1), "new"),
+            lambda: library.replace_source("a.blend", size=1, mtime_ns=1, sha256=None),
+            lambda: library.update_source("a.blend", size=1, mtime_ns=1),
+            lambda: library.remove("a.blend"),
+            lambda: library.remove_shape(1),
+        ):
+            with pytest.raises(LibraryError, match="is read-only: it can be searched, not changed; copy"):
+                change_it()
+        assert len(library) == 50
+    assert filled.read_bytes() == before
+
+
+@posix
+@pytest.mark.parametrize("read_only", [False, True])
+def test_write_protected_files_are_searched(unprivileged_folder, model, make_signature, read_only):
+    path = unprivileged_folder / "shapes.sglib"
+    with Library.open(path, model) as library:
+        library.add_signature(make_signature(1), "one")
+    path.chmod(0o444)
+    unprivileged_folder.chmod(0o555)
+    with Library.open(path, read_only=read_only) as library:
+        assert library.read_only
+        assert library.query_signature(make_signature(1))[0].name == "one"
+        with pytest.raises(LibraryError, match="is read-only"):
+            library.add_signature(make_signature(2), "two")
+
+
+@posix
+def test_a_file_that_can_be_written_in_a_folder_that_cannot(unprivileged_folder, model, make_signature):
+    path = unprivileged_folder / "shapes.sglib"
+    with Library.open(path, model) as library:
+        library.add_signature(make_signature(1), "one")
+    unprivileged_folder.chmod(0o555)
+    with Library.open(path) as library:
+        assert library.query_signature(make_signature(1))[0].name == "one"
+        with pytest.raises(LibraryError, match="or its folder is read-only"):
+            library.add_signature(make_signature(2), "two")
+        assert len(library) == 1
+
+
+@posix
+def test_nothing_can_be_made_in_a_read_only_folder(unprivileged_folder, model):
+    unprivileged_folder.chmod(0o555)
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be made: its folder is read-only"):
+        Library.open(unprivileged_folder / "shapes.sglib", model)
+
+
+@posix
+def test_files_and_folders_that_may_not_be_read(unprivileged_folder, model):
+    path = unprivileged_folder / "shapes.sglib"
+    with Library.open(path, model):
+        pass
+    path.chmod(0)
+    with pytest.raises(LibraryError, match="you may not read the file"):
+        Library.open(path)
+    unprivileged_folder.chmod(0)
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be reached .*ermission"):
+        Library.open(path)
+
+
+def test_closed(filled, make_signature):
+    library = Library.open(filled)
+    library.close()
+    library.close()
+    for use in (
+        lambda: len(library),
+        lambda: list(library.shapes()),
+        lambda: library.query_signature(make_signature(1)),
+        lambda: library.query_signature(make_signature(1), exact=True),
+        lambda: library.add_signature(make_signature(1), "new"),
+        library.info,
+        library.sources,
+    ):
+        with pytest.raises(LibraryError, match="was closed; open it again"):
+            use()

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: MIT
+"""The model: invariances of a signature, similarities, and files that are kept or refused."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import replace
+from importlib import resources
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shapegoogle_core.errors import MeshError, ModelError
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import PRESETS, ShapeModel, load_model
+
+# Relative L1 change of the bags that each invariance may cost, with the default model.
+RIGID_BOUND = 1e-3
+ORDER_BOUND = 1e-3
+REFINEMENT_BOUND = 0.03
+
+
+@pytest.fixture(scope="module")
+def model() -> ShapeModel:
+    return load_model()
+
+
+def change(model: ShapeModel, first: Mesh, second: Mesh) -> float:
+    a, b = model.describe(first).bags, model.describe(second).bags
+    return float(np.abs(a - b).sum() / np.abs(a).sum())
+
+
+def split_faces(mesh: Mesh) -> Mesh:
+    """Every face cut into four at the midpoints of its edges: the same surface, four times the faces."""
+    a, b, c = mesh.faces.T
+    midpoints, index = {}, len(mesh.vertices)
+    vertices = [*mesh.vertices]
+
+    def midpoint(i: int, j: int) -> int:
+        nonlocal index
+        key = (min(i, j), max(i, j))
+        if key not in midpoints:
+            vertices.append((mesh.vertices[i] + mesh.vertices[j]) / 2)
+            midpoints[key] = index
+            index += 1
+        return midpoints[key]
+
+    faces = []
+    for i, j, k in zip(a, b, c, strict=True):
+        ij, jk, ki = midpoint(i, j), midpoint(j, k), midpoint(k, i)
+        faces += [(i, ij, ki), (ij, j, jk), (ki, jk, k), (ij, jk, ki)]
+    return Mesh(np.array(vertices), np.array(faces))
+
+
+@settings(max_examples=6, deadline=None)
+@given(seed=st.integers(0, 10_000), exponent=st.floats(-5, 5), shape=st.integers(0, 3))
+def test_rigid_motion_and_size_do_not_change_a_bag(seed, exponent, shape, shapes, model):
+    mesh = shapes.bumpy(4, shape)
+    random = np.random.default_rng(seed)
+    rotation, _ = np.linalg.qr(random.standard_normal((3, 3)))
+    moved = Mesh((mesh.vertices @ rotation + random.uniform(-3, 3, 3)) * 10.0**exponent, mesh.faces)
+    assert change(model, mesh, moved) < RIGID_BOUND
+
+
+@settings(max_examples=6, deadline=None)
+@given(seed=st.integers(0, 10_000), shape=st.integers(0, 3))
+def test_order_of_vertices_and_faces_does_not_change_a_bag(seed, shape, shapes, model):
+    mesh = shapes.bumpy(4, shape)
+    random = np.random.default_rng(seed)
+    order = random.permutation(len(mesh.vertices))
+    faces = np.argsort(order)[mesh.faces]
+    shuffled = Mesh(mesh.vertices[order], faces[random.permutation(len(faces))])
+    assert change(model, mesh, shuffled) < ORDER_BOUND
+
+
+@pytest.mark.parametrize("shape", range(4))
+def test_refinement_hardly_changes_a_bag(shape, shapes, model):
+    mesh = shapes.bumpy(4, shape)  # 2,562 vertices; refined 10,242, above the budget
+    refined = change(model, mesh, split_faces(mesh))
+    assert refined < REFINEMENT_BOUND
+    torus = trimesh.creation.torus(1.0, 0.4)
+    assert refined < 0.1 * change(model, mesh, Mesh(torus.vertices, torus.faces))
+
+
+def test_signature_says_what_was_given(bumpy, model):
+    signature = model.describe(bumpy)
+    assert signature.bags.shape == (model.bag_size,)
+    assert signature.bags.dtype == np.float32
+    assert signature.code.shape == (model.code_bits // 8,)
+    assert signature.area == pytest.approx(bumpy.area)
+    assert (signature.vertex_count, signature.face_count) == (len(bumpy.vertices), len(bumpy.faces))
+
+
+def test_code_is_the_sign_of_the_projection(bumpy, model):
+    signature = model.describe(bumpy)
+    vector = model.embed(signature.bags[None])[0]
+    bits = model.directions @ vector + model.thresholds > 0
+    np.testing.assert_array_equal(np.unpackbits(signature.code).astype(bool), bits)
+
+
+def test_distance_to_itself_is_zero_and_similarity_falls(shapes, model):
+    bags = np.array([model.describe(shapes.bumpy(3, seed)).bags for seed in range(3)])
+    distances = model.distances(bags[0], bags)
+    assert distances[0] == pytest.approx(0, abs=1e-6)
+    assert (distances[1:] > 0.01).all()
+    grid = np.linspace(0, 2, 50)
+    similarity = model.similarity(grid)
+    assert similarity[0] == 1
+    assert (np.diff(similarity) < 0).all()
+    assert similarity[-1] > 0
+    assert model.similarity(np.array([model.similarity_half]))[0] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e9, 1e200])
+def test_a_stray_vertex_changes_nothing(distance, bumpy, model):
+    stray = Mesh(np.concatenate([bumpy.vertices, [[distance, 0, 0]]]), bumpy.faces)
+    assert change(model, bumpy, stray) < RIGID_BOUND
+
+
+def test_open_shape_of_several_parts_may_be_moved(shapes, model):
+    ball, sheet = shapes.bumpy(3), shapes.rectangle(2.0, 1.0, 20)
+    faces = np.concatenate([ball.faces[100:], sheet.faces + len(ball.vertices)])
+    parts = Mesh(np.concatenate([ball.vertices, sheet.vertices + 2]), faces)
+    rotation, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))
+    assert change(model, parts, Mesh(parts.vertices @ rotation * 7, faces)) < RIGID_BOUND
+
+
+def test_low_poly_props_have_a_signature(model):
+    box = trimesh.creation.box((1, 2, 3))
+    assert np.isfinite(model.describe(Mesh(box.vertices, box.faces)).bags).all()
+
+
+def test_word_map_covers_the_mended_mesh(bumpy, model):
+    word_map = model.word_map(bumpy)
+    assert len(word_map.words) == len(word_map.mesh.vertices)
+    assert word_map.nearest.max() < model.settings.channels[0].words
+    assert word_map.mesh.area == pytest.approx(model.settings.area)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (np.zeros((5, 3)), [[0, 1, 2], [2, 3, 4]], "coincide|point"),
+        (np.eye(3), [[0, 1, 2]], "4 vertices|3 vertices"),
+        (np.random.default_rng(0).standard_normal((9, 3)), None, "no faces"),
+        (np.outer(np.arange(6.0), [1, 2, 3]), [[0, 1, 2], [3, 4, 5]], "area|line|surface"),
+    ],
+)
+def test_what_has_no_surface_is_refused_by_name(vertices, faces, message, model):
+    with pytest.raises(MeshError, match=message) as caught:
+        model.describe(Mesh(vertices, faces, name="broken.obj"))
+    assert "broken.obj" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["default", "paper"])
+def test_shipped_models_are_small_and_round_trip(name):
+    shipped = resources.files("shapegoogle_core") / "model" / "shipped" / f"{name}.npz"
+    assert len(shipped.read_bytes()) <= 4_000_000
+    model = load_model(name)
+    current = json.loads(json.dumps(PRESETS[name].to_dict()))
+    assert json.loads(json.dumps(model.settings.to_dict())) == current, "train the shipped models again"
+    assert model.name == name
+    again = ShapeModel.from_bytes(model.to_bytes())
+    assert again.identifier == model.identifier
+    assert len(model.identifier) == 16
+
+
+def test_saved_model_describes_alike(tmp_path, bumpy, model):
+    model.save(tmp_path / "mine.npz")
+    loaded = load_model(tmp_path / "mine.npz")
+    np.testing.assert_array_equal(loaded.describe(bumpy).bags, model.describe(bumpy).bags)
+    np.testing.assert_array_equal(loaded.describe(bumpy).code, model.describe(bumpy).code)
+
+
+def changed_archive(model: ShapeModel, **changes) -> bytes:
+    with np.load(io.BytesIO(model.to_bytes())) as archive:
+        entries = {name: archive[name] for name in archive.files}
+    for name, value in changes.items():
+        if value is None:
+            del entries[name]
+        else:
+            entries[name] = value
+    buffer = io.BytesIO()
+    np.savez(buffer, **entries)
+    return buffer.getvalue()
+
+
+def test_any_truncation_is_a_model_error(model):
+    data = model.to_bytes()
+    for length in [0, 1, 10, 100, len(data) // 2, len(data) - 100, len(data) - 1]:
+        with pytest.raises(ModelError, match="not a Shape Google model"):
+            ShapeModel.from_bytes(data[:length])
+
+
+@settings(max_examples=60, deadline=None)
+@given(position=st.floats(0, 1, exclude_max=True), value=st.integers(1, 255))
+def test_flipped_bytes_never_give_another_error(position, value, model):
+    data = bytearray(model.to_bytes())
+    data[int(position * len(data))] ^= value
+    try:
+        ShapeModel.from_bytes(bytes(data))
+    except ModelError:
+        return
+
+
+def test_contradictions_in_the_file_are_refused(model):
+    cases = [
+        ({"mean": model.mean[:-1]}, "mean"),
+        ({"thresholds": np.full_like(model.thresholds, np.nan)}, "thresholds"),
+        ({"directions": None}, "not a Shape Google model"),
+        ({"header": np.array("[]")}, "not a Shape Google model"),
+        ({"header": np.array("{")}, "not a Shape Google model"),
+        ({"sigmas": np.full(len(model.vocabularies), np.inf)}, "vocabulary"),
+        ({"sigmas": -np.ones(len(model.vocabularies))}, "vocabulary"),
+        ({"centers_0": np.ones((2, 2))}, "vocabulary"),
+    ]
+    for changes, message in cases:
+        with pytest.raises(ModelError, match=message):
+            ShapeModel.from_bytes(changed_archive(model, **changes))
+
+
+@pytest.mark.parametrize("name", ["similarity_half", "similarity_slope"])
+@pytest.mark.parametrize("value", [0.0, -2.0, float("nan")])
+def test_damaged_calibration_is_refused(name, value, model):
+    with np.load(io.BytesIO(model.to_bytes())) as archive:
+        header = json.loads(str(archive["header"]))
+    header[name] = value
+    with pytest.raises(ModelError, match="calibration"):
+        ShapeModel.from_bytes(changed_archive(model, header=np.array(json.dumps(header))))
+
+
+def test_newer_format_says_update(model):
+    with np.load(io.BytesIO(model.to_bytes())) as archive:
+        header = json.loads(str(archive["header"]))
+    header["format"] = 99
+    with pytest.raises(ModelError, match="update Shape Google"):
+        ShapeModel.from_bytes(changed_archive(model, header=np.array(json.dumps(header))))
+
+
+def test_pickles_are_never_loaded(model):
+    data = changed_archive(model, mean=np.array([{"a": 1}], dtype=object))
+    with pytest.raises(ModelError, match="not a Shape Google model"):
+        ShapeModel.from_bytes(data)
+
+
+def test_missing_model_names_what_there_is(tmp_path):
+    with pytest.raises(ModelError, match="default, paper"):
+        load_model(tmp_path / "none.npz")
+    with pytest.raises(ModelError, match="cannot read the model"):
+        load_model(tmp_path)
+    with pytest.raises(ModelError, match="cannot write the model"):
+        load_model().save(tmp_path / "no" / "folder.npz")
+
+
+def test_what_an_agreement_counts_is_part_of_the_identity(model):
+    """Otherwise a library would rank by another gain than the model it is asked with."""
+    assert replace(model, agreement_gain=model.agreement_gain + 1).identifier != model.identifier
+
+
+@pytest.mark.parametrize("gain", [-1.0, np.nan, np.inf])
+def test_a_damaged_gain_is_refused(model, gain):
+    with pytest.raises(ModelError, match="agreement_gain"):
+        replace(model, agreement_gain=gain)
+
+
+def test_models_from_before_there_were_samples_keep_their_identifier():
+    """The first default model, whose libraries are out there, has neither `sample` nor a gain."""
+    paper = load_model("paper")
+    assert "sample" not in paper.settings.to_dict()
+    assert paper.identifier == "219c13ef2a931c4c"
+
+
+def test_agreement_lowers_the_distance(model):
+    distances = [model.verified_distance(0.4, excess) for excess in (0, 0.1, 0.5)]
+    assert distances[0] == 0.4
+    assert distances[0] > distances[1] > distances[2] > 0
+
+
+def test_a_distance_that_no_agreement_lowered_says_less(model):
+    """Bags alone, and bags where geometry has looked and found nothing."""
+    distances = np.linspace(0.01, 1.5, 30)
+    alone, looked_at = model.similarity(distances), model.similarity(distances, verified=True)
+    for similarities in (alone, looked_at):
+        assert (np.diff(similarities) < 0).all()
+        assert ((similarities > 0) & (similarities < 1)).all()
+    assert (looked_at < alone).all()

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""The process that computes for a window: results, errors, cancelling, dying, and scripts that start it."""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shapegoogle_core.errors import MeshError, ShapeGoogleError
+from shapegoogle_core.mesh import read_mesh
+from shapegoogle_core.processes.worker import Worker
+
+
+@pytest.fixture
+def worker() -> Iterator[Worker]:
+    worker = Worker()
+    yield worker
+    worker.stop()
+
+
+def test_results_and_errors(worker: Worker, tmp_path: Path) -> None:
+    assert not worker.started
+    tasks = [worker.submit(abs, -number) for number in range(5)]
+    assert [task.result() for task in tasks] == list(range(5))
+    array = np.arange(1e6)
+    np.testing.assert_array_equal(worker.submit(np.sqrt, array).result(), np.sqrt(array))
+    with pytest.raises(MeshError, match="does not exist"):
+        worker.submit(read_mesh, tmp_path / "gone.obj").result()
+    with pytest.raises(ShapeGoogleError, match="unexpected TypeError"):
+        worker.submit(abs, "three").result()
+    with pytest.raises(Exception, match="pickle"):
+        worker.submit(lambda: 3).result()
+    # What is printed does not end up among the answers.
+    worker.submit(print, "noise").result()
+    assert worker.submit(abs, -3).result() == 3
+
+
+def test_cancelling(worker: Worker) -> None:
+    running = worker.submit(time.sleep, 3600)
+    waiting = worker.submit(abs, -1)
+    while not running.running():
+        time.sleep(0.01)
+    assert waiting.cancel()
+    assert running.cancel()
+    with pytest.raises(CancelledError):
+        running.result(timeout=60)
+    done = worker.submit(abs, -2)
+    assert done.result() == 2
+    assert not done.cancel()
+
+
+def test_a_process_that_dies(worker: Worker) -> None:
+    with pytest.raises(ShapeGoogleError, match=r"ended unexpectedly \(exit code 7\)"):
+        worker.submit(os._exit, 7).result(timeout=60)
+    assert worker.submit(abs, -2).result() == 2
+
+
+def test_stopping_gives_up_all_tasks(worker: Worker) -> None:
+    tasks = [worker.submit(time.sleep, 3600), worker.submit(time.sleep, 3600)]
+    while not tasks[0].running():
+        time.sleep(0.01)
+    worker.stop()
+    assert all(task.done() for task in tasks)
+    assert worker.submit(abs, -2).result() == 2
+
+
+def test_it_does_not_run_the_script_again(tmp_path: Path) -> None:
+    """No guard, and an import that only the first process can do, as scripts in Blender are written."""
+    script = tmp_path / "user.py"
+    script.write_text(
+        "import os, sys\n"
+        "print('run')\n"
+        "from shapegoogle_core.processes.worker import Worker\n"
+        "worker = Worker()\n"
+        "print(worker.submit(abs, -3).result())\n"
+        "worker.stop()\n"
+    )
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120, check=True)
+    assert run.stdout.split() == ["run", "3"]
+
+
+def test_a_late_cancel_does_not_hit_the_next_task(worker: Worker) -> None:
+    first = worker.submit(abs, -1)
+    first.result()
+    second = worker.submit(time.sleep, 0.5)
+    while not second.running():
+        time.sleep(0.01)
+    # As when the first one finished after `cancel` had asked whether it was done.
+    assert not worker.abandon(first)
+    assert second.result(timeout=60) is None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="closes a file as only Unix can")
+def test_without_standard_error() -> None:
+    message = pickle.dumps((print, ("noise",))) + pickle.dumps((abs, (-3,)))
+    code = "import os; os.close(2); from shapegoogle_core.processes.worker import serve; serve()"
+    run = subprocess.run([sys.executable, "-c", code], input=message, stdout=subprocess.PIPE, check=True)
+    answers = io.BytesIO(run.stdout)
+    assert [pickle.load(answers), pickle.load(answers)] == [(True, None), (True, 3)]
