@@ -28,7 +28,13 @@ from shapegoogle_core.model.describe import ChannelWords, FloatBags, WorkingShap
 from shapegoogle_core.model.metric import calibrate, choose_pairs, learn_projection, rival_pairs
 from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.model.shape_model import ShapeModel, row_distances
-from shapegoogle_core.registration import Placed, SurfaceSample, align, fit_local_words, sample_surface
+from shapegoogle_core.registration import (
+    PreparedSample,
+    SurfaceSample,
+    align,
+    fit_local_words,
+    sample_surface,
+)
 from shapegoogle_core.words import (
     InverseDocumentFrequency,
     SimilaritySensitiveHashing,
@@ -321,6 +327,7 @@ def _agreements(
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         agreements = [
-            align(Placed(samples[i]), Placed(samples[j])).excess for i, j in zip(first, second, strict=True)
+            align(PreparedSample(samples[i]), PreparedSample(samples[j])).excess
+            for i, j in zip(first, second, strict=True)
         ]
     return np.array(agreements)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Laying one surface over another: what a match has in common with the query, in space."""
+"""Alignment of two surfaces: the motion that brings one onto the other, and how much of each is covered."""
 
-from shapegoogle_core.registration.alignment import Alignment, Placed, align
+from shapegoogle_core.registration.alignment import Alignment, PreparedSample, align
 from shapegoogle_core.registration.local_words import LocalSettings, LocalWords, fit_local_words
 from shapegoogle_core.registration.sample import SampleSettings, SurfaceSample, sample_surface
 from shapegoogle_core.registration.screening import supports
@@ -10,7 +10,7 @@ __all__ = [
     "Alignment",
     "LocalSettings",
     "LocalWords",
-    "Placed",
+    "PreparedSample",
     "SampleSettings",
     "SurfaceSample",
     "align",

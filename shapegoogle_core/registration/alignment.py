@@ -26,7 +26,7 @@ __all__ = [
     "TOLERANCES",
     "Alignment",
     "Frame",
-    "Placed",
+    "PreparedSample",
     "agreeing",
     "align",
     "correspondences",
@@ -152,14 +152,14 @@ class Alignment:
         return max(0.0, self.agreement - COMMON_AGREEMENT) ** 2
 
 
-class Placed:
-    """A sample made ready to be aligned with many others.
+class PreparedSample:
+    """A sample with the search trees and distances that its alignment with many others needs.
 
     Parameters
     ----------
     sample : SurfaceSample
     scales : tuple of float, optional
-        As a query it is tried at these.
+        Scales at which it is tried as a query.
     """
 
     def __init__(self, sample: SurfaceSample, scales: tuple[float, ...] = SCALES) -> None:
@@ -210,12 +210,12 @@ def _distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
     return distances
 
 
-def align(query: Placed, candidate: Placed) -> Alignment:
+def align(query: PreparedSample, candidate: PreparedSample) -> Alignment:
     """Lay a surface over another one.
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
 
     Returns
     -------
@@ -240,8 +240,8 @@ def align(query: Placed, candidate: Placed) -> Alignment:
 
 
 def motions(
-    query: Placed,
-    candidate: Placed,
+    query: PreparedSample,
+    candidate: PreparedSample,
     there: NDArray[np.intp],
     second_order: NDArray[np.float32],
     groups: int = _GROUPS,
@@ -250,7 +250,7 @@ def motions(
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
     there, second_order : (k,) array of int, (k, k) array of float32
         From `correspondences`.
     groups : int, optional
@@ -272,7 +272,7 @@ def motions(
 
 
 def correspondences(
-    query: Placed, candidate: Placed, scale: int
+    query: PreparedSample, candidate: PreparedSample, scale: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
     """For each point of the query find the one that looks most like it, and how far such pairs agree.
 
@@ -280,7 +280,7 @@ def correspondences(
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
     scale : int
         Which of the query's scales.
 
@@ -390,7 +390,11 @@ def similarity_transformations(
 
 
 def _scores(
-    query: Placed, candidate: Placed, scales: FloatArray, rotations: FloatArray, translations: FloatArray
+    query: PreparedSample,
+    candidate: PreparedSample,
+    scales: FloatArray,
+    rotations: FloatArray,
+    translations: FloatArray,
 ) -> FloatArray:
     scores = np.zeros(len(scales))
     for points, tree in ((query.points, candidate.tree), (query.centers, candidate.center_tree)):
@@ -403,7 +407,7 @@ def _scores(
     return scores
 
 
-def _refine(query: Placed, candidate: Placed, motion: Frame) -> tuple[float, Frame]:
+def _refine(query: PreparedSample, candidate: PreparedSample, motion: Frame) -> tuple[float, Frame]:
     """Iterate closest points (Besl and McKay 1992) of the surfaces and of the medial axes together.
 
     Pairs are weighted by distance, those of the surfaces by the agreement of their normals too. Returns the
@@ -431,12 +435,12 @@ def _refine(query: Placed, candidate: Placed, motion: Frame) -> tuple[float, Fra
     return support, motion
 
 
-def measure(query: Placed, candidate: Placed, motion: Frame) -> Alignment:
+def measure(query: PreparedSample, candidate: PreparedSample, motion: Frame) -> Alignment:
     """Measure how much two surfaces have in common where a motion lays the query over the candidate.
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
     motion : Frame
         From the query to the candidate.
 

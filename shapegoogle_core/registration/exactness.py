@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.alignment import Frame, Placed, correspondences, motions
+from shapegoogle_core.registration.alignment import Frame, PreparedSample, correspondences, motions
 from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
 
 __all__ = ["RoughPose", "exact_fit", "rough_pose"]
@@ -62,12 +62,14 @@ class RoughPose:
     frame: Frame | None
 
 
-def rough_pose(query: Placed, candidate: Placed, among: Sequence[int] | None = None) -> RoughPose:
+def rough_pose(
+    query: PreparedSample, candidate: PreparedSample, among: Sequence[int] | None = None
+) -> RoughPose:
     """Lay a query over a candidate that may have more than it, fast and roughly.
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
     among : sequence of int, optional
         Which of the query's scales are tried; all, if it is not given.
 
@@ -102,7 +104,7 @@ def rough_pose(query: Placed, candidate: Placed, among: Sequence[int] | None = N
     return best
 
 
-def exact_fit(query: Placed, candidate: Placed, frame: Frame) -> tuple[float, Frame]:
+def exact_fit(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> tuple[float, Frame]:
     """Fit a query to a candidate, and tell how much of it lies exactly there.
 
     Gauss and Newton's method on the distances of the head of this module, robustly weighted, with the scale
@@ -110,7 +112,7 @@ def exact_fit(query: Placed, candidate: Placed, frame: Frame) -> tuple[float, Fr
 
     Parameters
     ----------
-    query, candidate : Placed
+    query, candidate : PreparedSample
     frame : Frame
         From the query to the candidate, to start from.
 
@@ -136,7 +138,7 @@ def exact_fit(query: Placed, candidate: Placed, frame: Frame) -> tuple[float, Fr
 
 
 def _heights(
-    query: Placed, candidate: Placed, frame: Frame, count: int
+    query: PreparedSample, candidate: PreparedSample, frame: Frame, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Of the query's first points: where they are, their distances, along what, and 1 for the paired ones."""
     points = frame.of(query.points[:count])

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.alignment import Placed, agreeing
+from shapegoogle_core.registration.alignment import PreparedSample, agreeing
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["supports"]
@@ -32,13 +32,13 @@ _AT_ONCE = 16
 
 
 def supports(
-    query: Placed, candidates: Sequence[SurfaceSample], asked: NDArray[np.bool_]
+    query: PreparedSample, candidates: Sequence[SurfaceSample], asked: NDArray[np.bool_]
 ) -> NDArray[np.float32]:
     """Count how many correspondences agree with each other, at each of the query's scales.
 
     Parameters
     ----------
-    query : Placed
+    query : PreparedSample
     candidates : sequence of SurfaceSample
         With the same number of keypoints each.
     asked : (n, s) array of bool
@@ -53,12 +53,12 @@ def supports(
     found = np.zeros(asked.shape, np.float32)
     for start in range(0, len(candidates), _AT_ONCE):
         portion = slice(start, start + _AT_ONCE)
-        placed = [Placed(sample) for sample in candidates[portion]]
+        prepared = [PreparedSample(sample) for sample in candidates[portion]]
         stacked = (
-            np.stack([candidate.sample.descriptors for candidate in placed]),
-            np.stack([candidate.half_squares for candidate in placed]),
-            np.stack([candidate.key_points for candidate in placed]),
-            np.stack([candidate.key_centers for candidate in placed]),
+            np.stack([candidate.sample.descriptors for candidate in prepared]),
+            np.stack([candidate.half_squares for candidate in prepared]),
+            np.stack([candidate.key_points for candidate in prepared]),
+            np.stack([candidate.key_centers for candidate in prepared]),
         )
         for scale in np.flatnonzero(asked[portion].any(axis=0)):
             rows = np.flatnonzero(asked[portion, scale])
@@ -67,7 +67,7 @@ def supports(
 
 
 def _supports_at(
-    query: Placed,
+    query: PreparedSample,
     scale: int,
     descriptors: NDArray[np.float32],
     half_squares: NDArray[np.float32],

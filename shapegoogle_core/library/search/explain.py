@@ -23,7 +23,7 @@ from shapegoogle_core.library.storage.sqlite import Store
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
-from shapegoogle_core.registration import Placed, SurfaceSample, align
+from shapegoogle_core.registration import PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.alignment import PART_SCALES
 from shapegoogle_core.registration.fit import (
     Fit,
@@ -127,8 +127,8 @@ class Explainer:
             self._exact, self._close, self._near = EXACT, CLOSE, NEAR
 
     @cached_property
-    def _placed(self) -> Placed:
-        return Placed(self._sample, PART_SCALES)
+    def _prepared(self) -> PreparedSample:
+        return PreparedSample(self._sample, PART_SCALES)
 
     def explain(self, match: Compared, similarity: float, distance: float) -> dict[str, object]:
         """Say what kind of match a shape is.
@@ -213,13 +213,13 @@ class Explainer:
 
     def _laid(self, sample: SurfaceSample, similarity: float) -> Fit | None:
         """Lay a sample over the query and fit it, if that promises anything."""
-        candidate = Placed(sample, PART_SCALES)
-        alignment = align(self._placed, candidate)
+        candidate = PreparedSample(sample, PART_SCALES)
+        alignment = align(self._prepared, candidate)
         frame = alignment.frame.inverse()
         agreement = alignment.agreement
         if agreement < _SURE and similarity >= _UNLIKELY:
             # Only a part is tried at other sizes than its whole, so try it the other way round too.
-            back = align(candidate, self._placed)
+            back = align(candidate, self._prepared)
             if back.agreement > agreement:
                 frame, agreement = back.frame, back.agreement
         if agreement < _PROMISING:

@@ -170,7 +170,7 @@ class Search:
         words = self._model.local_words
         if words is None or self._local_words is None:
             return Sharing({}, [])
-        weights = [words.query_weights(query.placed.sample) for query in examples.queries]
+        weights = [words.query_weights(query.prepared.sample) for query in examples.queries]
         scales: dict[int, set[int]] = {}
 
         def supported(index: WordIndex) -> list[int]:

@@ -20,10 +20,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
-from shapegoogle_core.library.storage.samples import placed_matches, stored_supports
+from shapegoogle_core.library.storage.samples import prepared_matches, stored_supports
 from shapegoogle_core.library.storage.sqlite import Store
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.registration import Alignment, Placed, SurfaceSample, align
+from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.alignment import SHARED_SCALES, measure
 from shapegoogle_core.registration.exactness import RoughPose, exact_fit, rough_pose
 
@@ -85,12 +85,12 @@ class _Query:
     """A sample of the query."""
 
     def __init__(self, sample: SurfaceSample) -> None:
-        self.placed = Placed(sample)
+        self.prepared = PreparedSample(sample)
 
     @cached_property
-    def shared(self) -> Placed:
+    def shared(self) -> PreparedSample:
         """At more scales; only asked for where the first matches are not likely enough."""
-        return Placed(self.placed.sample, SHARED_SCALES)
+        return PreparedSample(self.prepared.sample, SHARED_SCALES)
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def verify(
     examples.meet(matches)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        laid = _aligned(examples, placed_matches(store, model, matches[:_FIRST]))
+        laid = _aligned(examples, prepared_matches(store, model, matches[:_FIRST]))
         _fit_aligned(examples, laid.values())
         rest = list(matches[_FIRST:])
         if max(_verified(model, pair).similarity for pair in laid.values()) < _LIKELY:
@@ -152,7 +152,7 @@ def verify(
                 chosen = _promising(store, model, examples, matches[_FIRST:SCREENED])[:_NEXT]
                 # What only words propose is far by its bags, and would have no place among the others.
                 chosen += _promising(store, model, examples, relatives)[:_NEXT_RELATIVES]
-                aligned = _aligned(examples, placed_matches(store, model, chosen))
+                aligned = _aligned(examples, prepared_matches(store, model, chosen))
                 _fit_aligned(examples, aligned.values())
                 laid |= {
                     shape_id: pair
@@ -170,7 +170,7 @@ class _Laid:
     """A match over which the query is laid, where its surface is known; and how much of it fits exactly."""
 
     match: Match
-    placed: Placed | None
+    prepared: PreparedSample | None
     alignment: Alignment | None
     exact: float = 0.0
 
@@ -183,12 +183,12 @@ def _doubted(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
     ]
 
 
-def _aligned(examples: Examples, pairs: Iterable[tuple[Match, Placed | None]]) -> dict[int, _Laid]:
+def _aligned(examples: Examples, pairs: Iterable[tuple[Match, PreparedSample | None]]) -> dict[int, _Laid]:
     return {
         match.shape_id: _Laid(
-            match, placed, None if placed is None else align(examples.of(match).placed, placed)
+            match, prepared, None if prepared is None else align(examples.of(match).prepared, prepared)
         )
-        for match, placed in pairs
+        for match, prepared in pairs
     }
 
 
@@ -212,19 +212,19 @@ def _looked_for(
     """Lay the query roughly over those that may share parts with it; fit it to the best of them."""
     poses: list[tuple[Match, RoughPose]] = []
     sharers = [match for match in matches if match.shape_id in sharing.scales]
-    for match, placed in placed_matches(store, model, sharers):
-        if placed is not None:
+    for match, prepared in prepared_matches(store, model, sharers):
+        if prepared is not None:
             scales = sorted(sharing.scales[match.shape_id])
-            poses.append((match, rough_pose(examples.of(match).shared, placed, scales)))
+            poses.append((match, rough_pose(examples.of(match).shared, prepared, scales)))
     best = sorted(poses, key=lambda pose: (-pose[1].covered, pose[0].rank_key))[:_EXACT]
     laid = {}
-    pairs = placed_matches(store, model, [match for match, _ in best])
-    for (match, placed), (_, pose) in zip(pairs, best, strict=True):
+    pairs = prepared_matches(store, model, [match for match, _ in best])
+    for (match, prepared), (_, pose) in zip(pairs, best, strict=True):
         frame = pose.frame
-        if placed is not None and frame is not None:
+        if prepared is not None and frame is not None:
             query = examples.of(match).shared
-            exact, frame = exact_fit(query, placed, frame)
-            laid[match.shape_id] = _Laid(match, placed, measure(query, placed, frame), exact)
+            exact, frame = exact_fit(query, prepared, frame)
+            laid[match.shape_id] = _Laid(match, prepared, measure(query, prepared, frame), exact)
     return laid
 
 
@@ -237,9 +237,9 @@ def _fit_aligned(examples: Examples, laid: Iterable[_Laid]) -> None:
     ]
     covering.sort(key=lambda scored: (-scored[0], scored[1].match.rank_key))
     for _, pair in covering[:_EXACT_ALIGNED]:
-        if pair.placed is not None and pair.alignment is not None:
-            query = examples.of(pair.match).placed
-            pair.exact, _ = exact_fit(query, pair.placed, pair.alignment.frame)
+        if pair.prepared is not None and pair.alignment is not None:
+            query = examples.of(pair.match).prepared
+            pair.exact, _ = exact_fit(query, pair.prepared, pair.alignment.frame)
 
 
 def _verified(model: ShapeModel, laid: _Laid) -> Match:

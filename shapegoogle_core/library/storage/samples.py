@@ -12,18 +12,18 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.storage.sqlite import Store
 from shapegoogle_core.library.storage.sqlite_errors import damaged
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.registration import Placed, SurfaceSample, supports
+from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
 
-__all__ = ["placed_matches", "stored_supports", "unpack_sample"]
+__all__ = ["prepared_matches", "stored_supports", "unpack_sample"]
 
 # So many are read at once: 4 MB.
 _AT_ONCE = 256
 
 
-def placed_matches(
+def prepared_matches(
     store: Store, model: ShapeModel, matches: Sequence[Match]
-) -> Iterator[tuple[Match, Placed | None]]:
-    """Pair matches with their surfaces, one at a time: made ready, a surface takes ten times the room.
+) -> Iterator[tuple[Match, PreparedSample | None]]:
+    """Pair matches with their prepared samples, one at a time to save memory.
 
     Parameters
     ----------
@@ -34,18 +34,18 @@ def placed_matches(
 
     Yields
     ------
-    match, placed : Match, Placed or None
+    match, prepared : Match, PreparedSample or None
         None for a shape without a surface, or one that is gone.
     """
     data = store.samples([match.shape_id for match in matches])
     for match in matches:
         content = data.get(match.shape_id)
         sample = None if content is None else unpack_sample(store, model, match.shape_id, content)
-        yield match, None if sample is None else Placed(sample)
+        yield match, None if sample is None else PreparedSample(sample)
 
 
 def stored_supports(
-    store: Store, model: ShapeModel, query: Placed, asked: Mapping[int, Collection[int]]
+    store: Store, model: ShapeModel, query: PreparedSample, asked: Mapping[int, Collection[int]]
 ) -> dict[int, NDArray[np.float32]]:
     """Tell by `supports` which shapes may have something in common with a query.
 
@@ -54,7 +54,7 @@ def stored_supports(
     store : Store
     model : ShapeModel
         The one that described the shapes.
-    query : Placed
+    query : PreparedSample
     asked : mapping of int to collection of int
         By the shapes' ids: at which of the query's scales.
 

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import Mending, mend
-from shapegoogle_core.registration import Placed, SampleSettings, SurfaceSample, align, sample_surface
+from shapegoogle_core.registration import PreparedSample, SampleSettings, SurfaceSample, align, sample_surface
 from shapegoogle_core.registration.alignment import similarity_transformations
 
 
@@ -26,9 +26,9 @@ def one_thread() -> Iterator[None]:
         yield
 
 
-def sampled(mesh: Mesh) -> Placed:
+def sampled(mesh: Mesh) -> PreparedSample:
     mesh = mend(mesh, Mending(budget=2000))
-    return Placed(sample_surface(mesh, compute_spectrum(mesh, k=60), SampleSettings(400, 128)))
+    return PreparedSample(sample_surface(mesh, compute_spectrum(mesh, k=60), SampleSettings(400, 128)))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +110,7 @@ def test_a_handful_of_points_in_one_place():
     normals, zeros = np.tile([0.0, 0, 1], (8, 1)), np.zeros((8, 3))
     looks, modes = np.zeros((8, 29), np.float32), np.zeros((8, 0), np.float32)
     nothing = SurfaceSample(zeros, normals, np.zeros(8), looks, np.zeros(0), modes, np.zeros(3), 1.0)
-    alignment = align(Placed(nothing), Placed(nothing))
+    alignment = align(PreparedSample(nothing), PreparedSample(nothing))
     assert 0 <= alignment.agreement <= 1
     assert 0 <= alignment.excess <= 0.75**2
 
@@ -118,5 +118,5 @@ def test_a_handful_of_points_in_one_place():
 @pytest.mark.parametrize("points", [8, 100, 240])
 def test_samples_of_any_size_can_be_aligned(bumpy, points):
     sample = sample_surface(bumpy, compute_spectrum(bumpy, k=30), SampleSettings(points, 8))
-    alignment = align(Placed(sample), Placed(sample))
+    alignment = align(PreparedSample(sample), PreparedSample(sample))
     assert 0 <= alignment.agreement <= 1

@@ -13,16 +13,18 @@ from benchmarks.creatures import make_creature
 from benchmarks.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
-from shapegoogle_core.registration import Placed, SampleSettings, sample_surface
+from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface
 from shapegoogle_core.registration.alignment import SHARED_SCALES, Frame
 from shapegoogle_core.registration.exactness import exact_fit, rough_pose
 
 KINDS = ("dog", "bird", "horse", "human")
 
 
-def placed(mesh: Mesh) -> Placed:
+def prepared(mesh: Mesh) -> PreparedSample:
     scaled = Mesh(mesh.vertices / np.sqrt(mesh.area), mesh.faces)
-    return Placed(sample_surface(scaled, compute_spectrum(scaled, 40), SampleSettings()), SHARED_SCALES)
+    return PreparedSample(
+        sample_surface(scaled, compute_spectrum(scaled, 40), SampleSettings()), SHARED_SCALES
+    )
 
 
 @pytest.fixture(scope="module", params=KINDS)
@@ -33,7 +35,7 @@ def shapes(request):
     half = simplify(subdivide(half, 3 * len(half.vertices)), len(half.vertices))
     turn = Rotation.random(random_state=3).as_matrix()
     relative = make_creature(request.param, 202, vertex_count=3000).rest
-    return placed(Mesh(half.vertices @ turn.T, half.faces)), placed(mesh), placed(relative)
+    return prepared(Mesh(half.vertices @ turn.T, half.faces)), prepared(mesh), prepared(relative)
 
 
 def test_a_half_lies_exactly_on_its_whole_alone(shapes):
@@ -56,10 +58,11 @@ def test_spheres_of_other_points_fit_to_a_thousandth():
         points = random.normal(size=(4000, 3))
         points /= np.linalg.norm(points, axis=1, keepdims=True)
         spheres.append(points)
-    base = placed(make_creature("dog", 201, vertex_count=1000).rest)
+    base = prepared(make_creature("dog", 201, vertex_count=1000).rest)
     radius = 0.28  # of unit area
     first, second = (
-        Placed(replace(base.sample, points=radius * points[:600], normals=points[:600])) for points in spheres
+        PreparedSample(replace(base.sample, points=radius * points[:600], normals=points[:600]))
+        for points in spheres
     )
     exact, frame = exact_fit(first, second, Frame(1.05, np.eye(3), np.array([0.01, 0.0, 0.02])))
     assert exact > 0.99
@@ -68,7 +71,7 @@ def test_spheres_of_other_points_fit_to_a_thousandth():
 
 
 def test_what_has_nothing_in_common():
-    base = placed(make_creature("dog", 201, vertex_count=1000).rest)
+    base = prepared(make_creature("dog", 201, vertex_count=1000).rest)
     exact, frame = exact_fit(base, base, Frame(1.0, np.eye(3), np.array([50.0, 0, 0])))
     assert exact == 0
     assert frame.translation[0] == 50

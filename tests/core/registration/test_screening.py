@@ -12,7 +12,7 @@ from benchmarks.creatures import make_creature
 from benchmarks.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import (
-    Placed,
+    PreparedSample,
     SampleSettings,
     SurfaceSample,
     sample_surface,
@@ -68,7 +68,7 @@ def test_it_is_what_its_definition_says(samples, meshes):
     query = sampled(cut(meshes[0], np.array([0.3, 1.0, 0.5]), 0.5))
     asked = np.ones((5, 5), bool)
     asked[1, 2] = asked[3, 0] = asked[4] = False
-    found = supports(Placed(query, SHARED_SCALES), samples, asked)
+    found = supports(PreparedSample(query, SHARED_SCALES), samples, asked)
     assert (found[~asked] == 0).all()
     for row, column in ((0, 0), (0, 3), (1, 1), (2, 4), (3, 3)):
         expected = one_by_one(query, samples[row], SHARED_SCALES[column])
@@ -77,7 +77,7 @@ def test_it_is_what_its_definition_says(samples, meshes):
 
 
 def test_how_many_are_compared_at_once_does_not_matter(samples, monkeypatch):
-    query = Placed(samples[2], SHARED_SCALES)
+    query = PreparedSample(samples[2], SHARED_SCALES)
     asked = np.random.default_rng(0).random((5, 5)) < 0.6
     together = supports(query, samples, asked)
     monkeypatch.setattr(screening, "_AT_ONCE", 2)
@@ -86,7 +86,7 @@ def test_how_many_are_compared_at_once_does_not_matter(samples, monkeypatch):
 
 def test_a_half_is_supported_by_its_whole_at_the_right_scale(samples, meshes):
     for index, mesh in enumerate(meshes):
-        half = Placed(sampled(cut(mesh, np.array([0.3, 1.0, 0.5]), 0.5)), SHARED_SCALES)
+        half = PreparedSample(sampled(cut(mesh, np.array([0.3, 1.0, 0.5]), 0.5)), SHARED_SCALES)
         found = supports(half, samples, np.ones((5, 5), bool))
         row, column = np.unravel_index(found.argmax(), found.shape)
         assert row == index
@@ -94,6 +94,6 @@ def test_a_half_is_supported_by_its_whole_at_the_right_scale(samples, meshes):
 
 
 def test_nothing_to_compare_with(samples):
-    query = Placed(samples[0], SHARED_SCALES)
+    query = PreparedSample(samples[0], SHARED_SCALES)
     assert supports(query, [], np.ones((0, 5), bool)).shape == (0, 5)
     assert not supports(query, samples, np.zeros((5, 5), bool)).any()
