@@ -11,7 +11,7 @@ class ShapeGoogleError(Exception):
     """
 
 
-class MeshError(ShapeGoogleError):
+class MeshError(ShapeGoogleError, ValueError):
     """A mesh, or a file that should hold one, cannot be used."""
 
 

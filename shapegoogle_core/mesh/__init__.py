@@ -4,5 +4,17 @@
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.io.reading import MESH_SUFFIXES, read_mesh
 from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
+from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh, is_mesh_like
 
-__all__ = ["MESH_SUFFIXES", "Mesh", "check_cloud", "check_surface", "face_areas", "read_mesh", "unique_edges"]
+__all__ = [
+    "MESH_SUFFIXES",
+    "Mesh",
+    "MeshLike",
+    "as_mesh",
+    "check_cloud",
+    "check_surface",
+    "face_areas",
+    "is_mesh_like",
+    "read_mesh",
+    "unique_edges",
+]

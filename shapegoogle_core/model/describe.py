@@ -212,6 +212,8 @@ def channel_words(
     chosen = settings.channels[channel]
     try:
         descriptors = DESCRIPTORS[chosen.descriptor](shape.mesh, shape.spectrum, **chosen.parameters)
+    except MeshError:
+        raise
     except ValueError as error:
         # The parameters were tried with the settings: it is the shape that has, say, no positive eigenvalue.
         raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
