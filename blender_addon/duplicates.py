@@ -18,7 +18,7 @@ from .scene import base_mesh, mesh_objects, split_evaluated
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
-    from shapegoogle_core.library.duplicates.duplicates import DuplicateGroup
+    from shapegoogle_core.library.duplicates.find import DuplicateGroup
 
 __all__ = [
     "Group",

@@ -5,8 +5,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library.duplicates.duplicates import DuplicateGroup as DuplicateGroup
-    from shapegoogle_core.library.duplicates.duplicates import DuplicateMember as DuplicateMember
+    from shapegoogle_core.library.duplicates.find import DuplicateGroup as DuplicateGroup
+    from shapegoogle_core.library.duplicates.find import DuplicateMember as DuplicateMember
     from shapegoogle_core.library.library import Library as Library
     from shapegoogle_core.library.match import Match as Match
     from shapegoogle_core.library.storage.records import NewShape as NewShape
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 # Imported when first used: the command line reads the default settings below this package without numpy.
 _MODULE_OF = {
-    "DuplicateGroup": "duplicates.duplicates",
-    "DuplicateMember": "duplicates.duplicates",
+    "DuplicateGroup": "duplicates.find",
+    "DuplicateMember": "duplicates.find",
     "Library": "library",
     "Match": "match",
     "NewShape": "storage.records",

@@ -10,19 +10,19 @@ from types import TracebackType
 from typing import Self
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.duplicates.duplicates import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.duplicates.evidence import EXPLAINED_MEMBERS, by_evidence
+from shapegoogle_core.library.duplicates.find import MIN_SIMILARITY, DuplicateGroup, find_duplicates
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.missing_files import missing_files
 from shapegoogle_core.library.search.explain import EXPLAINED, explain_matches
 from shapegoogle_core.library.search.query import Question
 from shapegoogle_core.library.search.search import Search
-from shapegoogle_core.library.storage.missing import missing_files
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.signatures import check_signature
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.signature_check import check_signature
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError, MeshError
-from shapegoogle_core.library.duplicates.duplicates import (
+from shapegoogle_core.library.duplicates.find import (
     MIN_SIMILARITY,
     DuplicateGroup,
     differing_bits,

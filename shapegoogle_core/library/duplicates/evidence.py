@@ -10,7 +10,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.defaults import EXPLAINED_MEMBERS
-from shapegoogle_core.library.duplicates.duplicates import (
+from shapegoogle_core.library.duplicates.find import (
     DuplicateGroup,
     DuplicateMember,
     distance_at,
@@ -19,7 +19,7 @@ from shapegoogle_core.library.duplicates.duplicates import (
 from shapegoogle_core.library.search.explain import Compared, Explainer
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["EXPLAINED_MEMBERS", "by_evidence"]

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.defaults import EXPLAINED
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature

@@ -24,7 +24,7 @@ from shapegoogle_core.library.search.codes.word_index import WordIndex
 from shapegoogle_core.library.search.query import FARTHEST, Question
 from shapegoogle_core.library.search.verify import CERTAIN, SCREENED, Examples, Sharing, verify
 from shapegoogle_core.library.storage.samples import stored_supports
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]

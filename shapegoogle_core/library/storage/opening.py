@@ -7,7 +7,7 @@ import stat
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError, ModelError
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.model import ShapeModel, load_model
 
 __all__ = ["open_store"]

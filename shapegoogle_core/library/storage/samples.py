@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.storage.sqlite import Store
-from shapegoogle_core.library.storage.sqlite_errors import damaged
+from shapegoogle_core.library.storage.sqlite.errors import damaged
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
 

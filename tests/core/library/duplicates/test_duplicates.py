@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.library.duplicates.duplicates import MIN_SIMILARITY, distance_at
+from shapegoogle_core.library.duplicates.find import MIN_SIMILARITY, distance_at
 from shapegoogle_core.library.duplicates.leader_clustering import Banding, choose_banding, group_stars
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import row_distances

@@ -25,7 +25,7 @@ from shapegoogle_core.library.duplicates.leader_clustering import (
 )
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.storage.records import ShapeRecord, SourceRecord
-from shapegoogle_core.library.storage.sqlite import Store
+from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.describe import FloatBags

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from shapegoogle_core.library.storage.sqlite_errors import damaged, library_error, read_only_error
+from shapegoogle_core.library.storage.sqlite.errors import damaged, library_error, read_only_error
 
 __all__ = ["Database", "encoded"]
 

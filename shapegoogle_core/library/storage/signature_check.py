@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.sqlite import round_bags
+from shapegoogle_core.library.storage.sqlite.store import round_bags
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
 

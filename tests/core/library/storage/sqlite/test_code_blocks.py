@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.library.storage import code_blocks
+from shapegoogle_core.library.storage.sqlite import code_blocks
 
 BLOCK_IDS = 8
 CHANGES = ["add", "replace", "remove", "remove shape"]

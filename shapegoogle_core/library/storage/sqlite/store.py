@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.code_blocks import CODE_TABLES, CodeBlocks
-from shapegoogle_core.library.storage.database import Database, encoded
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.storage.schema import (
+from shapegoogle_core.library.storage.sqlite.code_blocks import CODE_TABLES, CodeBlocks
+from shapegoogle_core.library.storage.sqlite.database import Database, encoded
+from shapegoogle_core.library.storage.sqlite.errors import damaged
+from shapegoogle_core.library.storage.sqlite.schema import (
     APPLICATION_ID,
     BAG_TYPE,
     SCHEMA,
     SCHEMA_VERSION,
     UNREADABLE_VERSION,
 )
-from shapegoogle_core.library.storage.sqlite_errors import damaged
 
 __all__ = ["Store", "round_bags"]
 

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""A library in one SQLite file: all SQL for it is in this folder."""
