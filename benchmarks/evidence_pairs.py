@@ -26,7 +26,7 @@ class EvidencePair:
     Attributes
     ----------
     kind : str
-        One of `shapegoogle_core.library.search.explain.KINDS`.
+        One of `shapegoogle_core.library.evidence.KINDS`.
     detail : str
         How it was made.
     query, candidate : Mesh

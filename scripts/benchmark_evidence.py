@@ -27,7 +27,7 @@ import environment
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from shapegoogle_core import ShapeSignature
+    from shapegoogle_core import Evidence, ShapeSignature
 
 TEST_SEED, CALIBRATION_SEED = 2_000, 3_000
 
@@ -37,7 +37,7 @@ class Outcome(NamedTuple):
 
     kind: str
     detail: str
-    said: dict[str, object]
+    said: Evidence
     factor: float
     share: float
     pose: tuple[float, float, float]
@@ -82,28 +82,30 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
 def print_tables(outcomes: Sequence[Outcome]) -> None:
     import numpy as np
 
-    from shapegoogle_core.library.search.explain import KINDS
+    from shapegoogle_core.library.evidence import KINDS
 
-    counts = Counter((outcome.kind, str(outcome.said["kind"])) for outcome in outcomes)
+    counts = Counter((outcome.kind, outcome.said.kind) for outcome in outcomes)
     print(f"{len(outcomes)} pairs; rows: what they are, columns: what was said\n")
     print("| | " + " | ".join(KINDS) + " | right |")
     print("|---|" + "---|" * (len(KINDS) + 1))
     for kind in KINDS:
-        row = [counts[kind, said] for said in KINDS]
+        row = [counts[kind, column] for column in KINDS]
         right = 100 * counts[kind, kind] / max(1, sum(row))
         print(f"| {kind} | " + " | ".join(str(count or "") for count in row) + f" | {right:.1f} % |")
     right = sum(count for (kind, said), count in counts.items() if kind == said)
     print(f"\nright: {100 * right / len(outcomes):.1f} %")
     details: defaultdict[tuple[str, str], list[bool]] = defaultdict(list)
     for outcome in outcomes:
-        details[outcome.kind, outcome.detail].append(outcome.said["kind"] == outcome.kind)
-    for (kind, detail), hits in details.items():
-        print(f"  {kind}: {detail}: {sum(hits)} of {len(hits)}")
+        details[outcome.kind, outcome.detail].append(outcome.said.kind == outcome.kind)
+    for (true_kind, detail), hits in details.items():
+        print(f"  {true_kind}: {detail}: {sum(hits)} of {len(hits)}")
     for figure in ("factor", "share"):
         errors = [
-            abs(float(str(outcome.said[figure])) / getattr(outcome, figure) - 1)
+            abs(getattr(outcome.said, figure) / getattr(outcome, figure) - 1)
             for outcome in outcomes
-            if outcome.said["kind"] == outcome.kind and figure in outcome.said and outcome.kind != "similar"
+            if outcome.said.kind == outcome.kind
+            and getattr(outcome.said, figure) is not None
+            and outcome.kind != "similar"
         ]
         if errors:
             shown = np.quantile(errors, [0.5, 0.95])

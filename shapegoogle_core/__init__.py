@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from shapegoogle_core.keypoints import detect_keypoints as detect_keypoints
     from shapegoogle_core.laplacian import Operator as Operator
     from shapegoogle_core.laplacian import build_operator as build_operator
+    from shapegoogle_core.library import Evidence as Evidence
+    from shapegoogle_core.library import Filter as Filter
     from shapegoogle_core.library import Library as Library
     from shapegoogle_core.library import Match as Match
     from shapegoogle_core.mesh import Mesh as Mesh
@@ -57,7 +59,7 @@ _MODULES = {
     "errors": ("LibraryError", "MeshError", "ModelError", "ShapeGoogleError"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
-    "library": ("Library", "Match"),
+    "library": ("Evidence", "Filter", "Library", "Match"),
     "mesh": ("Mesh", "read_mesh"),
     "model": ("ShapeModel", "ShapeSignature", "load_model"),
     "model.vertex_signatures": (

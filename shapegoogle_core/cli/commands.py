@@ -26,11 +26,11 @@ from shapegoogle_core.indexing import (
     readable_suffixes,
 )
 from shapegoogle_core.library import Library, Match
-from shapegoogle_core.library.search.explain import evidence_text
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import load_model
 from shapegoogle_core.model.shape_model import ShapeSignature
 from shapegoogle_core.processes.progress import IndexProgress, progress_bar
+from shapegoogle_core.rendering.text import evidence_text
 
 __all__ = ["index", "info", "query", "train"]
 

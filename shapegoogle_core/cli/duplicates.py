@@ -8,7 +8,7 @@ import json
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import DONE, number_from
-from shapegoogle_core.library.defaults import EXPLAINED_MEMBERS, MIN_SIMILARITY
+from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
     from shapegoogle_core.library import DuplicateGroup

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from shapegoogle_core.cli import duplicates as duplicates_command
 from shapegoogle_core.cli.arguments import INTERRUPTED, UNUSABLE, number_from, positive_number, say
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.library.defaults import EXPLAINED
+from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.processes.launching import orderly_end
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     query.add_argument(
         "--evidence",
         type=number_from(0),
-        default=EXPLAINED,
+        default=EvidenceSettings.explained,
         metavar="N",
         help="of how many of the best to say what kind of match they are (%(default)s)",
     )

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from shapegoogle_core.library.duplicates.find import DuplicateGroup as DuplicateGroup
     from shapegoogle_core.library.duplicates.find import DuplicateMember as DuplicateMember
+    from shapegoogle_core.library.evidence import Evidence as Evidence
+    from shapegoogle_core.library.filter import Filter as Filter
     from shapegoogle_core.library.library import Library as Library
     from shapegoogle_core.library.match import Match as Match
     from shapegoogle_core.library.storage.records import NewShape as NewShape
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 _MODULE_OF = {
     "DuplicateGroup": "duplicates.find",
     "DuplicateMember": "duplicates.find",
+    "Evidence": "evidence",
+    "Filter": "filter",
     "Library": "library",
     "Match": "match",
     "NewShape": "storage.records",

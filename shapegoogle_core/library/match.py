@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+
+from shapegoogle_core.library.evidence import Evidence
 
 __all__ = ["DISTANCE_DECIMALS", "Match"]
 
@@ -39,8 +40,8 @@ class Match:
         Of the mesh as it was read.
     area : float
         Of the mesh as it was read, in squared units of its file.
-    evidence : mapping or None
-        What the match rests on, such as ``{"kind": "re-posed"}``; None when nothing was verified.
+    evidence : Evidence or None
+        Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     """
 
     name: str
@@ -52,7 +53,7 @@ class Match:
     vertex_count: int
     face_count: int
     area: float
-    evidence: Mapping[str, object] | None = None
+    evidence: Evidence | None = None
 
     @property
     def rank_key(self) -> tuple[float, str, str, str, int]:
@@ -72,5 +73,5 @@ class Match:
             "source": self.source,
             "similarity": round(self.similarity, 6),
             "distance": self.distance,
-            "evidence": None if self.evidence is None else dict(self.evidence),
+            "evidence": None if self.evidence is None else self.evidence.to_json(),
         }

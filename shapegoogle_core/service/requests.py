@@ -25,10 +25,10 @@ from shapegoogle_core.library.duplicates.find import (
 from shapegoogle_core.library.duplicates.leader_clustering import choose_banding, group_stars
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.explain import evidence_text
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.rendering.text import evidence_text
 
 __all__ = [
     "Answer",

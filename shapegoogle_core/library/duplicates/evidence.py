@@ -9,13 +9,13 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.defaults import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.find import (
     DuplicateGroup,
     DuplicateMember,
     distance_at,
     largest_saving_first,
 )
+from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.search.explain import Compared, Explainer
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
@@ -105,8 +105,8 @@ def _split(
                 evidence = explainer.explain(compared, member.similarity, distance)
                 used += 1
             if evidence is not None:
-                kind = str(evidence["kind"])
-                member = replace(member, scale=float(str(evidence.get("factor", member.scale))))
+                kind = evidence.kind
+                member = replace(member, scale=evidence.factor)
             faces[kind] += compared.face_count
         kinds[kind].append(member)
     parts = [

@@ -15,7 +15,6 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.defaults import MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.leader_clustering import (
     Distances,
     Stars,
@@ -23,6 +22,7 @@ from shapegoogle_core.library.duplicates.leader_clustering import (
     choose_banding,
     group_stars,
 )
+from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.storage.records import ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.sqlite.store import Store

@@ -9,15 +9,16 @@ is a copy of the other, moved, scaled or mirrored; the same surface of another m
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.defaults import EXPLAINED
+from shapegoogle_core.library.evidence import Evidence, EvidenceKind
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.storage.samples import unpack_sample
 from shapegoogle_core.library.storage.sqlite.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
@@ -36,20 +37,9 @@ from shapegoogle_core.registration.fit import (
 )
 from shapegoogle_core.registration.isometry import functional_map, spectral_difference
 
-__all__ = ["EXPLAINED", "KINDS", "Compared", "Explainer", "evidence_text", "explain_matches", "pose_features"]
+__all__ = ["EXPLAINED", "Compared", "Explainer", "explain_matches", "pose_features"]
 
-KINDS = (
-    "identical",
-    "moved",
-    "scaled",
-    "mirrored",
-    "re-meshed",
-    "re-posed",
-    "part of",
-    "contains",
-    "similar",
-)
-"""All kinds of evidence: what the match is, seen from the query ("part of": the query is a part of it)."""
+EXPLAINED = EvidenceSettings.explained
 
 # Lengths are shares of √area of the query.
 EXACT = 1e-3
@@ -130,7 +120,7 @@ class Explainer:
     def _prepared(self) -> PreparedSample:
         return PreparedSample(self._sample, PART_SCALES)
 
-    def explain(self, match: Compared, similarity: float, distance: float) -> dict[str, object]:
+    def explain(self, match: Compared, similarity: float, distance: float) -> Evidence:
         """Say what kind of match a shape is.
 
         Parameters
@@ -143,8 +133,7 @@ class Explainer:
 
         Returns
         -------
-        evidence : dict
-            ``kind``, one of `KINDS`, and the figures that it rests on; see `docs/evidence.md`.
+        evidence : Evidence
         """
         sample = match.sample
         same_counts = self._same_counts(match)
@@ -152,11 +141,13 @@ class Explainer:
             return copy
         in_place = self._in_place(sample)
         if in_place is not None and _is_same(in_place, self._close):
-            kind = "identical" if same_counts and _is_same(in_place, self._exact) else "re-meshed"
-            return self._congruent(kind, in_place, sample)
+            in_place_kind: EvidenceKind = (
+                "identical" if same_counts and _is_same(in_place, self._exact) else "re-meshed"
+            )
+            return self._congruent(in_place_kind, in_place, sample)
         laid = self._laid(sample, similarity)
         if laid is not None and _is_same(laid, self._close):
-            kind = "re-meshed"
+            kind: EvidenceKind = "re-meshed"
             if same_counts and _is_same(laid, self._exact):
                 kind = self._moved_or_scaled("moved", laid, sample)
             return self._congruent(kind, laid, sample)
@@ -168,7 +159,7 @@ class Explainer:
             return part
         return self._posed(match, distance)
 
-    def copy(self, match: Compared) -> dict[str, object] | None:
+    def copy(self, match: Compared) -> Evidence | None:
         """Say of a copy whose vertices are in the same order what it is; many times faster than `explain`.
 
         Parameters
@@ -177,13 +168,17 @@ class Explainer:
 
         Returns
         -------
-        evidence : dict or None
+        evidence : Evidence or None
             "identical", "moved", "scaled" or "mirrored"; None for everything else.
         """
         sample = match.sample
         if not self._same_counts(match) or len(sample.points) != len(self._sample.points):
             return None
-        for kind, candidate in (("moved", sample), ("mirrored", mirrored(sample))):
+        candidates: tuple[tuple[EvidenceKind, SurfaceSample], ...] = (
+            ("moved", sample),
+            ("mirrored", mirrored(sample)),
+        )
+        for kind, candidate in candidates:
             laid = matched(self._sample, candidate)
             if laid.deviation <= EXACT:
                 if kind == "moved" and self._is_in_place(laid, sample):
@@ -207,7 +202,7 @@ class Explainer:
             return None
         return fit(self._surface, self._sample, sample, frame, steps=False)
 
-    def _moved_or_scaled(self, kind: str, laid: Fit, sample: SurfaceSample) -> str:
+    def _moved_or_scaled(self, kind: EvidenceKind, laid: Fit, sample: SurfaceSample) -> EvidenceKind:
         same_size = abs(self._factor(laid, sample) - 1) <= _SAME_SIZE
         return kind if kind != "moved" or same_size else "scaled"
 
@@ -230,13 +225,13 @@ class Explainer:
         """Size of the match relative to the query's, both as their files have them."""
         return sample.unit / (self._sample.unit * laid.frame.scale)
 
-    def _congruent(self, kind: str, laid: Fit, sample: SurfaceSample) -> dict[str, object]:
+    def _congruent(self, kind: EvidenceKind, laid: Fit, sample: SurfaceSample) -> Evidence:
         factor = self._factor(laid, sample)
         if abs(factor - 1) <= _SAME_SIZE:
             factor = 1.0
-        return {"kind": kind, "factor": _digits(factor), "deviation": _digits(laid.deviation)}
+        return Evidence(kind, factor=_digits(factor), deviation=_digits(laid.deviation))
 
-    def _part(self, laid: Fit, match: Compared) -> dict[str, object] | None:
+    def _part(self, laid: Fit, match: Compared) -> Evidence | None:
         """Say whether the smaller surface lies on the larger one."""
         factor = self._factor(laid, match.sample)
         # Of the meshes as they were read: mending has put lids on cuts.
@@ -247,30 +242,30 @@ class Explainer:
         if share > _LARGEST_PART or covered < _PART:
             return None
         near = laid.distances[laid.distances <= self._near]
-        return {
-            "kind": "contains" if on_query else "part of",
-            "share": _digits(share),
-            "factor": _digits(factor),
-            "deviation": _digits(float(np.quantile(near, 0.95))) if len(near) else self._near,
-        }
+        return Evidence(
+            "contains" if on_query else "part of",
+            factor=_digits(factor),
+            deviation=_digits(float(np.quantile(near, 0.95))) if len(near) else self._near,
+            share=_digits(share),
+        )
 
-    def _posed(self, match: Compared, distance: float) -> dict[str, object]:
+    def _posed(self, match: Compared, distance: float) -> Evidence:
         difference = spectral_difference(self._sample, match.sample)
         factor = _digits(math.sqrt(match.area / self._query.area))
         if difference > _OTHER_SPECTRUM:
-            return {"kind": "similar", "spectral_difference": _digits(difference), "factor": factor}
+            return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
         found = functional_map(self._sample, match.sample)
         features = pose_features(found.spectral_difference, found.orthogonality, distance)
         odds = float(features @ np.array(_POSE_WEIGHTS)) + _POSE_OFFSET
         probability = 1 / (1 + math.exp(-max(-50.0, min(50.0, odds))))
-        return {
-            "kind": "re-posed" if probability >= 0.5 else "similar",
-            "probability": _digits(probability),
-            "displacement": _digits(found.displacement),
-            "spectral_difference": _digits(found.spectral_difference),
-            "residual": _digits(found.orthogonality),
-            "factor": factor,
-        }
+        return Evidence(
+            "re-posed" if probability >= 0.5 else "similar",
+            factor=factor,
+            displacement=_digits(found.displacement),
+            probability=_digits(probability),
+            spectral_difference=_digits(found.spectral_difference),
+            residual=_digits(found.orthogonality),
+        )
 
 
 def pose_features(spectral_difference: float, orthogonality: float, distance: float) -> FloatArray:
@@ -288,33 +283,6 @@ def pose_features(spectral_difference: float, orthogonality: float, distance: fl
     features : (3,) array
     """
     return np.log(np.maximum([spectral_difference, orthogonality, distance], 1e-3))
-
-
-def evidence_text(evidence: Mapping[str, object] | None) -> str:
-    """Say in a few words what evidence says, for people.
-
-    Parameters
-    ----------
-    evidence : mapping or None
-        See `Explainer.explain`.
-
-    Returns
-    -------
-    text : str
-        Such as "scaled ×2.54" or "49 % of the query"; empty without evidence.
-    """
-    if evidence is None:
-        return ""
-    kind = str(evidence["kind"])
-    if kind in ("part of", "contains"):
-        share = f"{100 * float(str(evidence['share'])):.0f} %"
-        text = f"the query is {share} of it" if kind == "part of" else f"{share} of the query"
-    else:
-        text = kind
-    factor = float(str(evidence.get("factor", 1.0)))
-    if kind != "similar" and abs(factor - 1) > 0.02:
-        text += f" ×{factor:.3g}"
-    return text
 
 
 def explain_matches(
@@ -362,7 +330,7 @@ def explain_matches(
         explained = []
         for match in best:
             data = samples.get(match.shape_id)
-            evidence: Mapping[str, object] | None = None
+            evidence: Evidence | None = None
             if data is not None and match.shape_id in nearest:  # else it was removed meanwhile
                 sample = unpack_sample(store, model, match.shape_id, data)
                 example, distance = nearest[match.shape_id]

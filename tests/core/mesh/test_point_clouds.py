@@ -112,8 +112,8 @@ def test_copies_of_scans_are_copies_and_their_mesh_is_no_copy(creatures, model, 
         library.add(mesh, name="mesh", source="mesh")
         (scan_found, mesh_found) = library.query(turned, top=2)
         assert scan_found.name == "scan"
-        assert scan_found.evidence["kind"] == "moved"
-        assert mesh_found.evidence["kind"] not in ("identical", "moved", "scaled", "mirrored")
+        assert scan_found.evidence.kind == "moved"
+        assert mesh_found.evidence.kind not in ("identical", "moved", "scaled", "mirrored")
 
 
 def test_files_of_scans_are_indexed_and_queried(creatures, library_file, tmp_path, capsys):

@@ -10,8 +10,14 @@ from pathlib import Path
 import pytest
 
 from benchmarks.evidence_pairs import EvidencePair, make_pairs
-from shapegoogle_core import Library
-from shapegoogle_core.library.search.explain import KINDS, evidence_text
+from shapegoogle_core import Library, Match
+from shapegoogle_core.library.evidence import KINDS, Evidence
+
+
+def kept(match: Match) -> Evidence:
+    """Evidence of a match that has some."""
+    assert match.evidence is not None, match.name
+    return match.evidence
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +26,7 @@ def pairs() -> list[EvidencePair]:
 
 
 @pytest.fixture(scope="module")
-def answers(tmp_path_factory, pairs) -> Iterator[tuple[Library, dict[str, dict[str, object]]]]:
+def answers(tmp_path_factory, pairs) -> Iterator[tuple[Library, dict[str, Evidence]]]:
     """All candidates of one query in a library, and what is said of each."""
     path: Path = tmp_path_factory.mktemp("evidence") / "shapes.sglib"
     query = pairs[0].query
@@ -28,7 +34,7 @@ def answers(tmp_path_factory, pairs) -> Iterator[tuple[Library, dict[str, dict[s
         for pair in pairs:
             if pair.query is query:
                 library.add(pair.candidate, pair.detail)
-        yield library, {match.name: dict(match.evidence or {}) for match in library.query(query, top=20)}
+        yield library, {match.name: kept(match) for match in library.query(query, top=20)}
 
 
 def test_every_kind_is_made(pairs):
@@ -52,19 +58,19 @@ def test_every_kind_is_made(pairs):
     ],
 )
 def test_kinds_are_told(answers, detail, kind):
-    assert answers[1][detail]["kind"] == kind
+    assert answers[1][detail].kind == kind
 
 
 def test_figures_are_those_of_the_pairs(answers, pairs):
     for pair in pairs:
         said = answers[1].get(pair.detail)
-        if said is None or said["kind"] != pair.kind or pair.kind == "similar":
+        if said is None or said.kind != pair.kind or pair.kind == "similar":
             continue
-        assert said["factor"] == pytest.approx(pair.factor, rel=0.03), pair.detail
-        if "deviation" in said:
-            assert 0 <= float(str(said["deviation"])) <= 0.01
-        if "share" in said:
-            assert said["share"] == pytest.approx(pair.share, abs=0.05)
+        assert said.factor == pytest.approx(pair.factor, rel=0.03), pair.detail
+        if said.deviation is not None:
+            assert 0 <= said.deviation <= 0.01
+        if said.share is not None:
+            assert said.share == pytest.approx(pair.share, abs=0.05)
 
 
 def test_a_part_finds_its_whole(tmp_path, pairs):
@@ -73,8 +79,8 @@ def test_a_part_finds_its_whole(tmp_path, pairs):
         library.add(chosen.candidate, "whole")
         (match,) = library.query(chosen.query)
     assert match.evidence is not None
-    assert match.evidence["kind"] == "part of"
-    assert match.evidence["share"] == pytest.approx(chosen.share, abs=0.05)
+    assert match.evidence.kind == "part of"
+    assert match.evidence.share == pytest.approx(chosen.share, abs=0.05)
 
 
 def test_only_so_many_are_explained(answers, pairs):
@@ -95,7 +101,7 @@ def test_with_several_examples_the_nearest_one_is_compared(answers, pairs):
     library, _ = answers
     stranger = next(pair.candidate for pair in pairs if pair.detail == "another kind")
     matches = library.query([pairs[0].query, stranger], top=20)
-    kinds = {match.name: (match.evidence or {})["kind"] for match in matches}
+    kinds = {match.name: kept(match).kind for match in matches}
     assert kinds["a copy"] == kinds["another kind"] == "identical"
 
 
@@ -113,8 +119,8 @@ def test_samples_alone_tell_the_same(answers, pairs):
     library, exact = answers
     signature = replace(library.model.describe(pairs[0].query), surface=None)
     matches = library.explain([signature], library.query_signature(signature, top=20))
-    assert {match.name: (match.evidence or {})["kind"] for match in matches} == {
-        name: said["kind"] for name, said in exact.items()
+    assert {match.name: kept(match).kind for match in matches} == {
+        name: said.kind for name, said in exact.items()
     }
 
 
@@ -140,18 +146,3 @@ def test_exact_copies_are_told_without_laying_anything_over(answers, pairs):
     assert kinds["scaled"].members[1].scale == pytest.approx(scaled.factor, rel=1e-3)
     savings = [group.saved_faces for group in groups]
     assert savings == sorted(savings, reverse=True)
-
-
-@pytest.mark.parametrize(
-    ("evidence", "text"),
-    [
-        (None, ""),
-        ({"kind": "identical", "factor": 1.0}, "identical"),
-        ({"kind": "scaled", "factor": 2.54}, "scaled ×2.54"),
-        ({"kind": "part of", "share": 0.493, "factor": 1.0}, "the query is 49 % of it"),
-        ({"kind": "contains", "share": 0.3, "factor": 0.5}, "30 % of the query ×0.5"),
-        ({"kind": "similar", "factor": 3.0}, "similar"),
-    ],
-)
-def test_evidence_in_words(evidence, text):
-    assert evidence_text(evidence) == text

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""`Filter`: conditions on the shapes that a search returns."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+from shapegoogle_core.library.evidence import KINDS, EvidenceKind
+
+__all__ = ["Filter"]
+
+Range = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filter:
+    """Conditions that every match of a search must meet.
+
+    Name, folder, tag, faces and size are known before the search: only shapes that meet these conditions are
+    compared. Kind and similarity are known after it.
+
+    Attributes
+    ----------
+    name : str or None
+        Text that the name of the shape contains, ignoring case.
+    folder : str or None
+        Folder that the source of the shape lies in, or in a folder below it.
+    tag : str or None
+        One of the tags of the shape.
+    faces : (int or None, int or None) or None
+        Least and largest number of faces, both included; None for no limit.
+    size : (float or None, float or None) or None
+        Least and largest extent of the shape along its longest axis, in units of its file; None for no limit.
+    kind : str or None
+        Kind of the evidence, one of `KINDS`. A search explains as many matches as this needs, up to
+        `EvidenceSettings.max_filtered`.
+    min_similarity : float or None
+        Least similarity, from 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If a condition cannot be met by any shape: an empty text, a range without an order, a kind that does
+        not exist, a similarity outside 0 to 1.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> chairs = sg.Filter(name="chair", faces=(1_000, None), min_similarity=0.5)
+    >>> chairs.faces
+    (1000, None)
+    >>> sg.Filter(faces=(10, 5))
+    Traceback (most recent call last):
+    ...
+    ValueError: faces must be a range from low to high, not 10 to 5
+    """
+
+    name: str | None = None
+    folder: str | os.PathLike[str] | None = None
+    tag: str | None = None
+    faces: Range | None = None
+    size: Range | None = None
+    kind: EvidenceKind | None = None
+    min_similarity: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.folder is not None:
+            object.__setattr__(self, "folder", os.fspath(self.folder))
+        for field, text in (("name", self.name), ("folder", self.folder), ("tag", self.tag)):
+            if text is not None and (not isinstance(text, str) or not text.strip()):
+                raise ValueError(
+                    f"{field} must be a text that is not empty, not {text!r}; leave it out for any"
+                )
+        for field, limits in (("faces", self.faces), ("size", self.size)):
+            if limits is not None:
+                _check_range(field, limits)
+        if self.kind is not None and self.kind not in KINDS:
+            raise ValueError(f"there is no kind of evidence {self.kind!r}; choose one of {', '.join(KINDS)}")
+        if self.min_similarity is not None and not 0 <= self.min_similarity <= 1:
+            raise ValueError(f"min_similarity must be from 0 to 1, not {self.min_similarity}")
+
+    @property
+    def selects_shapes(self) -> bool:
+        """Whether it has a condition that is known before the search: name, folder, tag, faces or size."""
+        return any(
+            condition is not None for condition in (self.name, self.folder, self.tag, self.faces, self.size)
+        )
+
+
+def _check_range(field: str, limits: Range) -> None:
+    """Raise ValueError if a range is none or is empty."""
+    if len(limits) != 2:
+        raise ValueError(f"{field} must have a low and a high limit, not {limits!r}")
+    low, high = (
+        default if limit is None else limit for limit, default in zip(limits, (0, math.inf), strict=True)
+    )
+    if not low >= 0:
+        raise ValueError(f"{field} must not be below 0, not {limits[0]}")
+    if not low <= high:
+        raise ValueError(f"{field} must be a range from low to high, not {limits[0]} to {limits[1]}")

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""`SearchSettings`: every choice of a search in one value, readable without importing numpy.
+
+``docs/results.md`` and ``docs/limits.md`` describe the measurements behind the default values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+__all__ = [
+    "CandidateSettings",
+    "EvidenceSettings",
+    "RerankSettings",
+    "SearchSettings",
+    "VerificationSettings",
+]
+
+
+@dataclass(frozen=True)
+class CandidateSettings:
+    """Selection of the shapes that are compared with the query by their bags.
+
+    Attributes
+    ----------
+    count : int
+        Number of shapes with the nearest codes that are compared by their full bags.
+    per_match : int
+        Least number of candidates for each match asked for: codes order shapes only roughly.
+    oversampling : int
+        Oversampling factor before the codes are ordered by asymmetric distance.
+    sharing : int
+        Number of shapes with most of the query's local words whose support in space is computed, for each
+        scale of the query.
+    supported : int
+        Number of pairs of shape and scale, the best by their support, that are kept of these.
+    rank_unit, rank_power : float
+        A pair is ordered by support · (1 + r / unit)^-power, with r its rank by local words.
+    max_removed : int
+        Number of codes of removed shapes that are kept in memory and skipped before all codes are read again.
+    """
+
+    count: int = 300
+    per_match: int = 4
+    oversampling: int = 4
+    sharing: int = 800
+    supported: int = 400
+    rank_unit: float = 50.0
+    rank_power: float = 0.25
+    max_removed: int = 1_000
+
+
+@dataclass(frozen=True)
+class RerankSettings:
+    """Comparison of full bags.
+
+    Attributes
+    ----------
+    entries_at_once : int
+        Bag entries in memory at once; 8 million are 32 MB as float32.
+    unlike_weight : float
+        Weight w of examples the user is not looking for; see `Query`. Below 1, for such an example stands
+        among the best matches and is similar to what is meant: with w = 1 a right match that was described
+        worse than the example would fall with it.
+    """
+
+    entries_at_once: int = 8_000_000
+    unlike_weight: float = 1 / 8
+
+
+@dataclass(frozen=True)
+class VerificationSettings:
+    """Geometric verification: alignment of the best candidates with the query.
+
+    Verification is skipped where bags are certain: they know more about a shape in another pose than an
+    alignment does, which finds another individual in the query's own pose.
+
+    Attributes
+    ----------
+    candidates : int
+        Number of the best candidates by their bags that verification may consider.
+    certain : float
+        Similarity of the best match by its bags from which verification is skipped.
+    certain_of_several : float
+        The same for a query of several examples, copies of the examples left out. Several examples show how a
+        shape varies, an alignment knows each of them in one pose.
+    first : int
+        Number of matches that are aligned first.
+    likely : float
+        Similarity of one of the first matches from which no others are considered.
+    next, next_relatives : int
+        Number of further matches that are aligned: of the best by their bags, and of the shapes proposed by
+        their local words alone.
+    support_gain : float
+        k in d exp(-k support), which orders these; d is the distance of the bags.
+    exact_fits : int
+        Number of shapes with common local words, roughly aligned, that are fitted exactly.
+    exact_fits_of_aligned : int
+        Number of aligned matches, those that cover most of the query, that are fitted exactly.
+    exact_from, exact_gain : float
+        e0 and k in d exp(-k (e - e0)), where a share e > e0 of the query fits exactly.
+    surely_exact : float
+        Share of the query that fits exactly from which no others are aligned.
+    """
+
+    candidates: int = 300
+    certain: float = 0.7
+    certain_of_several: float = 0.5
+    first: int = 12
+    likely: float = 0.9
+    next: int = 48
+    next_relatives: int = 16
+    support_gain: float = 5.0
+    exact_fits: int = 20
+    exact_fits_of_aligned: int = 12
+    exact_from: float = 0.5
+    exact_gain: float = 8.0
+    surely_exact: float = 0.7
+
+
+@dataclass(frozen=True)
+class EvidenceSettings:
+    """Explanation of the best matches. Lengths are in units of the square root of the query's area.
+
+    Attributes
+    ----------
+    explained : int
+        Number of best matches that `Library.explain` and the command line explain by default.
+    max_filtered : int
+        Largest number of matches that are explained to find those of the kind that a `Filter` asks for.
+    exact : float
+        Largest deviation of a copy: preprocessing rounds no better.
+    close : float
+        Largest deviation of another mesh of the same surface.
+    near : float
+        Distance up to which a point is covered by a surface.
+    coarse, coarse_near : float
+        The same as `exact` and `close`, and as `near`, where only a sample of the query is known: its tangent
+        planes are no more precise.
+    whole : float
+        Least share of either surface that lies on the other one if they are the same.
+    part : float
+        Least share of the smaller surface that lies on the larger one if it is a part of it: preprocessing
+        closes cuts.
+    largest_part : float
+        Largest share of the whole that is called a part of it.
+    same_size : float
+        Largest relative difference of equal sizes.
+    promising : float
+        Least agreement of an alignment that is fitted.
+    sure : float
+        Agreement from which no other alignment is tried.
+    unlikely : float
+        Similarity below which neither the opposite direction nor a mirror image is tried.
+    other_spectrum : float
+        Difference of the lowest eigenvalues from which no other pose is considered.
+    far : float
+        Largest difference of size and place of two shapes in the same place, relative to their size.
+    pose_weights : (float, float, float)
+        Weights of the logistic regression behind the probability of another pose, for the features of
+        `pose_features`; made by ``benchmarks/evidence.py --calibrate``.
+    pose_offset : float
+        Its constant.
+    """
+
+    explained: int = 50
+    max_filtered: int = 200
+    exact: float = 1e-3
+    close: float = 5e-3
+    near: float = 1e-2
+    coarse: float = 1.2e-2
+    coarse_near: float = 2e-2
+    whole: float = 0.97
+    part: float = 0.85
+    largest_part: float = 0.95
+    same_size: float = 2e-3
+    promising: float = 0.45
+    sure: float = 0.7
+    unlikely: float = 0.05
+    other_spectrum: float = 0.35
+    far: float = 0.1
+    pose_weights: tuple[float, float, float] = (-2.79, -0.52, -1.26)
+    pose_offset: float = -9.76
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """Settings of a search, by stage.
+
+    Attributes
+    ----------
+    candidates : CandidateSettings
+    rerank : RerankSettings
+    verification : VerificationSettings
+    evidence : EvidenceSettings
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
+    >>> SearchSettings(candidates=CandidateSettings(count=1_000)).candidates.oversampling
+    4
+    """
+
+    candidates: CandidateSettings = field(default_factory=CandidateSettings)
+    rerank: RerankSettings = field(default_factory=RerankSettings)
+    verification: VerificationSettings = field(default_factory=VerificationSettings)
+    evidence: EvidenceSettings = field(default_factory=EvidenceSettings)
