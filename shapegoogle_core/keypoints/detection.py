@@ -1,33 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Detectors by name, and the points that they find (paper, section 3.1 and algorithm 2, lines 1 to 4)."""
+"""Keypoint detection (paper, section 3.1 and algorithm 2, lines 1 to 4)."""
 
 from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.keypoints.harris import harris_3d
-from shapegoogle_core.keypoints.heat import hks_maxima
-from shapegoogle_core.keypoints.scale_space import mesh_dog, salient_points
+from shapegoogle_core.keypoints.registry import DETECTORS
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectral import Spectrum
 
-__all__ = ["DETECTORS", "Keypoints", "detect_keypoints"]
-
-DETECTORS: dict[str, Callable[..., FloatArray]] = {
-    "hks-maxima": hks_maxima,
-    "mesh-dog": mesh_dog,
-    "salient-points": salient_points,
-    "harris-3d": harris_3d,
-}
-"""Detectors by name: called with a mesh, its spectrum and their parameters, give (n,) responses, 0 at all
-vertices but the points found. Lengths among the parameters are shares of √area, times of the area."""
+__all__ = ["Keypoints", "detect_keypoints"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The value that every operator is."""
+"""Stiffness and mass matrix of a Laplace–Beltrami operator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Operator"]
+__all__ = ["BOUNDARIES", "Operator"]
+
+BOUNDARIES = ("neumann", "dirichlet")
+"""Conditions on open boundaries: no heat flows through them, or the function is held at 0 there."""
 
 
 @dataclass(frozen=True, eq=False)
