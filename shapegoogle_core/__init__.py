@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from shapegoogle_core.preprocessing import mend as mend
     from shapegoogle_core.spectral import Spectrum as Spectrum
     from shapegoogle_core.spectral import compute_spectrum as compute_spectrum
-    from shapegoogle_core.spectral.small_times import full_heat_kernel as full_heat_kernel
-    from shapegoogle_core.spectral.small_times import full_heat_kernel_signature as full_heat_kernel_signature
+    from shapegoogle_core.spectral.rational import full_heat_kernel as full_heat_kernel
+    from shapegoogle_core.spectral.rational import full_heat_kernel_signature as full_heat_kernel_signature
     from shapegoogle_core.words import bag_of_features as bag_of_features
     from shapegoogle_core.words import hard_words as hard_words
     from shapegoogle_core.words import soft_words as soft_words
@@ -72,7 +72,7 @@ _MODULES = {
     ),
     "preprocessing": ("Mending", "mend"),
     "spectral": ("Spectrum", "compute_spectrum"),
-    "spectral.small_times": ("full_heat_kernel", "full_heat_kernel_signature"),
+    "spectral.rational": ("full_heat_kernel", "full_heat_kernel_signature"),
     "words": ("bag_of_features", "hard_words", "soft_words", "spatially_sensitive_bag"),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

@@ -18,7 +18,7 @@ from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.preprocessing import repair
 from shapegoogle_core.spectral import Spectrum, operator_spectrum
-from shapegoogle_core.spectral.small_times import _ladder, full_heat_kernel, full_heat_kernel_signature
+from shapegoogle_core.spectral.rational import _ladder, full_heat_kernel, full_heat_kernel_signature
 
 pytest.importorskip("skimage", reason="creatures need the optional extra 'demo'")
 
