@@ -73,8 +73,8 @@ def measure(size: int, repeats: int, dense: bool) -> Measured:
         return sg.heat_kernel_signature(operator_spectrum(operator, k), times)
 
     ways: dict[str, Callable[[], Array]] = {
-        RESOLVENTS: lambda: sg.full_heat_kernel_signature(operator, times),
-        COLUMN: lambda: sg.full_heat_kernel(operator, 0, times[len(times) // 2]),
+        RESOLVENTS: lambda: sg.heat_kernel_signature(operator, times, method="rational"),
+        COLUMN: lambda: sg.heat_kernel(operator, 0, times[len(times) // 2], method="rational"),
         **{f"k = {k}": lambda k=k: truncated(k) for k in EIGENPAIRS if k < n // 2},  # type: ignore[misc]
     }
     measured = Measured(n)

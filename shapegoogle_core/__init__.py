@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from shapegoogle_core.correspondence import VertexMatch as VertexMatch
     from shapegoogle_core.correspondence import match_vertices as match_vertices
-    from shapegoogle_core.descriptors import heat_kernel as heat_kernel
     from shapegoogle_core.descriptors import heat_kernel_signature as heat_kernel_signature
     from shapegoogle_core.descriptors import scale_invariant_hks as scale_invariant_hks
     from shapegoogle_core.descriptors import wave_kernel_signature as wave_kernel_signature
@@ -44,8 +43,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.preprocessing import mend as mend
     from shapegoogle_core.spectral import Spectrum as Spectrum
     from shapegoogle_core.spectral import compute_spectrum as compute_spectrum
-    from shapegoogle_core.spectral.rational import full_heat_kernel as full_heat_kernel
-    from shapegoogle_core.spectral.rational import full_heat_kernel_signature as full_heat_kernel_signature
+    from shapegoogle_core.spectral import heat_kernel as heat_kernel
     from shapegoogle_core.words import bag_of_features as bag_of_features
     from shapegoogle_core.words import hard_words as hard_words
     from shapegoogle_core.words import soft_words as soft_words
@@ -55,7 +53,7 @@ if TYPE_CHECKING:
 # together they take half a second, which an error message, a help text or Blender's start need not wait for.
 _MODULES = {
     "correspondence": ("VertexMatch", "match_vertices"),
-    "descriptors": ("heat_kernel", "heat_kernel_signature", "scale_invariant_hks", "wave_kernel_signature"),
+    "descriptors": ("heat_kernel_signature", "scale_invariant_hks", "wave_kernel_signature"),
     "errors": ("LibraryError", "MeshError", "ModelError", "ShapeGoogleError"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
@@ -71,8 +69,7 @@ _MODULES = {
         "vertex_words",
     ),
     "preprocessing": ("Mending", "mend"),
-    "spectral": ("Spectrum", "compute_spectrum"),
-    "spectral.rational": ("full_heat_kernel", "full_heat_kernel_signature"),
+    "spectral": ("Spectrum", "compute_spectrum", "heat_kernel"),
     "words": ("bag_of_features", "hard_words", "soft_words", "spatially_sensitive_bag"),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

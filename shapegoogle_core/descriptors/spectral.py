@@ -8,12 +8,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import Spectrum
+from shapegoogle_core.descriptors.times import default_exponents, default_times
+from shapegoogle_core.laplacian import Operator
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.spectral import Spectrum, heat_kernel_diagonal
+from shapegoogle_core.spectral.truncated import checked_times
 
 __all__ = [
     "global_point_signature",
-    "heat_kernel",
     "heat_kernel_signature",
     "log_heat_kernel_signature",
     "scale_invariant_hks",
@@ -24,63 +26,91 @@ __all__ = [
 LEAST_HEAT = math.exp(-10)
 
 
-def _positive_times(times: ArrayLike) -> FloatArray:
-    array = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    if array.ndim != 1 or not (np.isfinite(array).all() and (array > 0).all()):
-        raise ValueError("times must be a list of positive numbers, in squared mesh units")
-    return array
-
-
-def heat_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray:
-    """Heat at every vertex, a time after a unit of it was put on one vertex (paper, equation 5).
-
-    K_t(x, y) = Σ_l exp(-λ_l t) φ_l(x) φ_l(y)
-
-    Parameters
-    ----------
-    spectrum : Spectrum
-    source : int
-        Vertex x.
-    time : float
-        t > 0, in squared mesh units.
-
-    Returns
-    -------
-    heat : (n,) array
-        K_t(x, y) for all y, in 1 / squared mesh units; its integral is 1, unless the component of x was left
-        out of the spectrum.
-    """
-    decay = np.exp(-spectrum.eigenvalues * _positive_times(time))
-    heat: FloatArray = spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source])
-    return heat
-
-
 def heat_kernel_signature(
-    spectrum: Spectrum, times: ArrayLike, *, multiply_by_time: bool = False, normalize: bool = False
+    shape: Spectrum | Operator | Mesh,
+    times: ArrayLike | None = None,
+    *,
+    multiply_by_time: bool = False,
+    normalize: bool = False,
+    method: str = "spectral",
+    spectrum: Spectrum | None = None,
+    tolerance: float = 0.01,
 ) -> FloatArray:
     """Heat kernel signature of every vertex (paper, equations 2 and 6; Sun, Ovsjanikov, Guibas 2009).
 
-    K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)²
+    p(x) = c(x) (K_t1(x, x), …, K_td(x, x)) with K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)²
 
     Parameters
     ----------
-    spectrum : Spectrum
-    times : (d,) array_like
-        Times t > 0, in squared mesh units.
+    shape : Spectrum, Operator or mesh-like
+        A `Spectrum` for the method "spectral"; an operator with a value for each vertex, see
+        `build_operator`, or a mesh for the method "rational".
+    times : (d,) array_like, optional
+        Times t > 0, in squared mesh units; with "rational" and without a spectrum at most ten times the area.
+        Default: 100 times, see `default_times`; "rational" then needs a spectrum.
     multiply_by_time : bool
         Return t·K_t(x, x), which has no unit.
     normalize : bool
-        Scale the values of each vertex to unit Euclidean norm: the c(x) of equation 2.
+        Scale the values of each vertex to unit Euclidean norm, the c(x) of equation 2. Otherwise c(x) = 1.
+    method : {"spectral", "rational"}
+        "spectral" sums over the eigenpairs of the spectrum, which is exact once those left out have died out.
+        "rational" gives the sum over all eigenpairs, of which few or none are computed, at any time however
+        small.
+    spectrum : Spectrum, optional
+        Of "rational" only: the operator's spectrum, of any size. The values at times at which what it leaves
+        out is proved to be within the tolerance are taken from it.
+    tolerance : float
+        Of "rational" only: largest error as a share of K_t(x, x), proved at every vertex and time, rounding
+        aside. The error is usually a hundred times smaller.
 
     Returns
     -------
     values : (n, d) array
         In 1 / squared mesh units, unless one of the options removes the unit.
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown, a time is not positive, or, with "rational", times and spectrum are missing,
+        another parameter is out of range, the spectrum is of another operator, the operator has values
+        elsewhere than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on very
+        uneven meshes.
+    TypeError
+        If the method needs another kind of shape.
+    MeshError
+        If the operator of the mesh cannot be assembled, or there are no default times as all eigenvalues
+        are 0.
+    numpy.linalg.LinAlgError
+        If the stiffness of an operator has negative eigenvalues.
+
+    See Also
+    --------
+    heat_kernel : Heat that comes from one vertex, K_t(x, y).
+    scale_invariant_hks : Signature that does not change with the size of a shape.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    >>> tetrahedron = sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> spectrum = sg.compute_spectrum(tetrahedron)
+    >>> sg.heat_kernel_signature(spectrum, [0.5, 5.0]).round(3).tolist()[0]
+    [0.216, 0.08]
+    >>> sg.heat_kernel_signature(spectrum).shape
+    (4, 100)
+    >>> exact = sg.heat_kernel_signature(tetrahedron, [0.5, 5.0], method="rational")
+    >>> exact.round(3).tolist()[0]
+    [0.216, 0.08]
     """
-    t = _positive_times(times)
-    values: FloatArray = spectrum.eigenvectors**2 @ np.exp(-np.outer(spectrum.eigenvalues, t))
+    if times is None:
+        known = shape if isinstance(shape, Spectrum) else spectrum
+        if known is None:
+            raise ValueError("without a spectrum there are no default times; pass times or spectrum")
+        times = default_times(known)
+    values = heat_kernel_diagonal(shape, times, method=method, spectrum=spectrum, tolerance=tolerance)
     if multiply_by_time:
-        values *= t
+        values *= checked_times(times)
     if normalize:
         values /= np.maximum(np.linalg.norm(values, axis=1, keepdims=True), np.finfo(float).tiny)
     return values
@@ -127,8 +157,9 @@ def scale_invariant_hks(
     alpha : float
         Base of the logarithmic scale, > 1.
     tau : (s,) array_like, optional
-        Evenly spaced exponents; t = α^τ in squared mesh units. Default 1 to 25 in steps of 1/16, made for
-        shapes of some 10⁴ squared units (TOSCA); other units need other exponents.
+        Evenly spaced exponents; t = α^τ in squared mesh units. Default: those of the default model for a
+        shape of this area, see `default_exponents`. Bronstein and Kokkinos use 1 to 25 in steps of 1/16 for
+        shapes of about 10⁴ squared units.
     frequencies : int
         How many of the lowest frequencies to keep, from ω = 0.
 
@@ -142,15 +173,15 @@ def scale_invariant_hks(
     ValueError
         If `tau` has too few values for the frequencies, or a parameter is out of range.
     """
-    exponents = np.arange(1.0, 25.0 + 1 / 32, 1 / 16) if tau is None else np.asarray(tau, dtype=np.float64)
+    if alpha <= 1:
+        raise ValueError(f"alpha must be greater than 1, not {alpha}")
+    exponents = default_exponents(spectrum.area, alpha) if tau is None else np.asarray(tau, dtype=np.float64)
     if (
         exponents.ndim != 1
         or len(exponents) < 3
         or not np.allclose(np.diff(exponents), np.diff(exponents)[0])
     ):
         raise ValueError("tau must hold at least 3 evenly spaced values")
-    if alpha <= 1:
-        raise ValueError(f"alpha must be greater than 1, not {alpha}")
     samples = len(exponents) - 1
     if not 1 <= frequencies <= samples // 2 + 1:
         raise ValueError(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Eigenfunctions of the Laplacian, and heat kernels at small times."""
+"""Spectrum of the Laplace–Beltrami operator, and its heat kernel (paper, sections 3.1 and 3.3)."""
 
+from shapegoogle_core.spectral.heat_kernel import heat_kernel, heat_kernel_diagonal
 from shapegoogle_core.spectral.spectrum import Spectrum, compute_spectrum, operator_spectrum
 
-__all__ = ["Spectrum", "compute_spectrum", "operator_spectrum"]
+__all__ = ["Spectrum", "compute_spectrum", "heat_kernel", "heat_kernel_diagonal", "operator_spectrum"]

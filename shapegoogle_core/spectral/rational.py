@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Heat kernels as the full spectrum would give them, at any time, without computing it (paper, section 3.3).
+"""Heat kernels of the full spectrum at any time, without computing the spectrum (paper, section 3.3).
 
-Of k eigenpairs the heat kernel is known only from the time on at which all others have died out. Below, the
-paper points at a multiresolution approach (Vaxman, Ben-Chen, Gotsman 2010). Here K_t is instead a sum of
-resolvents R(z) = (W + zA)⁻¹, the Green's functions of the screened Poisson equation. For real z > 0 in a
-geometric ladder, the same for all times,
+With k eigenpairs the heat kernel is known only at times at which all other eigenpairs have died out. For
+smaller times the paper cites a multiresolution approach (Vaxman, Ben-Chen, Gotsman 2010). Here K_t is instead
+a sum of resolvents R(z) = (W + zA)⁻¹, the Green's functions of the screened Poisson equation. For real z > 0
+in a geometric ladder, the same for all times,
 
     exp(-tλ) ≈ Σ_j c_j(t) z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})) for all λ ≥ 0, and so
     K_t      ≈ Σ_j c_j(t) P_j,  P_j = z_j z_{j+1} (R(z_j) - R(z_{j+1})) / (z_{j+1} - z_j)
@@ -26,19 +26,19 @@ import scipy.sparse as sparse
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.laplacian import Operator, factor_definite
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.selected_inverse import Levels, inverse_diagonal, level_structure
 from shapegoogle_core.spectral.spectrum import Spectrum
+from shapegoogle_core.spectral.truncated import checked_times, truncated_diagonal
 
-__all__ = ["full_heat_kernel", "full_heat_kernel_signature"]
+__all__ = ["rational_diagonal", "rational_kernel"]
 
-# A time t takes the z from 2^-1/t to 2^7/t, so many in an octave. ε is then at most 1.5e-4; with more of
-# them rounding sets the limit, and with 2 it would be ten times that.
+# A time t takes the poles z from 2^-1/t to 2^7/t. With more of them in an octave rounding sets the limit,
+# with fewer the error ε grows quickly (docs/small_times.md).
 OCTAVES = (-1, 7)
 POLES_PER_OCTAVE = 2.5
-# Later, W + zA is so nearly singular that rounding would count.
+# Latest time, as a multiple of the area: beyond it W + zA is so nearly singular that rounding would count.
 LATEST = 10.0
 
 
@@ -68,7 +68,7 @@ class _Ladder:
     above: NDArray[np.int64]
 
     def pairs(self, resolvent: Callable[[float], FloatArray]) -> Iterator[FloatArray]:
-        """P_j for each pair of poles, of whatever part of the resolvents is asked for."""
+        """P_j for each pair of poles, of the part of the resolvents that `resolvent` computes."""
         lower, lower_part = self.poles[0], resolvent(self.poles[0])
         for pole in self.poles[1:]:
             part = resolvent(pole)
@@ -76,10 +76,8 @@ class _Ladder:
             lower, lower_part = pole, part
 
 
-def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance: float = 0.01) -> FloatArray:
-    """Heat at every vertex, a time after a unit of it was put on one vertex (paper, equation 5).
-
-    K_t(x, y) = Σ_l exp(-λ_l t) φ_l(x) φ_l(y) over all eigenpairs, of which none are computed.
+def rational_kernel(operator: Operator, source: int, time: float, tolerance: float = 0.01) -> FloatArray:
+    """Compute a row of the heat kernel, K_t(x, y) = Σ_l exp(-λ_l t) φ_l(x) φ_l(y) over all eigenpairs.
 
     Parameters
     ----------
@@ -88,16 +86,14 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     source : int
         Vertex x.
     time : float
-        t > 0, in squared mesh units, at most ten times the area; `heat_kernel` serves all later ones.
+        t > 0, in squared mesh units, at most ten times the area.
     tolerance : float
-        Largest error as a share of √(K_t(x, x) K_t(y, y)), which the kernel itself nowhere exceeds. Proved at
-        y = x; usually it is a hundred times less.
+        Largest error as a share of √(K_t(x, x) K_t(y, y)), which the kernel itself nowhere exceeds.
 
     Returns
     -------
     heat : (n,) array
-        K_t(x, y) for all y, in 1 / squared mesh units. Its integral is 1. Where there is next to no heat it
-        is 0 only to within the tolerance, and may be negative; with "fem1" the discrete kernel itself is.
+        K_t(x, y) for all y, in 1 / squared mesh units. Its integral is 1.
 
     Raises
     ------
@@ -105,8 +101,8 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
         If a parameter is out of range, the operator has values elsewhere than at vertices ("fem2", "fem3"),
         or the tolerance cannot be proved.
     """
-    t = _checked_times(operator, [time])
-    _check_asked(operator, tolerance)
+    t = _small_times(operator, [time])
+    _check_operator_and_tolerance(operator, tolerance)
     n = len(operator.lumped_mass)
     if not 0 <= source < n:
         raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
@@ -135,12 +131,10 @@ def full_heat_kernel(operator: Operator, source: int, time: float, *, tolerance:
     return values
 
 
-def full_heat_kernel_signature(
-    operator: Operator, times: ArrayLike, *, spectrum: Spectrum | None = None, tolerance: float = 0.01
+def rational_diagonal(
+    operator: Operator, times: ArrayLike, spectrum: Spectrum | None = None, tolerance: float = 0.01
 ) -> FloatArray:
-    """Heat kernel signature of every vertex at any times, however small (paper, equation 2 without c).
-
-    K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)² over all eigenpairs, of which none or few are computed.
+    """Compute the diagonal of the heat kernel, K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)² over all eigenpairs.
 
     Parameters
     ----------
@@ -149,11 +143,10 @@ def full_heat_kernel_signature(
     times : (d,) array_like
         Times t > 0, in squared mesh units. Without a spectrum they are at most ten times the area.
     spectrum : Spectrum, optional
-        The operator's, of any size. Times that it reaches are taken from it, as `heat_kernel_signature` does:
-        those at which what it leaves out is proved to be within the tolerance.
+        The operator's spectrum, of any size. The values at times at which what it leaves out is proved to be
+        within the tolerance are taken from it.
     tolerance : float
-        Largest error, as a share of K_t(x, x). It is proved at every vertex and time, rounding aside; usually
-        it is a hundred times less.
+        Largest error as a share of K_t(x, x), proved at every vertex and time, rounding aside.
 
     Returns
     -------
@@ -164,12 +157,12 @@ def full_heat_kernel_signature(
     ------
     ValueError
         If a parameter is out of range, the spectrum is of another operator, the operator has values elsewhere
-        than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on meshes that are
-        very uneven.
+        than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on very uneven
+        meshes.
     numpy.linalg.LinAlgError
         If the stiffness has negative eigenvalues.
     """
-    _check_asked(operator, tolerance)
+    _check_operator_and_tolerance(operator, tolerance)
     mass = operator.lumped_mass
     if spectrum is not None and not (
         len(spectrum.mass) == len(mass) and np.allclose(spectrum.mass, mass, rtol=1e-6, atol=0)
@@ -179,12 +172,12 @@ def full_heat_kernel_signature(
         )
     levels = level_structure(_pattern(operator))
     if spectrum is None:
-        return _by_resolvents(operator, levels, _checked_times(operator, times), tolerance)
-    values = heat_kernel_signature(spectrum, times)
-    t = np.atleast_1d(np.asarray(times, dtype=np.float64))
+        return _by_resolvents(operator, levels, _small_times(operator, times), tolerance)
+    values = truncated_diagonal(spectrum, times)
+    t = checked_times(times)
     beyond = (_left_out(operator, levels, spectrum, t) > tolerance * values).any(axis=0)
     if beyond.any():
-        below = _checked_times(operator, t[beyond])
+        below = _small_times(operator, t[beyond])
         values[:, beyond] = _by_resolvents(operator, levels, below, tolerance)
     return values
 
@@ -271,23 +264,24 @@ def _fractions(values: FloatArray, poles: FloatArray) -> FloatArray:
     return pairs
 
 
-def _checked_times(operator: Operator, times: ArrayLike) -> FloatArray:
-    t = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    if t.ndim != 1 or t.size == 0 or not (np.isfinite(t).all() and (t > 0).all()):
-        raise ValueError("times must be a list of positive numbers, in squared mesh units")
+def _small_times(operator: Operator, times: ArrayLike) -> FloatArray:
+    """Raise ValueError if there are no times, or one is later than the method serves."""
+    t = checked_times(times)
+    if t.size == 0:
+        raise ValueError("times must be a list of positive numbers, in squared mesh units, not an empty one")
     area = float(operator.lumped_mass.sum())
     if (t > LATEST * area).any():
         raise ValueError(
-            f"the time {t.max():g} is more than {LATEST:g} times the area, {area:g}; take a spectrum for it"
+            f"the time {t.max():g} is more than {LATEST:g} times the area, {area:g}; use method='spectral'"
         )
     return t
 
 
-def _check_asked(operator: Operator, tolerance: float) -> None:
+def _check_operator_and_tolerance(operator: Operator, tolerance: float) -> None:
     if operator.stiffness.shape[0] != len(operator.lumped_mass):
         raise ValueError(
-            'heat at small times is known of operators with a value for each vertex, not of "fem2" and '
-            '"fem3"; take "fem1" on a finer mesh'
+            "method='rational' needs an operator with a value for each vertex, not 'fem2' or 'fem3'; "
+            "use 'fem1' on a finer mesh"
         )
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance must be between 0 and 1, not {tolerance}")

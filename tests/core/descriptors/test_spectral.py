@@ -9,15 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.descriptors import (
+    default_times,
     global_point_signature,
-    heat_kernel,
     heat_kernel_signature,
     log_heat_kernel_signature,
     scale_invariant_hks,
     wave_kernel_signature,
 )
+from shapegoogle_core.laplacian import build_operator
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.spectral import Spectrum, compute_spectrum
+from shapegoogle_core.spectral import Spectrum, compute_spectrum, heat_kernel
 
 
 @pytest.fixture(scope="module")
@@ -111,9 +112,37 @@ def test_si_hks_hardly_changes_with_the_size(bumpy):
     assert raw_change > 0.5
 
 
-def test_si_hks_default_is_the_papers(spectrum):
-    explicit = scale_invariant_hks(spectrum, alpha=2, tau=np.arange(1, 25 + 1 / 32, 1 / 16), frequencies=6)
+def test_si_hks_default_follows_the_area(bumpy: Mesh, spectrum: Spectrum) -> None:
+    tau = np.log2(spectrum.area) + np.arange(-13, 0 + 1 / 16, 1 / 8)
+    explicit = scale_invariant_hks(spectrum, alpha=2, tau=tau, frequencies=6)
     np.testing.assert_array_equal(scale_invariant_hks(spectrum), explicit)
+    np.testing.assert_allclose(scale_invariant_hks(spectrum, alpha=3.0), explicit, rtol=1e-9)
+    large = compute_spectrum(Mesh(30.0 * bumpy.vertices, bumpy.faces), 80)
+    np.testing.assert_allclose(scale_invariant_hks(large), explicit, rtol=1e-4)
+
+
+def test_hks_default_times_cover_the_spectrum(spectrum: Spectrum) -> None:
+    values = heat_kernel_signature(spectrum)
+    np.testing.assert_array_equal(values, heat_kernel_signature(spectrum, default_times(spectrum)))
+    assert values.shape == (len(spectrum.mass), 100)
+    np.testing.assert_allclose(values[:, -1], 1 / spectrum.area, rtol=0.01)
+
+
+def test_rational_hks_is_that_of_all_eigenpairs(bumpy: Mesh) -> None:
+    full = compute_spectrum(bumpy, len(bumpy.vertices))
+    times = np.array([1e-3, 0.05]) * bumpy.area
+    expected = heat_kernel_signature(full, times, multiply_by_time=True, normalize=True)
+    for shape in (bumpy, build_operator(bumpy)):
+        values = heat_kernel_signature(shape, times, method="rational", multiply_by_time=True, normalize=True)
+        np.testing.assert_allclose(values, expected, rtol=1e-3)
+
+
+def test_rational_hks_takes_default_times_from_a_spectrum(bumpy: Mesh, spectrum: Spectrum) -> None:
+    values = heat_kernel_signature(bumpy, method="rational", spectrum=spectrum)
+    late = heat_kernel_signature(spectrum)[:, 50:]
+    np.testing.assert_array_equal(values[:, 50:], late)
+    with pytest.raises(ValueError, match="pass times or spectrum"):
+        heat_kernel_signature(bumpy, method="rational")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.preprocessing import repair
 from shapegoogle_core.spectral import Spectrum, operator_spectrum
-from shapegoogle_core.spectral.rational import _ladder, full_heat_kernel, full_heat_kernel_signature
+from shapegoogle_core.spectral.rational import _ladder, rational_diagonal, rational_kernel
 
 pytest.importorskip("skimage", reason="creatures need the optional extra 'demo'")
 
@@ -68,7 +68,7 @@ def all_times(spectrum: Spectrum) -> np.ndarray:
 def test_signature_is_that_of_the_full_decomposition(name, laplacian, decomposed):
     operator, full = decomposed(name, laplacian)
     times = all_times(full)
-    values = full_heat_kernel_signature(operator, times)
+    values = rational_diagonal(operator, times)
     np.testing.assert_allclose(values, heat_kernel_signature(full, times), rtol=2e-4)
 
 
@@ -80,7 +80,7 @@ def test_kernel_is_that_of_the_full_decomposition(name, laplacian, decomposed):
         expected = (full.eigenvectors * np.exp(-time * full.eigenvalues)) @ full.eigenvectors.T
         scale = np.sqrt(np.diag(expected))
         for source in (0, len(scale) // 2, len(scale) - 1):
-            heat = full_heat_kernel(operator, source, time)
+            heat = rational_kernel(operator, source, time)
             assert (np.abs(heat - expected[source]) <= 2e-4 * scale * scale[source]).all()
             warm = expected[source] > 0.03 * scale * scale[source]
             np.testing.assert_allclose(heat[warm], expected[source, warm], rtol=0.01)
@@ -90,7 +90,7 @@ def test_kernel_is_that_of_the_full_decomposition(name, laplacian, decomposed):
 def test_heat_stays_in_its_component(examples):
     operator = build_operator(examples["parts"])
     first = slice(0, len(operator.lumped_mass) - 3)
-    heat = full_heat_kernel(operator, len(operator.lumped_mass) - 1, 1e-3)
+    heat = rational_kernel(operator, len(operator.lumped_mass) - 1, 1e-3)
     assert (heat[first] == 0).all()
     np.testing.assert_allclose(heat[-3:], 1 / operator.lumped_mass[-3:].sum(), rtol=1e-6)
 
@@ -98,7 +98,7 @@ def test_heat_stays_in_its_component(examples):
 def test_signature_is_exact_long_after_a_small_component_is_even(examples):
     operator = build_operator(examples["parts"])
     latest = 9.9 * operator.lumped_mass.sum()
-    values = full_heat_kernel_signature(operator, latest)
+    values = rational_diagonal(operator, latest)
     np.testing.assert_allclose(values[-3:, 0], 1 / operator.lumped_mass[-3:].sum(), rtol=1e-7)
 
 
@@ -106,7 +106,7 @@ def test_signature_is_exact_long_after_a_small_component_is_even(examples):
 def test_plane_away_from_everything(laplacian, shapes):
     torus = shapes.flat_torus(2.0, 1.2, 80)
     times = np.array([0.01, 0.02, 0.03])  # 15 to 45 times the area of a vertex; the torus closes at 0.1
-    values = full_heat_kernel_signature(build_operator(torus, laplacian), times)
+    values = rational_diagonal(build_operator(torus, laplacian), times)
     np.testing.assert_allclose(values, np.tile(1 / (4 * np.pi * times), (len(values), 1)), rtol=0.01)
 
 
@@ -114,7 +114,7 @@ def test_sphere_is_the_legendre_series(shapes):
     times = np.array([0.1, 0.2, 1.0])
     degrees = np.arange(60)
     expected = [((2 * degrees + 1) * np.exp(-degrees * (degrees + 1) * t)).sum() / (4 * np.pi) for t in times]
-    values = full_heat_kernel_signature(build_operator(shapes.sphere(4)), times)
+    values = rational_diagonal(build_operator(shapes.sphere(4)), times)
     np.testing.assert_allclose(values, np.tile(expected, (len(values), 1)), rtol=0.01)
 
 
@@ -123,9 +123,9 @@ def test_semigroup(laplacian, bumpy):
     operator = build_operator(bumpy, laplacian)
     edge = bumpy.area / len(bumpy.vertices)
     for time in (0.1 * edge, edge, 30 * edge):
-        later = full_heat_kernel_signature(operator, 2 * time)[:, 0]
+        later = rational_diagonal(operator, 2 * time)[:, 0]
         for source in (5, 300):
-            heat = full_heat_kernel(operator, source, time)
+            heat = rational_kernel(operator, source, time)
             assert heat @ (operator.mass @ heat) == pytest.approx(later[source], rel=3e-4)
             # Of a consistent mass the discrete kernel itself, not this sum for it, is negative in places.
             assert laplacian == "fem1" or heat.min() > -2e-4 * heat.max()
@@ -133,15 +133,15 @@ def test_semigroup(laplacian, bumpy):
 
 def test_before_anything_flows_heat_is_where_it_was_put(bumpy):
     operator = build_operator(bumpy, "cotangent")
-    values = full_heat_kernel_signature(operator, 1e-9 * bumpy.area)
+    values = rational_diagonal(operator, 1e-9 * bumpy.area)
     np.testing.assert_allclose(values[:, 0], 1 / operator.lumped_mass, rtol=1e-3)
 
 
 def test_scales_with_the_mesh(bumpy):
     times = np.array([1e-3, 0.1]) * bumpy.area
     large = Mesh(1000 * bumpy.vertices, bumpy.faces)
-    expected = full_heat_kernel_signature(build_operator(bumpy), times)
-    values = full_heat_kernel_signature(build_operator(large), 1e6 * times)
+    expected = rational_diagonal(build_operator(bumpy), times)
+    values = rational_diagonal(build_operator(large), 1e6 * times)
     np.testing.assert_allclose(1e6 * values, expected, rtol=1e-4)
 
 
@@ -151,7 +151,7 @@ def test_takes_a_spectrum_where_that_reaches(decomposed):
     times = np.geomspace(1, 30, 12) / spectrum.eigenvalues[-1]
     expected = heat_kernel_signature(full, times)
     truncated = heat_kernel_signature(spectrum, times)
-    values = full_heat_kernel_signature(operator, times, spectrum=spectrum, tolerance=1e-3)
+    values = rational_diagonal(operator, times, spectrum=spectrum, tolerance=1e-3)
     np.testing.assert_allclose(values, expected, rtol=1e-3)
     reached = (values == truncated).all(axis=0)
     error = np.abs(truncated / expected - 1).max(axis=0)
@@ -160,21 +160,21 @@ def test_takes_a_spectrum_where_that_reaches(decomposed):
     assert not reached[:4].any()
     assert (error[reached] < 1e-3).all()
     # Long past the area, where only the spectrum serves.
-    late = full_heat_kernel_signature(operator, [100 * spectrum.area], spectrum=spectrum)
+    late = rational_diagonal(operator, [100 * spectrum.area], spectrum=spectrum)
     np.testing.assert_allclose(late, 1 / spectrum.area, rtol=1e-3)
 
 
 def test_a_spectrum_without_all_components_reaches_nothing(examples):
     operator = build_operator(examples["parts"])
     times = 0.1 * operator.lumped_mass.sum()
-    values = full_heat_kernel_signature(operator, times, spectrum=operator_spectrum(operator, 2))
-    np.testing.assert_array_equal(values, full_heat_kernel_signature(operator, times))
+    values = rational_diagonal(operator, times, spectrum=operator_spectrum(operator, 2))
+    np.testing.assert_array_equal(values, rational_diagonal(operator, times))
 
 
 def test_all_eigenpairs_reach_everything(decomposed):
     operator, full = decomposed("open", "cotangent")
     times = [1e-6, 1.0]
-    values = full_heat_kernel_signature(operator, times, spectrum=full)
+    values = rational_diagonal(operator, times, spectrum=full)
     np.testing.assert_array_equal(values, heat_kernel_signature(full, times))
 
 
@@ -210,9 +210,9 @@ def test_says_what_can_be_proved_on_uneven_meshes(shapes):
     spectrum = operator_spectrum(operator, len(operator.lumped_mass))
     times = np.geomspace(1e-6, 1, 12) / len(spectrum.mass)
     with pytest.raises(ValueError, match="cannot be proved") as refused:
-        full_heat_kernel_signature(operator, times, tolerance=2e-4)
+        rational_diagonal(operator, times, tolerance=2e-4)
     allowed = float(re.search(r"allow ([\d.e-]+)", str(refused.value)).group(1))
-    values = full_heat_kernel_signature(operator, times, tolerance=allowed)
+    values = rational_diagonal(operator, times, tolerance=allowed)
     np.testing.assert_allclose(values, heat_kernel_signature(spectrum, times), rtol=allowed)
 
 
@@ -220,28 +220,28 @@ def test_refuses_what_it_cannot_do(bumpy, shapes):
     operator = build_operator(bumpy)
     for times in ([], [[1.0]], [0.0], [-1.0], [np.nan], [np.inf]):
         with pytest.raises(ValueError, match="positive numbers"):
-            full_heat_kernel_signature(operator, times)
+            rational_diagonal(operator, times)
     with pytest.raises(ValueError, match="10 times the area"):
-        full_heat_kernel_signature(operator, 11 * bumpy.area)
+        rational_diagonal(operator, 11 * bumpy.area)
     for tolerance in (0, 1, -0.1, np.nan):
         with pytest.raises(ValueError, match="tolerance"):
-            full_heat_kernel_signature(operator, 0.1, tolerance=tolerance)
+            rational_diagonal(operator, 0.1, tolerance=tolerance)
         with pytest.raises(ValueError, match="tolerance"):
-            full_heat_kernel(operator, 0, 0.1, tolerance=tolerance)
+            rational_kernel(operator, 0, 0.1, tolerance=tolerance)
     for source in (-1, len(bumpy.vertices)):
         with pytest.raises(ValueError, match="source"):
-            full_heat_kernel(operator, source, 0.1)
+            rational_kernel(operator, source, 0.1)
     with pytest.raises(ValueError, match="positive numbers"):
-        full_heat_kernel(operator, 0, 0.0)
+        rational_kernel(operator, 0, 0.0)
     for other in (shapes.sphere(2), shapes.sphere(3)):
         with pytest.raises(ValueError, match="another mesh"):
-            full_heat_kernel_signature(operator, 0.1, spectrum=operator_spectrum(build_operator(other), 5))
+            rational_diagonal(operator, 0.1, spectrum=operator_spectrum(build_operator(other), 5))
 
 
 @pytest.mark.parametrize("laplacian", ["fem2", "fem3"])
 def test_values_elsewhere_than_at_vertices_are_refused(laplacian, shapes):
     operator = build_operator(shapes.sphere(1), laplacian)
     with pytest.raises(ValueError, match="a value for each vertex"):
-        full_heat_kernel(operator, 0, 0.1)
+        rational_kernel(operator, 0, 0.1)
     with pytest.raises(ValueError, match="a value for each vertex"):
-        full_heat_kernel_signature(operator, [0.1])
+        rational_diagonal(operator, [0.1])

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: MIT
+"""The two methods of the heat kernel: what they take, and that they agree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shapegoogle_core.laplacian import build_operator
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.spectral import compute_spectrum, heat_kernel, heat_kernel_diagonal
+
+
+def test_both_methods_agree_where_the_spectrum_is_complete(bumpy: Mesh) -> None:
+    full = compute_spectrum(bumpy, len(bumpy.vertices))
+    time = 0.01 * bumpy.area
+    expected = heat_kernel(full, 7, time)
+    for shape in (bumpy, build_operator(bumpy)):
+        heat = heat_kernel(shape, 7, time, method="rational")
+        np.testing.assert_allclose(heat, expected, atol=1e-3 * expected[7])
+        diagonal = heat_kernel_diagonal(shape, time, method="rational")
+        np.testing.assert_allclose(diagonal, heat_kernel_diagonal(full, time), rtol=1e-3)
+
+
+def test_each_method_needs_its_kind_of_shape(bumpy: Mesh) -> None:
+    spectrum = compute_spectrum(bumpy, 10)
+    with pytest.raises(TypeError, match=r"'spectral' needs a Spectrum, not Mesh; call compute_spectrum\(\)"):
+        heat_kernel(bumpy, 0, 0.1)
+    with pytest.raises(TypeError, match="'spectral' needs a Spectrum, not Operator"):
+        heat_kernel_diagonal(build_operator(bumpy), 0.1)
+    with pytest.raises(TypeError, match="'rational' needs a mesh or an operator, not a Spectrum"):
+        heat_kernel(spectrum, 0, 0.1, method="rational")
+    with pytest.raises(ValueError, match="method must be one of spectral, rational, not 'exact'"):
+        heat_kernel(spectrum, 0, 0.1, method="exact")
