@@ -21,12 +21,11 @@ from typing import Any
 import addon_package
 import blend_library
 import bpy
-import creature_rigs
-import workbench
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from benchmarks.creatures import make_creature
+from benchmarks.creatures import make_creature, rigs
+from benchmarks.figures import workbench
 from shapegoogle_core.rendering import contact_sheet
 
 __all__ = ["run"]
@@ -95,7 +94,7 @@ def add_query() -> Any:
     """Put into the scene what to search for: in a pose the library lacks, meshed anew and larger."""
     creature = make_creature(QUERY_KIND, QUERY_INDIVIDUAL, vertex_count=QUERY_VERTICES)
     collection = bpy.context.scene.collection
-    (skin,) = creature_rigs.add_creature(creature, QUERY_NAME, [QUERY_POSE], collection)
+    (skin,) = rigs.add_creature(creature, QUERY_NAME, [QUERY_POSE], collection)
     skin.name = QUERY_NAME
     skin.parent.scale = (QUERY_SCALE,) * 3
     bpy.context.view_layer.update()
@@ -222,7 +221,7 @@ def picture_stamp(matches: Sequence[Found]) -> str:
     digest = hashlib.sha256(json.dumps([content, [asdict(match) for match in matches]]).encode())
     for source in {match.source for match in matches}:
         digest.update(Path(source).read_bytes())
-    for module in (creature_rigs, workbench, sys.modules[__name__]):
+    for module in (rigs, workbench, sys.modules[__name__]):
         digest.update(Path(module.__file__ or "").read_bytes())
     return digest.hexdigest()
 

@@ -18,11 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import creature_rigs
 import numpy as np
 
 from benchmarks import creatures
-from benchmarks.creatures import Creature, make_creature
+from benchmarks.creatures import Creature, make_creature, rigs
 
 __all__ = [
     "CATALOG_FILE",
@@ -203,7 +202,7 @@ def _read_stamps(folder: Path) -> dict[str, str]:
 def _stamp(individual: Individual) -> str:
     """Hash of all that a file follows from: Blender never saves the same bytes twice."""
     digest = hashlib.sha256(json.dumps([asdict(individual), bpy.app.version[:2]]).encode())
-    sources = [*Path(creatures.__file__).parent.glob("*.py"), Path(creature_rigs.__file__), Path(__file__)]
+    sources = [*Path(creatures.__file__).parent.rglob("*.py"), Path(__file__)]
     for source in sorted(sources):
         digest.update(source.read_bytes())
     return digest.hexdigest()
@@ -222,7 +221,7 @@ def _write_file(path: Path, individual: Individual) -> None:
     collection = bpy.data.collections.new(individual.name)
     bpy.context.scene.collection.children.link(collection)
     poses = [figure.pose for figure in individual.figures]
-    skins = creature_rigs.add_creature(creature, individual.name, poses, collection)
+    skins = rigs.add_creature(creature, individual.name, poses, collection)
     skins[0].data.materials.append(_material(individual))
     edge = 0.0
     for skin, figure in zip(skins, individual.figures, strict=True):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.creatures import bipeds, birds, crawlers, objects, quadrupeds, reptiles, swimmers
+from benchmarks.creatures.kinds import bipeds, birds, crawlers, objects, quadrupeds, reptiles, swimmers
 from benchmarks.creatures.skeleton import Skeleton
 from benchmarks.creatures.skinning import pose_vertices, skin_weights
 from benchmarks.creatures.surface import skin_mesh

@@ -26,7 +26,7 @@ FORMAT = 1
 """Version of the model file; a file with a higher one is refused."""
 
 SHIPPED = ("default", "paper")
-"""Models inside the package, made by `scripts/train_default_model.py`."""
+"""Models inside the package, made by `python -m benchmarks train`."""
 
 Arrays = dict[str, NDArray[np.generic]]
 Fields = Mapping[str, Any]

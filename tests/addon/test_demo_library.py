@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 pytest.importorskip("skimage", reason="making creatures needs scikit-image")
-from benchmarks.creatures import make_creature
+from benchmarks.creatures import make_creature, rigs
+from benchmarks.figures import workbench
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 # In the order in which they import one another.
-PARTS = ("creature_rigs", "blend_library", "workbench", "addon_package", "blend_demo")
+PARTS = ("blend_library", "addon_package", "blend_demo")
 CHOSEN = ("Horse", "Elephant", "Hand")
 
 
@@ -66,7 +67,7 @@ def world_vertices(item):
 def test_rigs_move_as_the_core_does(scripts, kind):
     creature = make_creature(kind, 5, vertex_count=1500)
     collection = bpy.context.scene.collection
-    skins = scripts["creature_rigs"].add_creature(creature, "Probe", creature.pose_names, collection)
+    skins = rigs.add_creature(creature, "Probe", creature.pose_names, collection)
     assert len({skin.data for skin in skins}) == 1
     assert len({skin.parent.data for skin in skins}) == 1
     for pose, skin in zip(creature.pose_names, skins, strict=True):
@@ -77,7 +78,7 @@ def test_rigs_move_as_the_core_does(scripts, kind):
 
 
 def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them(scripts):
-    names = scripts["creature_rigs"].bone_names(make_creature("human", 5, vertex_count=800).skeleton)
+    names = rigs.bone_names(make_creature("human", 5, vertex_count=800).skeleton)
     assert len(set(names)) == len(names)
     left = [name for name in names if name.endswith(".L")]
     assert left
@@ -87,7 +88,7 @@ def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them(scripts):
 def test_an_unknown_pose_is_refused(scripts):
     creature = make_creature("dog", 5, vertex_count=800)
     with pytest.raises(ValueError, match="a dog has no pose 'moonwalk'"):
-        scripts["creature_rigs"].take_pose(creature, None, "moonwalk")
+        rigs.take_pose(creature, None, "moonwalk")
 
 
 def test_every_file_opens_and_shows_its_figures(folder, individuals):
@@ -143,10 +144,9 @@ def test_only_what_changed_is_written_again(folder, blend_library, individuals):
 
 
 def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
-    workbench = scripts["workbench"]
     if workbench.missing_library():
         pytest.skip(f"no {workbench.missing_library()}: Workbench cannot render here")
-    data = scripts["creature_rigs"].mesh_data(make_creature("bird", 5, vertex_count=800).rest, "Bird")
+    data = rigs.mesh_data(make_creature("bird", 5, vertex_count=800).rest, "Bird")
     colors = data.color_attributes.new("Color", "FLOAT_COLOR", "POINT")
     colors.data.foreach_set("color_srgb", np.tile([0.9, 0.2, 0.1, 1], len(data.vertices)))
     data.color_attributes.active_color = colors
@@ -203,7 +203,7 @@ def test_the_query_finds_the_same_horse_in_all_its_poses(indexed, individuals):
 
 
 def test_the_picture_is_drawn_once(indexed, scripts, tmp_path, capsys):
-    if scripts["workbench"].missing_library():
+    if workbench.missing_library():
         pytest.skip("Workbench cannot render here")
     picture = tmp_path / "picture.png"
     query = indexed.add_query()

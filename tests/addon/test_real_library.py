@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 from pathlib import Path
 
 import bpy
 import pytest
+
+from benchmarks.experiments import blend_library
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = Path(os.environ.get("SHAPEGOOGLE_DATA", ROOT.parent / "shared" / "data")) / "blend_library"
@@ -21,16 +22,9 @@ pytestmark = [
 
 
 def test_index_and_find_the_same_person(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    spec = importlib.util.spec_from_file_location(
-        "benchmark", ROOT / "scripts" / "benchmark_blend_library.py"
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    benchmark = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(benchmark)
     library = tmp_path / "shapes.sglib"
-    benchmark.index(FOLDER, library, jobs=1)
-    benchmark.poses(FOLDER, "posed_characters", library)
+    blend_library.index(FOLDER, library, jobs=1)
+    blend_library.poses(FOLDER, "posed_characters", library)
     printed = capsys.readouterr().out
     assert "index: exit code 0" in printed
     assert "164 added, 0 updated, 0 unchanged" in printed

@@ -3,22 +3,18 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
-
 import bpy
 import pytest
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+from benchmarks.speed import blender as speed_blender
+from benchmarks.speed.measuring import Options
 
 
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="the script measures the add-on of the repository")
 def test_all_parts_are_measured(blender, addon, tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(SCRIPTS))
-    speed_blender = importlib.import_module("speed.blender")
     monkeypatch.setattr(speed_blender, "SHAPES", 3)
     monkeypatch.setattr(speed_blender, "LARGEST_CREATURE", 500)
-    options = importlib.import_module("speed.measuring").Options((2_000,), 1, tmp_path)
+    options = Options((2_000,), 1, tmp_path)
     start, find, paint = speed_blender.measure(options)
     assert start["blender"] == bpy.app.version_string
     assert 0 < start["cpu"] < 5_000

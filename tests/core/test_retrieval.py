@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The whole search on real meshes; `scripts/benchmark_retrieval.py` measures more of them."""
+"""The whole search on real meshes; `python -m benchmarks retrieval` measures more of them."""
 
 from __future__ import annotations
 

@@ -54,11 +54,6 @@ def build_extension(blenders):
 
 
 @pytest.fixture(scope="session")
-def benchmark_keypoints(environment):
-    return load_beside("benchmark_retrieval", "benchmark_keypoints")
-
-
-@pytest.fixture(scope="session")
 def test(build_extension):
     return load("test")
 
@@ -66,24 +61,6 @@ def test(build_extension):
 @pytest.fixture(scope="session")
 def demo(blenders):
     return load("demo")
-
-
-@pytest.fixture(scope="session")
-def benchmark_retrieval(environment):
-    return load("benchmark_retrieval")
-
-
-@pytest.fixture(scope="session")
-def benchmark_speed(environment):
-    """Load it with its package `speed`, found beside it as when it runs as a script."""
-    sys.path.insert(0, str(SCRIPTS))
-    yield load("benchmark_speed")
-    sys.path.remove(str(SCRIPTS))
-
-
-@pytest.fixture(scope="session")
-def export_blend_meshes():
-    return load("export_blend_meshes")
 
 
 @pytest.fixture

@@ -71,7 +71,7 @@ _OTHER_SPECTRUM = 0.35
 # Two shapes that far from the same size or place, relative to their own, are not in the same place.
 _FAR = 0.1
 # Probability that a shape is another pose: logistic regression on generated pairs, made by
-# `scripts/benchmark_evidence.py --calibrate`.
+# `python -m benchmarks evidence --calibrate`.
 _POSE_WEIGHTS = (-2.79, -0.52, -1.26)
 _POSE_OFFSET = -9.76
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import make_creature
-from benchmarks.evidence_pairs import cut
+from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface

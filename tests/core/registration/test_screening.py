@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.creatures import make_creature
-from benchmarks.evidence_pairs import cut
+from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import (
     PreparedSample,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.evidence_pairs import EvidencePair, make_pairs
+from benchmarks.experiments.evidence_pairs import EvidencePair, make_pairs
 from shapegoogle_core import Library, Match
 from shapegoogle_core.library.evidence import KINDS, Evidence
 

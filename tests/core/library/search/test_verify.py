@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
-from benchmarks.evidence_pairs import cut
+from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Library, Mesh, compute_spectrum
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.search import search

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Skeletons and poses of each kind of creature."""

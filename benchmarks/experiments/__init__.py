@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Measurements of single parts of the search, each a command."""

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+"""Measure how many keypoints are found again after the benchmark's transformations.
+
+    python3 -m benchmarks.experiments.keypoints [--seeds N…] [--kinds NAME…] [--strengths N…] [--json FILE]
+    python3 -m benchmarks.experiments.keypoints --data FOLDER [--json FILE]
+
+Null shapes are procedural creatures of seeds that nothing was learnt from, or, with --data, the null shapes
+of the retrieval benchmark (the lowest pose of each class of TOSCA). Each is transformed in every way and
+strength; creatures are also posed, their vertices staying the same ("isometry"; the poses of TOSCA share no
+vertices). Keypoints are those of the meshes as a model prepares them: mended, or as the paper takes them.
+
+A point is repeated if one of the null shape's lies within 3 % of its diameter of where the point came from,
+both measured along the null shape. Beside that stand the number of points and the share of the null shape's
+area within that distance of its points, which is what points thrown at random would reach.
+
+Exit code 0, or 2 for wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from benchmarks.experiments import retrieval
+
+if TYPE_CHECKING:
+    from shapegoogle_core import Mesh
+
+KINDS = ("human", "horse", "bird", "lizard", "octopus", "fish", "hand", "desk lamp")
+SEEDS = (120,)
+STRENGTHS = (1, 3, 5)
+VERTICES = 4000
+
+
+@dataclass(frozen=True)
+class Null:
+    """Where a null shape comes from: a creature, or a file."""
+
+    name: str
+    seed: int = 0
+    path: Path | None = None
+
+    def versions(self, strengths: Sequence[int]) -> Iterator[tuple[str, int, Mesh]]:
+        """Make the null shape, of strength 0, and all that can be made of it."""
+        from benchmarks.creatures import make_creature
+        from benchmarks.protocol.collection import ISOMETRY, NULL
+        from shapegoogle_core import MeshError, read_mesh
+        from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
+        from shapegoogle_core.preprocessing import repair
+
+        if self.path is None:
+            creature = make_creature(self.name, self.seed, VERTICES)
+            mesh = creature.pose(0)
+            yield NULL, 0, mesh
+            for strength in strengths:
+                yield ISOMETRY, strength, creature.pose(strength)
+        else:
+            mesh = repair(read_mesh(self.path))
+            yield NULL, 0, mesh
+        for kind in TRANSFORMATIONS:
+            for strength in strengths:
+                try:
+                    yield kind, strength, transform(mesh, kind, strength, self.seed)
+                except MeshError as error:
+                    print(f"left out: {error}", file=sys.stderr)
+
+
+def one_thread() -> None:
+    from threadpoolctl import threadpool_limits
+
+    threadpool_limits(1)
+
+
+def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
+    """Find the keypoints of a shape and all its versions; one row for each version and detector."""
+    from benchmarks.experiments.keypoint_repeatability import (
+        NullShape,
+        found_points,
+        places_on_null,
+        repeatability,
+    )
+    from shapegoogle_core import MeshError
+    from shapegoogle_core.model import PRESETS
+
+    settings = PRESETS["default" if options.preparation == "mended" else "paper"]
+    rows = []
+    try:
+        versions = null.versions(options.strengths)
+        _, _, mesh = next(versions)
+        shape, known = NullShape(mesh), found_points(settings, mesh)
+        for kind, strength, version in versions:
+            for detector, points in found_points(settings, version).items():
+                places = places_on_null(mesh, version, kind, strength, points)
+                measured = repeatability(shape, known[detector], places)
+                row = {"null": null.name, "seed": null.seed, "class": kind, "strength": strength}
+                null_points = len(known[detector])
+                rows.append({**row, "detector": detector, "null_points": null_points, **asdict(measured)})
+    except MeshError as error:
+        print(f"left out: {error}", file=sys.stderr)
+    return rows
+
+
+def null_shapes(options: argparse.Namespace) -> list[Null]:
+    if options.data is None:
+        return [Null(kind, seed) for kind in options.kinds for seed in options.seeds]
+    nulls, _ = retrieval.database(retrieval.read_labels(options.data))
+    return [Null(shape.name, options.seeds[0], shape.path) for shape in nulls]
+
+
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Means over the null shapes, of each detector, class and strength; then over strengths, and all."""
+    import numpy as np
+
+    wanted = [(row["detector"], row["class"], row["strength"]) for row in rows]
+    wanted += [(detector, kind, "all") for detector, kind, _ in wanted]
+    wanted += [(detector, "average", "all") for detector, _, _ in wanted]
+    figures = []
+    for detector, kind, strength in dict.fromkeys(wanted):
+        chosen = [
+            row
+            for row in rows
+            if row["detector"] == detector
+            and kind in ("average", row["class"])
+            and strength in ("all", row["strength"])
+        ]
+        figure = {"detector": detector, "class": kind, "strength": strength}
+        for name in ("points", "repeated", "chance"):
+            # A version without any point has no share of repeated ones.
+            figure[name] = float(np.nanmean([row[name] for row in chosen]))
+        figure["without_points"] = sum(row["points"] == 0 for row in chosen)
+        figures.append(figure)
+    return figures
+
+
+def table(figures: list[dict[str, Any]]) -> str:
+    """Repeated points in %, a line for each class and a column for each detector and strength."""
+    detectors = list(dict.fromkeys(figure["detector"] for figure in figures))
+    classes = list(dict.fromkeys(figure["class"] for figure in figures))
+    strengths = list(dict.fromkeys(figure["strength"] for figure in figures if figure["strength"] != "all"))
+    found = {(figure["detector"], figure["class"], figure["strength"]): figure for figure in figures}
+
+    def shares(detector: str, kind: str) -> str:
+        cells = [found.get((detector, kind, strength)) for strength in (*strengths, "all")]
+        return " ".join("  –" if cell is None else f"{100 * cell['repeated']:3.0f}" for cell in cells)
+
+    width = 4 * len(strengths) + 3
+    heads = " | ".join(name.rjust(width) for name in detectors)
+    lines = [f"repeated, %; strengths {', '.join(map(str, strengths))}, all", f"{'':12} | {heads}"]
+    lines += [
+        f"{kind:12} | {' | '.join(shares(name, kind).rjust(width) for name in detectors)}" for kind in classes
+    ]
+    for name, factor in (("points", 1), ("chance", 100)):
+        cells = [f"{factor * found[detector, 'average', 'all'][name]:.1f}" for detector in detectors]
+        lines.append(f"{name:12} | {' | '.join(cell.rjust(width) for cell in cells)}")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--data", type=Path, metavar="FOLDER", help="with labels.csv and the folder tosca")
+    parser.add_argument(
+        "--kinds", nargs="+", default=KINDS, metavar="KIND", help=f"of creatures ({', '.join(KINDS)})"
+    )
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=SEEDS, metavar="N", help="of creatures and transformations"
+    )
+    parser.add_argument(
+        "--strengths", type=int, nargs="+", choices=range(1, 6), default=STRENGTHS, metavar="N"
+    )
+    parser.add_argument(
+        "--preparation", choices=("mended", "paper"), default="mended", help="of the meshes (%(default)s)"
+    )
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (%(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures here")
+    options = parser.parse_args()
+    from shapegoogle_core.processes.progress import progress_bar
+
+    nulls = null_shapes(options)
+    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn"), initializer=one_thread) as pool:
+        measured = pool.map(partial(measure, options), nulls)
+        rows = [row for found in progress_bar(measured, "null shapes", len(nulls)) for row in found]
+    if not rows:
+        print("nothing was measured", file=sys.stderr)
+        return 2
+    figures = summary(rows)
+    print(table(figures))
+    if options.json is not None:
+        options.json.write_text(json.dumps({"summary": figures, "rows": rows}, indent=1), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

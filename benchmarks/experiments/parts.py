@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: MIT
+"""Ask a library of procedural creatures for parts of them, with and without the index of parts.
+
+    python3 -m benchmarks.experiments.parts [--individuals N] [--queries N] [--jobs N]
+
+missing   creatures with a third, a half and two thirds cut off, halves of another mesh, and "partial" of
+          the benchmark at strength 5 (30 % gone and five holes): the place of the whole
+shared    half a creature that two shapes of the library share, each grown onto another creature: how often
+          both are among the first two, five and ten
+
+Individuals are of seeds that no model was trained on. Prints tables of the mean reciprocal rank, the share
+that comes first, and the processor time of a search.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    import numpy as np
+
+    from shapegoogle_core import Library, Mesh, ShapeSignature
+
+FIRST_SEED = 4_000
+CUTS = {"a third missing": 2 / 3, "half missing": 1 / 2, "two thirds missing": 1 / 3}
+TOP = 50
+
+
+def describe(mesh: Mesh) -> ShapeSignature:
+    from threadpoolctl import threadpool_limits
+
+    from shapegoogle_core import load_model
+
+    threadpool_limits(1)
+    return load_model().describe(mesh)
+
+
+def whole(job: tuple[str, int]) -> ShapeSignature:
+    from benchmarks.creatures import make_creature
+
+    kind, seed = job
+    return describe(make_creature(kind, seed).pose(0))
+
+
+def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
+    """Describe what is left of a creature in each way of cutting it, turned."""
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    from benchmarks.creatures import make_creature
+    from benchmarks.experiments.evidence_pairs import cut, remeshed
+    from shapegoogle_core import Mesh
+    from shapegoogle_core.model.augmentation import transform
+
+    kind, seed = job
+    random = np.random.default_rng([seed, len(kind)])
+    mesh = make_creature(kind, seed).pose(0)
+    meshes = {name: cut(mesh, random.normal(size=3), share) for name, share in CUTS.items()}
+    meshes["partial, strength 5"] = transform(mesh, "partial", 5, int(random.integers(2**31)))
+    meshes["half missing, another mesh"] = remeshed(meshes["half missing"], random)
+    turn = Rotation.random(random_state=seed).as_matrix()
+    return {name: describe(Mesh(part.vertices @ turn.T, part.faces)) for name, part in meshes.items()}
+
+
+def shared(job: tuple[str, int, tuple[str, str]]) -> tuple[ShapeSignature, list[ShapeSignature]]:
+    """Describe half of a creature, and two others of the same area that it has grown onto."""
+    import numpy as np
+
+    from benchmarks.creatures import make_creature
+    from benchmarks.experiments.evidence_pairs import cut
+    from shapegoogle_core import Mesh
+
+    kind, seed, others = job
+    random = np.random.default_rng([seed, len(kind), 1])
+    direction = random.normal(size=3)
+    half = cut(make_creature(kind, seed).pose(0), direction, 0.5)
+    grown = []
+    for other in others:
+        host = make_creature(other, seed + 1).pose(0)
+        scale = np.sqrt(half.area / host.area)
+        points = host.vertices * scale
+        # Beyond the cut, and a little into it.
+        beyond = direction / np.linalg.norm(direction)
+        points += half.vertices.mean(axis=0) - points.mean(axis=0)
+        points += beyond * ((half.vertices @ beyond).max() - (points @ beyond).min())
+        points -= 0.02 * np.sqrt(half.area) * beyond
+        faces = np.concatenate([half.faces, host.faces + len(half.vertices)])
+        grown.append(describe(Mesh(np.concatenate([half.vertices, points]), faces.astype(np.int32))))
+    return describe(half), grown
+
+
+def places(
+    library: Library, queries: Iterable[tuple[ShapeSignature, Sequence[str]]]
+) -> tuple[np.ndarray, float]:
+    """Place of each of the wanted shapes, infinite beyond `TOP`; and median processor time of a search."""
+    import numpy as np
+
+    found, seconds = [], []
+    for signature, wanted in queries:
+        started = time.process_time()
+        names = [match.name for match in library.query_signature(signature, top=TOP)]
+        seconds.append(time.process_time() - started)
+        found.append([names.index(name) + 1 if name in names else np.inf for name in wanted])
+    return np.array(found), float(np.median(seconds))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--individuals", type=int, default=33, help="of each of 31 kinds (33: 1,023 shapes)")
+    parser.add_argument("--queries", type=int, default=62, help="creatures that are cut (62)")
+    parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
+    options = parser.parse_args()
+
+    from benchmarks.creatures import CREATURE_KINDS
+    from shapegoogle_core import Library
+    from shapegoogle_core.processes.progress import progress_bar
+
+    kinds = list(CREATURE_KINDS)
+    jobs = [(kind, FIRST_SEED + number) for number in range(options.individuals) for kind in kinds]
+    asked = jobs[: options.queries]
+    grafts = [
+        (kind, seed + 500, (kinds[(index + 7) % len(kinds)], kinds[(index + 16) % len(kinds)]))
+        for index, (kind, seed) in enumerate(asked)
+    ]
+    with (
+        get_context("spawn").Pool(options.jobs) as pool,
+        tempfile.TemporaryDirectory() as folder,
+        Library.open(Path(folder) / "creatures.sglib") as library,
+    ):
+        run = partial(pool.imap, chunksize=2)
+        for (kind, seed), signature in zip(
+            jobs, progress_bar(run(whole, jobs), "creatures", len(jobs)), strict=True
+        ):
+            library.add_signature(signature, f"{kind} {seed}")
+        halves = list(progress_bar(run(shared, grafts), "grafts", len(grafts)))
+        for (kind, seed, _), (_, grown) in zip(grafts, halves, strict=True):
+            for number, signature in enumerate(grown):
+                library.add_signature(signature, f"{kind} {seed} on {number}")
+        remains = list(progress_bar(run(parts, asked), "parts", len(asked)))
+        print_tables(library, asked, remains, grafts, halves)
+    return 0
+
+
+def print_tables(
+    library: Library,
+    asked: Sequence[tuple[str, int]],
+    remains: Sequence[dict[str, ShapeSignature]],
+    grafts: Sequence[tuple[str, int, tuple[str, str]]],
+    halves: Sequence[tuple[ShapeSignature, list[ShapeSignature]]],
+) -> None:
+    print(f"{len(library):,} shapes, {len(asked)} queries of each sort; first without, then with the index\n")
+    local_words = library._search._local_words
+    print("| | MRR | first | s | MRR | first | s |\n|---|---|---|---|---|---|---|")
+    for sort in remains[0]:
+        queries = [
+            (left[sort], [f"{kind} {seed}"]) for (kind, seed), left in zip(asked, remains, strict=True)
+        ]
+        cells = []
+        for index in (None, local_words):
+            library._search._local_words = index
+            found, seconds = places(library, queries)
+            cells += [f"{(1 / found).mean():.3f}", f"{100 * (found == 1).mean():.0f} %", f"{seconds:.2f}"]
+        print(f"| {sort} | " + " | ".join(cells) + " |")
+    print("\n| half shared by two | both in 2 | 5 | 10 | both in 2 | 5 | 10 |\n|---|---|---|---|---|---|---|")
+    cells = []
+    for index in (None, local_words):
+        library._search._local_words = index
+        queries = [
+            (half, [f"{kind} {seed} on {number}" for number in range(2)])
+            for (kind, seed, _), (half, _) in zip(grafts, halves, strict=True)
+        ]
+        found, _ = places(library, queries)
+        cells += [f"{100 * (found.max(axis=1) <= top).mean():.0f} %" for top in (2, 5, 10)]
+    print("| | " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
