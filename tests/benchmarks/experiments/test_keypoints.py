@@ -48,7 +48,7 @@ def test_table_shows_what_there_is(rows):
 
 def test_a_creature_is_measured_in_all_ways(monkeypatch):
     pytest.importorskip("skimage")
-    monkeypatch.setattr("VERTICES", 1000)
+    monkeypatch.setattr(keypoints, "VERTICES", 1000)
     options = argparse.Namespace(strengths=(1,), preparation="mended")
     rows = keypoints.measure(options, keypoints.Null("fish", 100))
     assert {(row["class"], row["strength"]) for row in rows} >= {
