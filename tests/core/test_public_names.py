@@ -6,12 +6,14 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import shapegoogle_core as sg
 
+ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ("numpy", "scipy", "sklearn", "trimesh", "PIL", "pebble", "tqdm")
 
 
@@ -54,6 +56,11 @@ def test_the_type_checker_sees_the_same_names_at_the_same_places() -> None:
     assert seen == {(f"shapegoogle_core.{module}", name) for name, module in sg._MODULE_OF.items()}
 
 
+def test_the_version_is_that_of_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert sg.__version__ == project["version"]
+
+
 def test_importing_the_package_imports_nothing_large() -> None:
     assert not modules_after("-c", "import shapegoogle_core").intersection(HEAVY)
     assert not modules_after("-c", "from shapegoogle_core import MeshError").intersection(HEAVY)
@@ -62,3 +69,14 @@ def test_importing_the_package_imports_nothing_large() -> None:
 @pytest.mark.parametrize("arguments", [["--help"], ["query", "--help"], ["train", "--help"]])
 def test_help_imports_nothing_large(arguments: list[str]) -> None:
     assert not modules_after("-m", "shapegoogle_core", *arguments).intersection(HEAVY)
+
+
+def test_describing_a_shape_does_not_import_scikit_learn() -> None:
+    program = """
+import shapegoogle_core as sg
+vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+sg.load_model().describe(sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]))
+"""
+    modules = modules_after("-c", program)
+    assert "scipy" in modules
+    assert "sklearn" not in modules
