@@ -8,7 +8,8 @@ import sys
 from collections.abc import Sequence
 
 from benchmarks import command
-from shapegoogle_core.cli.arguments import UNUSABLE, say
+from shapegoogle_core.cli.exit_codes import UNUSABLE
+from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
 
 __all__ = ["main"]

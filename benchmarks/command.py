@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import DONE, SOME_FAILED, number_from, say
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import BenchmarkError
 
 if TYPE_CHECKING:

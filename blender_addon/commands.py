@@ -33,7 +33,7 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     exit_code : int
         As of the command.
     """
-    from shapegoogle_core.cli import parser as cli
+    from shapegoogle_core import cli
     from shapegoogle_core.processes.launching import orderly_end
 
     # Blender leaves Ctrl-C to itself; here it must end the run in an orderly way. So must SIGTERM, with which

@@ -97,7 +97,7 @@ class SceneIndexing:
 
     def cancel(self) -> None:
         """Describe no more; nothing is stored."""
-        from shapegoogle_core.cli.arguments import INTERRUPTED
+        from shapegoogle_core.cli.exit_codes import INTERRUPTED
 
         self.exit_code = INTERRUPTED
         for task in self._tasks:
@@ -107,7 +107,7 @@ class SceneIndexing:
     def events(self) -> list[dict[str, Any]]:
         """Report what was described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.cli.arguments import DONE, UNUSABLE
+        from shapegoogle_core.cli.exit_codes import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`python -m shapegoogle_core` is the command `shapegoogle`."""
 
-from shapegoogle_core.cli.parser import main
+from shapegoogle_core.cli import main
 
 __all__: list[str] = []
 

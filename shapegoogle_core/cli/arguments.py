@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: MIT
-"""What all commands share: exit codes, kinds of numbers on the command line, words on stderr."""
+"""Types of option values, and the options that several commands share."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 
-__all__ = ["DONE", "INTERRUPTED", "SOME_FAILED", "UNUSABLE", "number_from", "positive_number", "say", "share"]
-
-DONE = 0
-SOME_FAILED = 1
-"""Some inputs failed, each named on stderr; the others are done."""
-UNUSABLE = 2
-"""Nothing can be done: wrong usage, or a library, model or file that cannot be opened or written."""
-INTERRUPTED = 130
-"""By Ctrl-C (SIGINT) or by whoever ended the process in an orderly way (SIGTERM)."""
+__all__ = [
+    "add_inputs",
+    "add_jobs",
+    "add_library",
+    "number_from",
+    "positive_number",
+    "positive_share",
+    "share",
+]
 
 
 def number_from(least: int) -> Callable[[str], int]:
-    """Make a type for `argparse`: whole numbers from this one.
+    """Make an `argparse` type for whole numbers of at least `least`.
 
     Parameters
     ----------
@@ -28,24 +27,32 @@ def number_from(least: int) -> Callable[[str], int]:
     Returns
     -------
     parse : callable
-        Turns the text of an option into the number; raises `argparse.ArgumentTypeError` if it is none.
+        Turns the text of an option into the number; raises `argparse.ArgumentTypeError` for other texts.
     """
 
     def parse(text: str) -> int:
         if not text.isdecimal() or int(text) < least:
-            raise argparse.ArgumentTypeError(f"must be a whole number from {least}, not {text!r}")
+            raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, not {text!r}")
         return int(text)
 
     return parse
 
 
 def positive_number(text: str) -> float:
-    """Turn the text of an option into a finite number above 0.
+    """Parse a finite number above 0.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    number : float
 
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is none.
+        For any other text.
     """
     number = _number(text)
     if not 0 < number < float("inf"):
@@ -54,12 +61,20 @@ def positive_number(text: str) -> float:
 
 
 def share(text: str) -> float:
-    """Turn the text of an option into a number from 0 to 1.
+    """Parse a number from 0 to 1.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    number : float
 
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is none.
+        For any other text.
     """
     number = _number(text)
     if not 0 <= number <= 1:
@@ -67,13 +82,69 @@ def share(text: str) -> float:
     return number
 
 
-def say(text: str) -> None:
-    """Print to stderr."""
-    print(text, file=sys.stderr, flush=True)
+def positive_share(text: str) -> float:
+    """Parse a number above 0 and at most 1.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    number : float
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        For any other text.
+    """
+    number = _number(text)
+    if not 0 < number <= 1:
+        raise argparse.ArgumentTypeError(f"must be a number above 0 and at most 1, not {text!r}")
+    return number
+
+
+def add_library(parser: argparse.ArgumentParser, summary: str = "library file") -> None:
+    """Add the required option ``--library``.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    summary : str, optional
+        Help text.
+    """
+    parser.add_argument("--library", required=True, metavar="FILE", help=summary)
+
+
+def add_inputs(parser: argparse.ArgumentParser) -> None:
+    """Add the positional arguments for folders and mesh files.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "inputs", nargs="+", metavar="FOLDER", help="folder, searched recursively, or file of a mesh or scan"
+    )
+
+
+def add_jobs(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--jobs``.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--jobs",
+        type=number_from(1),
+        metavar="N",
+        help="worker processes (default: one per processor)",
+    )
 
 
 def _number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        return -1.0
+        return float("nan")

@@ -7,25 +7,28 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import DONE, number_from
+from shapegoogle_core.cli.arguments import add_library, number_from, positive_share
+from shapegoogle_core.cli.command import Command
+from shapegoogle_core.cli.exit_codes import DONE
+from shapegoogle_core.cli.text import counted
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
     from shapegoogle_core.library import DuplicateGroup
 
-__all__ = ["DETAILS", "add_options", "duplicates"]
+__all__ = ["COMMAND"]
 
 DETAILS = """\
 copies     files that are equal byte for byte
-identical  the same geometry in the same place; other kinds are seen from the first of their group:
+identical  the same geometry in the same place; the other kinds are relative to the first of the group:
 moved, scaled, mirrored   the same geometry elsewhere, at another size, or reflected
-re-meshed  the same surface, of other vertices
+re-meshed  the same surface with other vertices
 re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
 similar    at least --min-similarity to the first of the group, and none of these
 same       the same signature and counts; where surfaces were not compared
 
-Every shape is compared with the first of its group, never through a chain of others. A saving is what all
-members but the first have: faces, and for copies the bytes of the files. Nothing is changed or deleted.
+Every shape is compared with the first of its group, never through a chain of others. The saving counts all
+members but the first: their faces, and for copies the bytes of the files. Nothing is changed or deleted.
 With --json, one line for each group, the largest saving first:
   {"kind", "similarity", "saving": {"faces", "bytes"},
    "members": [{"name", "source", "object_name", "shape_id", "similarity", "scale"}, …]}
@@ -35,21 +38,15 @@ examples:
   shapegoogle duplicates --library shapes.sglib --json | jq -r 'select(.kind == "copies") | .members[].source'
 """
 
-
-# One of them would do. A mirror image is another shape to most who use it.
+# One copy would be enough. Most users see a mirror image as another shape.
 _EXACT = {"copies", "same", "identical", "moved", "scaled"}
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command besides ``--library``.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-    """
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    add_library(parser)
     parser.add_argument(
         "--min-similarity",
-        type=_similarity,
+        type=positive_share,
         default=MIN_SIMILARITY,
         metavar="S",
         help="least similarity to the first of a group, above 0 and at most 1 (%(default)s)",
@@ -59,23 +56,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=number_from(0),
         default=EXPLAINED_MEMBERS,
         metavar="N",
-        help="of how many shapes that are no exact copies to find out what they are (%(default)s)",
+        help="number of shapes, other than exact copies, whose surfaces are compared to find their kind "
+        "(%(default)s)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object for each group")
 
 
-def duplicates(options: argparse.Namespace) -> int:
-    """Print the groups of duplicates of a library.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        ``library``, ``min_similarity``, ``evidence`` and ``json``.
-
-    Returns
-    -------
-    exit_code : int
-    """
+def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.library import Library
     from shapegoogle_core.processes.progress import progress_bar
 
@@ -95,7 +82,7 @@ def duplicates(options: argparse.Namespace) -> int:
     saved_faces = sum(group.saved_faces for group in groups if group.kind in _EXACT)
     saved_bytes = sum(group.saved_bytes for group in groups)
     print(
-        f"{_plural(len(groups), 'group')} among {_plural(shapes, 'shape')}; exact copies repeat "
+        f"{counted(len(groups), 'group')} among {counted(shapes, 'shape')}; exact copies repeat "
         f"{saved_faces:,} faces, copied files {saved_bytes:,} bytes"
     )
     return DONE
@@ -116,20 +103,15 @@ def _group_table(group: DuplicateGroup) -> str:
         for member in group.members
     ]
     scales, names = max(len(row[1]) for row in rows), max(len(row[2]) for row in rows)
-    title = f"{group.kind}: {_plural(len(group.members), noun)}, {saving} in all but the first"
+    title = f"{group.kind}: {counted(len(group.members), noun)}, {saving} in all but the first"
     lines = [f"  {a}  {b:<{scales}}  {c:<{names}}  {d}".rstrip() for a, b, c, d in rows]
     return "\n".join([title, *lines])
 
 
-def _plural(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
-def _similarity(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not 0 < number <= 1:
-        raise argparse.ArgumentTypeError(f"must be a number above 0 and at most 1, not {text!r}")
-    return number
+COMMAND = Command(
+    "duplicates",
+    "list copied files and shapes that are the same or hard to tell apart",
+    DETAILS,
+    _add_options,
+    _run,
+)

@@ -125,7 +125,7 @@ def test_interrupted_and_resumed(folder: Path, tmp_path: Path, number: int) -> N
     _, stderr = process.communicate(timeout=60)
     if number == signal.SIGINT:
         assert process.returncode == 130
-        assert "run the same command again to go on" in stderr
+        assert "run the same command again to continue" in stderr
     stored = _source_count(library_file)
     assert 2 <= stored < 33
     code, stdout, _ = run("index_library", folder, "--library", library_file)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from shapegoogle_core.cli.parser import main
+from shapegoogle_core.cli import main
 from shapegoogle_core.library import Library
 
 TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"

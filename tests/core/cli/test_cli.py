@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.cli.parser import main
+from shapegoogle_core.cli import main
 from shapegoogle_core.library import Library
 
 Run = tuple[int, str, str]
@@ -248,7 +248,7 @@ def test_files_that_are_gone_are_mentioned_and_kept(
 ) -> None:
     (folder / "pear.obj").unlink()
     _, _, stderr = run("index", folder, "--library", library_file, "--jobs", "1")
-    assert "1 indexed file no longer there; forget with --prune" in stderr
+    assert "1 indexed file no longer there; remove with --prune" in stderr
     assert len(indexed) == 3
 
 

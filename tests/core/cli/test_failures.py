@@ -163,7 +163,7 @@ def test_a_script_that_only_one_process_can_import(tmp_path: Path, folder: Path)
         "import sys\n"
         "if __name__ != '__main__':\n"
         "    raise ImportError('nothing for a worker')\n"
-        "from shapegoogle_core.cli.parser import main\n"
+        "from shapegoogle_core.cli import main\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
     command = [sys.executable, script, "index", folder, "--library", tmp_path / "shapes.sglib"]

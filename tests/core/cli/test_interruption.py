@@ -74,7 +74,9 @@ def test_control_c(library: Library, many: Path, library_file: Path, start_shape
     stdout, stderr = process.communicate()
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("shapegoogle: interrupted after ")
-    assert stderr.endswith(f"of {FILES} files; what was stored stays, run the same command again to go on\n")
+    assert stderr.endswith(
+        f"of {FILES} files; everything stored so far is kept, run the same command again to continue\n"
+    )
     assert stderr.count("\n") == 1
     wait_until_gone(process.pid)
     check_the_rest(library, many, library_file, shapegoogle)

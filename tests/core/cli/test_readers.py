@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.cli import parser as cli
+from shapegoogle_core import cli
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import (
     ExternalReader,

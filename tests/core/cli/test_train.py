@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from shapegoogle_core.cli.parser import main
+from shapegoogle_core.cli import main
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import PRESETS, load_model
 from shapegoogle_core.model.settings import DESCRIPTORS

@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 
 import shapegoogle_core as sg
 from benchmarks.creatures import make_creature
-from shapegoogle_core.cli.parser import main
+from shapegoogle_core.cli import main
 from shapegoogle_core.mesh import check_cloud, face_areas
 from shapegoogle_core.mesh.cloud import point_normals, thin
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh

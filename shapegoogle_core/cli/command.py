@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: MIT
+"""What the parser has to know about a command."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["Command"]
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command of `shapegoogle`.
+
+    Attributes
+    ----------
+    name : str
+        As typed: "index".
+    summary : str
+        One line for the list of commands, without a capital and a full stop.
+    details : str
+        Text below the options in the command's own help.
+    add_options : callable
+        Adds the options of the command to its parser.
+    run : callable
+        Runs the command with its parsed options and returns the exit code. It may import whatever it needs;
+        the module must not, since help texts show every command.
+    reads_files : bool
+        Whether the command reads mesh files, and so takes the options of an external reader.
+    """
+
+    name: str
+    summary: str
+    details: str
+    add_options: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], int]
+    reads_files: bool = False

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: MIT
+"""`shapegoogle index`: bring a library up to date with folders of files."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shapegoogle_core.cli.arguments import add_inputs, add_jobs, add_library, number_from, positive_number
+from shapegoogle_core.cli.command import Command
+from shapegoogle_core.cli.exit_codes import DONE, INTERRUPTED, SOME_FAILED
+from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
+from shapegoogle_core.cli.text import counted, say
+
+if TYPE_CHECKING:
+    from shapegoogle_core.indexing import ExternalReader, IndexReport
+
+__all__ = ["COMMAND"]
+
+DETAILS = """\
+Files that cannot be read, take too long or crash their process are skipped and listed at the end.
+They are tried again when they change, or with --retry.
+
+examples:
+  shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4
+  shapegoogle index ~/models --library shapes.sglib --prune --json
+"""
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    add_inputs(parser)
+    add_library(parser, "library file; created if it does not exist")
+    add_jobs(parser)
+    parser.add_argument(
+        "--model",
+        metavar="FILE",
+        help="model of a new library: a file written by `train`, or a shipped model: default, paper",
+    )
+    parser.add_argument(
+        "--time-limit",
+        type=positive_number,
+        default=300.0,
+        metavar="S",
+        help="seconds for reading one file, and for describing one shape (%(default)g)",
+    )
+    parser.add_argument(
+        "--memory-limit",
+        type=number_from(1),
+        default=4096,
+        metavar="MB",
+        help="megabytes for reading one file, and for describing one shape (%(default)s); not enforced on "
+        "macOS and Windows",
+    )
+    parser.add_argument("--retry", action="store_true", help="try files again that failed before")
+    parser.add_argument("--reread", action="store_true", help="read all files again, changed or not")
+    parser.add_argument(
+        "--prune", action="store_true", help="remove files from the library that are gone from these folders"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object at the end")
+    parser.add_argument("--events", action="store_true", help="print one JSON object for each file")
+
+
+def _run(options: argparse.Namespace) -> int:
+    from shapegoogle_core.cli.index_progress import IndexProgress
+    from shapegoogle_core.indexing import IndexReport, index_files
+    from shapegoogle_core.library import Library
+    from shapegoogle_core.model import load_model
+
+    failed: Failures = []
+    paths = find_files(options, failed)
+    known = Path(options.library).exists()
+    if not paths and not (options.prune and known):
+        # A misspelt folder must not create a library.
+        if options.json:
+            shapes = _shape_count(options.library) if known else 0
+            print(json.dumps(_record(IndexReport(0, 0, 0, 0, [], 0.0), failed, [], shapes)))
+        list_failures(failed)
+        return SOME_FAILED
+    model = None if options.model is None else load_model(options.model)
+    with Library.open(options.library, model) as library:
+        folders = [entry for entry in options.inputs if _has_entries(Path(entry))]
+        removed = library.remove_missing(folders) if options.prune else []
+        gone = [] if options.prune else library.missing(folders)
+        progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
+        try:
+            with progress:
+                report = index_files(
+                    library,
+                    paths,
+                    jobs=options.jobs,
+                    time_limit=options.time_limit,
+                    memory_limit=options.memory_limit,
+                    retry=options.retry,
+                    reread=options.reread,
+                    reader=_limited(options),
+                    progress=progress,
+                )
+        except KeyboardInterrupt:
+            say(
+                f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; "
+                "everything stored so far is kept, run the same command again to continue"
+            )
+            return INTERRUPTED
+        shapes = len(library)
+    failed += report.failed
+    if options.json:
+        print(json.dumps(_record(report, failed, removed, shapes)))
+    else:
+        print(_summary(report, failed, removed, shapes))
+    if gone:
+        say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
+    list_failures(failed)
+    return SOME_FAILED if failed else DONE
+
+
+def _shape_count(library: str) -> int:
+    from shapegoogle_core.library import Library
+
+    with Library.open(library, read_only=True) as opened:
+        return len(opened)
+
+
+def _has_entries(folder: Path) -> bool:
+    """Whether missing files of a folder count as gone: an empty folder may be where a drive is mounted."""
+    try:
+        return any(folder.iterdir())
+    except OSError:  # not a folder, missing or unreadable: `find_files` has reported it
+        return False
+
+
+def _limited(options: argparse.Namespace) -> ExternalReader | None:
+    """Give the reader a part of the time limit, so that the reader is stopped first and not the worker."""
+    reader: ExternalReader | None = options.reader
+    if reader is None:
+        return None
+    return replace(reader, time_limit=0.8 * options.time_limit, memory_limit=options.memory_limit)
+
+
+def _record(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> dict[str, object]:
+    return {
+        "added": report.added,
+        "updated": report.updated,
+        "unchanged": report.unchanged,
+        "removed": removed,
+        "new_shapes": report.shapes,
+        "failed": [{"source": str(path), "error": reason} for path, reason in failed],
+        "shapes": shapes,
+        "seconds": round(report.seconds, 3),
+    }
+
+
+def _summary(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> str:
+    described = report.added + report.updated
+    if not described and not removed and not failed:
+        return f"nothing to do: {counted(report.unchanged, 'file')} unchanged, {counted(shapes, 'shape')}"
+    parts = [f"{report.added} added", f"{report.updated} updated", f"{report.unchanged} unchanged"]
+    if removed:
+        parts.append(f"{len(removed)} removed")
+    if failed:
+        parts.append(f"{len(failed)} failed")
+    rate = f" ({report.shapes / report.seconds:.1f} shapes/s)" if report.shapes else ""
+    return f"{', '.join(parts)} in {report.seconds:.1f} s{rate}; the library has {counted(shapes, 'shape')}"
+
+
+COMMAND = Command(
+    "index",
+    "add the meshes of folders to a library; only new and changed files are read",
+    DETAILS,
+    _add_options,
+    _run,
+    reads_files=True,
+)

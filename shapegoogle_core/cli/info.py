@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: MIT
+"""`shapegoogle info`: print what a library contains."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from shapegoogle_core.cli.arguments import add_library
+from shapegoogle_core.cli.command import Command
+from shapegoogle_core.cli.exit_codes import DONE
+
+__all__ = ["COMMAND"]
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    add_library(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _run(options: argparse.Namespace) -> int:
+    from shapegoogle_core.library import Library
+
+    with Library.open(options.library, read_only=True) as library:
+        info = library.info()
+        failures = {path: source.error for path, source in library.sources().items() if source.error}
+    if options.json:
+        print(json.dumps({**info, "failures": failures}))
+        return DONE
+    width = max(map(len, info))
+    for key, value in info.items():
+        shown = f"{value:,}" if isinstance(value, int) else value
+        print(f"{key.replace('_', ' '):<{width}}  {shown}")
+    for path, error in failures.items():
+        print(f"  {path}: {error}")
+    return DONE
+
+
+COMMAND = Command("info", "print what a library contains", "", _add_options, _run)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Inputs of a command: finding the files, and listing those that failed."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+from shapegoogle_core.cli.text import counted, say
+
+__all__ = ["Failures", "find_files", "list_failures", "skip"]
+
+Failures = list[tuple[Path, str]]
+"""Inputs that failed, each with the reason."""
+
+
+def find_files(options: Namespace, failed: Failures) -> list[Path]:
+    """Find the mesh files of a command's inputs.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With ``inputs`` and ``reader``.
+    failed : list of (Path, str)
+        Inputs that are missing or contain no mesh are appended here, and reported.
+
+    Returns
+    -------
+    paths : list of Path
+        See `find_meshes`.
+    """
+    from shapegoogle_core.indexing import find_meshes, readable_suffixes
+
+    return find_meshes(
+        options.inputs, lambda path, reason: skip(path, reason, failed), readable_suffixes(options.reader)
+    )
+
+
+def skip(path: Path, reason: str, failed: Failures) -> None:
+    """Report an input that failed when it fails, and note it for the list at the end.
+
+    Parameters
+    ----------
+    path : Path
+    reason : str
+        A sentence that names the input.
+    failed : list of (Path, str)
+    """
+    say(f"skipped {path}: {reason}")
+    failed.append((path, reason))
+
+
+def list_failures(failed: Failures) -> None:
+    """Print all inputs that failed to stderr.
+
+    Parameters
+    ----------
+    failed : list of (Path, str)
+    """
+    if failed:
+        say(f"{counted(len(failed), 'input')} failed:")
+        for path, reason in failed:
+            say(f"  {path}: {reason}")

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""`shapegoogle train`: learn a model from a folder of shapes."""
+
+from __future__ import annotations
+
+import argparse
+from collections import defaultdict
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shapegoogle_core.cli.arguments import add_inputs, add_jobs, number_from
+from shapegoogle_core.cli.command import Command
+from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
+from shapegoogle_core.cli.text import counted
+from shapegoogle_core.errors import MeshError, ModelError
+
+if TYPE_CHECKING:
+    from shapegoogle_core.mesh import Mesh
+
+__all__ = ["COMMAND"]
+
+DETAILS = """\
+Training needs at least 8 different shapes, better 100 varied ones, and about a second per version.
+Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz
+
+--descriptor  the descriptor of each surface point: hks, log-hks or si-hks with the preset's parameters;
+              gps, geodesic-histogram or volumetric-hks, which hardly change with the pose either;
+              or spin-images, shape-context or mesh-hog, which do change with the pose
+
+examples:
+  shapegoogle train ~/models --output mine.npz
+  shapegoogle train ~/models --output rigid.npz --descriptor spin-images --descriptor hks
+"""
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    add_inputs(parser)
+    parser.add_argument("--output", required=True, metavar="MODEL.npz", help="file to write the model to")
+    parser.add_argument("--preset", default="default", metavar="NAME", help="settings: 'default' or 'paper'")
+    parser.add_argument(
+        "--descriptor",
+        action="append",
+        metavar="NAME",
+        help="replace the preset's descriptors, see below; may be given more than once",
+    )
+    parser.add_argument(
+        "--poses", action="store_true", help="the files of one folder are one shape in several poses"
+    )
+    parser.add_argument(
+        "--versions",
+        type=number_from(1),
+        default=10,
+        metavar="N",
+        help="number of transformed versions of each shape to learn from (%(default)s)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="seed of all random choices (%(default)s)"
+    )
+    add_jobs(parser)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from shapegoogle_core.indexing import default_jobs
+    from shapegoogle_core.model import PRESETS
+    from shapegoogle_core.model.training import TrainingShape, train_model
+    from shapegoogle_core.processes.progress import progress_bar
+
+    if options.preset not in PRESETS:
+        raise ModelError(f"there is no preset {options.preset!r}; choose one of {', '.join(sorted(PRESETS))}")
+    settings = PRESETS[options.preset]
+    if options.descriptor:
+        settings = settings.with_descriptors(options.descriptor)
+    output = Path(options.output)
+    if output.is_dir() or not output.parent.is_dir():
+        # Fail now rather than after an hour of training.
+        raise ModelError(f"cannot write '{output}': name a file in a folder that exists")
+    failed: Failures = []
+    meshes = _read_meshes(options, failed)
+    model = train_model(
+        [TrainingShape(identity, tuple(poses)) for identity, poses in sorted(meshes.items())],
+        replace(settings, name=output.stem),
+        versions=options.versions,
+        jobs=options.jobs or default_jobs(),
+        seed=options.seed,
+        trained_on=f"{counted(len(meshes), 'shape')} of the user's, seed {options.seed}",
+        progress=progress_bar,
+    )
+    model.save(output)
+    size = output.stat().st_size
+    print(f"{output}: model {model.identifier}, {size:,} bytes, from {counted(len(meshes), 'shape')}")
+    list_failures(failed)
+    return SOME_FAILED if failed else DONE
+
+
+def _read_meshes(options: argparse.Namespace, failed: Failures) -> dict[str, list[Mesh]]:
+    """Read the surfaces of all inputs, grouped by shape: with ``--poses`` by folder."""
+    from shapegoogle_core.indexing import end_external_readers, read_shapes
+    from shapegoogle_core.processes.progress import progress_bar
+
+    meshes: defaultdict[str, list[Mesh]] = defaultdict(list)
+    for path in progress_bar(find_files(options, failed), "reading"):
+        try:
+            found = read_shapes(path, options.reader)
+        except MeshError as error:
+            skip(path, str(error), failed)
+            continue
+        failed += [(path, problem) for problem in found.problems]
+        for shape in found.shapes:
+            if shape.mesh.is_point_cloud:
+                skip(path, f"{path.name!r} has no faces; a model is learnt from surfaces", failed)
+                continue
+            identity = path.parent if options.poses else path / shape.object_name
+            meshes[str(identity)].append(shape.mesh)
+    end_external_readers()
+    return meshes
+
+
+COMMAND = Command(
+    "train", "learn a model from your own shapes", DETAILS, _add_options, _run, reads_files=True
+)
