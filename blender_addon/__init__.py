@@ -1,14 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shape Google for Blender: index a library, ask with the selected object, see the words.
 
-Register and unregister, nothing else; what the user sees is in `panels`, what they press in `operators`.
+One folder for each thing that the user does, with its panel, operators, properties and logic; each registers
+its own classes. What they share is beside them.
 """
 
-from . import commands, jobs, operators, panels, preferences, properties
+from . import (
+    commands,
+    duplicates,
+    gallery,
+    jobs,
+    library,
+    preferences,
+    search,
+    session,
+    signature,
+    transfer,
+)
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (preferences, properties, operators, panels, commands)
+_MODULES = (preferences, session, library, search, gallery, signature, duplicates, transfer, commands)
 
 
 def register() -> None:

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 import bpy
 
-from . import assets, paint_command
+from . import connections
+from .signature import command as paint_command
 
 __all__ = ["main", "register", "unregister"]
 
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     if arguments[:1] == ["paint"]:
         with orderly_end():
             return paint_command.main(arguments[1:])
-    return cli.main(arguments, reader=assets.blend_reader(), program=program)
+    return cli.main(arguments, reader=connections.blend_reader(), program=program)
 
 
 def register() -> None:

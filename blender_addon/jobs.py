@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
-from . import assets
+from . import connections
 
 if TYPE_CHECKING:
     from shapegoogle_core.processes.worker import Worker
@@ -147,7 +147,7 @@ class BackgroundRun:
     """
 
     def __init__(self, arguments: Sequence[str]) -> None:
-        command, environment = assets.package_command(arguments)
+        command, environment = connections.package_command(arguments)
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
         self.exit_code: int | None = None
         self.reported = False

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
-from . import assets
+from . import connections
 
 __all__ = ["preferences", "register", "unregister"]
 
@@ -180,12 +180,12 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
 
     def has_sources(self) -> bool:
         """Whether any source of files is chosen; looks at no disk."""
-        libraries = self.use_asset_libraries and bool(assets.asset_libraries())
+        libraries = self.use_asset_libraries and bool(connections.asset_libraries())
         return libraries or any(item.use and item.path for item in self.folders)
 
     def sources(self) -> Sequence[Path]:
         """Return the folders that are indexed: asset libraries that are there, then added folders."""
-        libraries = assets.asset_libraries() if self.use_asset_libraries else []
+        libraries = connections.asset_libraries() if self.use_asset_libraries else []
         # Blender lists a library of its own from the start, and few make its folder.
         chosen = [path for _, path in libraries if path.is_dir()]
         chosen += [Path(item.path) for item in self.folders if item.use and item.path]

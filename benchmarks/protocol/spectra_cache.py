@@ -71,7 +71,7 @@ SEARCH_CODE = (*SIGNATURE_CODE, "shapegoogle_core/library", "shapegoogle_core/in
 
 # These neither describe nor search.
 _OTHER_CODE = re.compile(
-    r"shapegoogle_core/(model/(training|metric)|words/(hashing|estimators|vocabulary|tfidf)|mesh/congruence)\.py"
+    r"shapegoogle_core/(model/(training|metric)|words/(hashing|estimators|vocabulary|tfidf))\.py"
 )
 
 

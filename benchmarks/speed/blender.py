@@ -269,7 +269,7 @@ def measure_find(path: Path, repeats: int) -> Row:
     import shapegoogle_core as sg
     from shapegoogle_core.service import requests as tasks
 
-    scene, query = module("scene"), module("operators.query")
+    scene, query = module("scene"), module("search.operators")
     watch = Stopwatch()
     top = bpy.context.window_manager.shape_google.top
     for _ in range(repeats):
@@ -298,9 +298,9 @@ def measure_paint(repeats: int) -> Row:
     """Take the steps of painting what is selected, one by one."""
     import bpy
 
-    painted, spectra = module("painted"), module("spectra")
+    painted, spectra = module("signature.painted"), module("signature.spectra")
     bpy.context.scene.shape_google_painting.kind = "HKS"
-    chosen = module("painting_settings").settings_of(bpy.context.scene)
+    chosen = module("signature.properties").settings_of(bpy.context.scene)
     item = bpy.context.object
     watch = Stopwatch()
     for _ in range(repeats):

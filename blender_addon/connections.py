@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of shapes: the asset libraries of Blender, the Blender that reads .blend files, pictures."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import bpy.utils.previews
+
+if TYPE_CHECKING:
+    from shapegoogle_core.indexing import ExternalReader
+
+__all__ = [
+    "BLENDER_SUFFIXES",
+    "asset_libraries",
+    "blend_reader",
+    "forget_pictures",
+    "keep_picture",
+    "package_command",
+    "picture_icon",
+]
+
+BLENDER_SUFFIXES = (".blend", ".fbx")
+"""Files that only Blender reads."""
+
+# Factory settings: no other add-on, no start-up file of the user's takes part, and no scripts in files run.
+_QUIET_BLENDER = ("--background", "--factory-startup", "--disable-autoexec", "--python-exit-code", "1")
+
+
+def asset_libraries() -> list[tuple[str, Path]]:
+    """Names and folders of the asset libraries in Blender's preferences, there or not."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    return [(library.name, Path(bpy.path.abspath(library.path))) for library in libraries if library.path]
+
+
+def blend_reader() -> ExternalReader:
+    """Return the Blender that reads .blend and .fbx files for the core.
+
+    Returns
+    -------
+    reader : ExternalReader
+        This Blender once more, in the background; where Blender is a Python module, this Python.
+    """
+    from shapegoogle_core.indexing import ExternalReader, ReaderOption
+
+    script = str(Path(__file__).with_name("library") / "reader.py")
+    command: tuple[str, ...]
+    if bpy.app.binary_path:
+        command = (bpy.app.binary_path, *_QUIET_BLENDER, "--python", script)
+    else:
+        command = (sys.executable, script)
+    return ExternalReader(
+        suffixes=frozenset(BLENDER_SUFFIXES),
+        command=command,
+        title=f"Blender {bpy.app.version_string}",
+        offers=(
+            ReaderOption(
+                "objects",
+                ("all", "assets"),
+                "which objects of a .blend file are shapes: all meshes, or only those marked as assets where "
+                "there are any",
+            ),
+        ),
+    )
+
+
+# Pictures of shapes by their id, as Blender keeps icons.
+_pictures: list[Any] = []
+
+
+def keep_picture(shape_id: int, png: bytes | None) -> None:
+    """Make the icon of a shape.
+
+    Parameters
+    ----------
+    shape_id : int
+    png : bytes or None
+        Without a picture the shape has no icon.
+    """
+    if png is None:
+        return
+    import io
+
+    import numpy as np
+    from PIL import Image
+
+    if not _pictures:
+        _pictures.append(bpy.utils.previews.new())
+    with Image.open(io.BytesIO(png)) as image:
+        # Blender counts rows from below.
+        pixels = np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
+    preview = _pictures[0].new(str(shape_id))
+    preview.image_size = pixels.shape[1], pixels.shape[0]
+    preview.image_pixels_float.foreach_set(pixels.ravel())
+
+
+def picture_icon(shape_id: int) -> int:
+    """Return the number of a shape's icon; 0 if it has no picture."""
+    preview = _pictures[0].get(str(shape_id)) if _pictures else None
+    return 0 if preview is None else int(preview.icon_id)
+
+
+def forget_pictures() -> None:
+    """Forget all icons of shapes."""
+    while _pictures:
+        bpy.utils.previews.remove(_pictures.pop())
+
+
+def package_command(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Command line that runs this add-on's `commands.main` in a process of its own.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        As for `commands.main`.
+
+    Returns
+    -------
+    command : list of str
+    environment : dict
+        The environment variables to run it with.
+    """
+    package = importlib.import_module(__package__ or "").__name__
+    run = f"import sys, importlib; sys.exit(importlib.import_module({package + '.commands'!r}).main(sys.argv"
+    environment = dict(os.environ)
+    if bpy.app.binary_path:
+        # `--addons` also where the user has not saved that the add-on is on.
+        options = ["--background", "--disable-autoexec", "--python-exit-code", "1", "--addons", package]
+        # Worker processes import their parent's main file, and Blender calls it "<blender string>".
+        code = f"__file__ = None; {run}[sys.argv.index('--') + 1:]))"
+        return [bpy.app.binary_path, *options, "--python-expr", code, "--", *arguments], environment
+    # A module is looked for beside this package, wherever the other process starts.
+    paths = [str(Path(__file__).parents[package.count(".") + 1]), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
+    return [sys.executable, "-c", run + "[1:]))", *arguments], environment

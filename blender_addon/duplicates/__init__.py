@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Groups of the same and of similar shapes, to select and to link."""
+
+from . import operators, panel
+
+__all__ = ["register", "unregister"]
+
+_MODULES = (operators, panel)
+
+
+def register() -> None:
+    """Make this feature known to Blender."""
+    for module in _MODULES:
+        module.register()
+
+
+def unregister() -> None:
+    """Take it back."""
+    for module in reversed(_MODULES):
+        module.unregister()

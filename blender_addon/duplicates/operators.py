@@ -1,0 +1,415 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find groups of duplicates, select them, and let the chosen ones share one mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import bpy
+from bpy.app.handlers import persistent
+from bpy.props import IntProperty
+
+from .. import jobs
+from ..library import model as models
+from ..library.scene_source import is_here
+from ..preferences import preferences
+from . import groups as duplicates
+from . import linking
+from . import properties as duplicate_properties
+from .properties import show_groups
+
+if TYPE_CHECKING:
+    from shapegoogle_core import ShapeModel, ShapeSignature
+
+__all__ = ["register", "unregister"]
+
+# Meshes handed to the worker at once: another question of the user's waits for no more than these.
+MESHES_AT_ONCE = 4
+
+
+class _Search:
+    """A search that goes on in the worker process."""
+
+    def __init__(self) -> None:
+        self.future: Future[Any] | None = None
+
+    def start(self, text: str) -> None:
+        shown = bpy.context.window_manager.shape_google_duplicates
+        shown.running, shown.progress, shown.status = True, 0.0, text
+
+    def submit(self, done: Any, function: Any, *arguments: object) -> None:
+        self.future = jobs.worker().submit(function, *arguments)
+        jobs.watch(self.future, done, self.fail)
+
+    def fail(self, error: BaseException) -> None:
+        self.end(str(error) or type(error).__name__)
+
+    def end(self, text: str) -> None:
+        self.future = None
+        shown = bpy.context.window_manager.shape_google_duplicates
+        shown.running, shown.status = False, text
+
+    def cancel(self) -> None:
+        if self.future is not None:
+            self.future.cancel()
+            self.end("Cancelled; what was found before is listed")
+
+
+class _Similar(_Search):
+    """Describes the meshes of a scene, a few at a time, and groups them."""
+
+    def __init__(self, model: ShapeModel, found: duplicates.SceneShapes, least: float) -> None:
+        super().__init__()
+        self._model, self._least, self._hidden = model, least, len(found.hidden)
+        self._source = models.model_source(bpy.context)
+        self._solids, self._meshes = duplicates.solid_shapes(found)
+        self._signatures: list[ShapeSignature | str] = []
+
+    def begin(self) -> None:
+        self.start(f"Comparing shapes: 0 of {len(self._meshes)}")
+        self.go_on()
+
+    def go_on(self) -> None:
+        from shapegoogle_core.service.requests import describe_meshes
+
+        count = len(self._signatures)
+        if count < len(self._meshes):
+            batch = self._meshes[count : count + MESHES_AT_ONCE]
+            self.submit(self._take, describe_meshes, self._source, batch)
+            return
+        shown = bpy.context.window_manager.shape_google_duplicates
+        show_groups(
+            shown, _group(self._model, self._solids, self._signatures, self._least), "SCENE", add=True
+        )
+        self.end(_summary(shown, self._hidden))
+
+    def _take(self, signatures: list[ShapeSignature | str]) -> None:
+        self._signatures += signatures
+        shown = bpy.context.window_manager.shape_google_duplicates
+        shown.progress = len(self._signatures) / len(self._meshes)
+        shown.status = f"Comparing shapes: {len(self._signatures)} of {len(self._meshes)}"
+        self.go_on()
+
+
+class _Library(_Search):
+    """Looks through a library."""
+
+    def take(self, groups: Sequence[Any]) -> None:
+        shown = bpy.context.window_manager.shape_google_duplicates
+        show_groups(shown, duplicates.library_groups(groups), "LIBRARY")
+        self.end(_summary(shown))
+
+
+_running: list[_Search] = []
+
+
+def _cancel_running() -> None:
+    while _running:
+        _running.pop().cancel()
+
+
+def _group(
+    model: ShapeModel,
+    solids: Sequence[duplicates.Solid],
+    signatures: Sequence[ShapeSignature | str],
+    least: float,
+) -> list[duplicates.Group]:
+    from shapegoogle_core.service.requests import group_similar
+
+    # What cannot be described, such as a plane without area, is like nothing.
+    described = [
+        (solid, signature)
+        for solid, signature in zip(solids, signatures, strict=True)
+        if not isinstance(signature, str)
+    ]
+    groups = group_similar(model, [signature for _, signature in described], least)
+    return duplicates.similar_groups([solid for solid, _ in described], groups)
+
+
+def _summary(shown: Any, hidden: int = 0) -> str:
+    """Say what was found, and how many objects could not be looked at."""
+    count = len(shown.groups)
+    where = "this scene" if shown.found_in == "SCENE" else "the library"
+    text = f"{count} group{'' if count == 1 else 's'} in {where}" if count else f"No duplicates in {where}"
+    return f"{text}; {hidden} hidden object{' was' if hidden == 1 else 's were'} left out" if hidden else text
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
+
+
+def _library_path(context: Any) -> Path:
+    path: Path = preferences(context).library_path()
+    return path
+
+
+class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
+    """Look for groups of the same and of similar shapes; nothing is changed."""
+
+    bl_idname = "shape_google.find_duplicates"
+    bl_label = "Find Duplicates"
+    bl_description = (
+        "List groups of the same and of similar shapes, in the scene or the library. Nothing is changed. "
+        "Objects that share a mesh already are no duplicates; mirrored ones are not either"
+    )
+    bl_options: ClassVar = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a place to look in, and no search yet."""
+        shown = context.window_manager.shape_google_duplicates
+        if shown.running:
+            cls.poll_message_set("A search for duplicates is running")
+            return False
+        if shown.scope == "LIBRARY" and not Path(_library_path(context)).is_file():
+            cls.poll_message_set("Index a library first")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """List what is the same at once; what takes long goes on in the background."""
+        shown = context.window_manager.shape_google_duplicates
+        _cancel_running()
+        if shown.scope == "LIBRARY":
+            from shapegoogle_core.service.requests import library_duplicates
+
+            library = _Library()
+            _running.append(library)
+            library.start("Looking through the library …")
+            library.submit(library.take, library_duplicates, _library_path(context), shown.min_similarity)
+            return {"FINISHED"}
+        found = self._same(context)
+        if found is None:
+            return {"CANCELLED"}
+        if shown.similar:
+            model = self._model(context)
+            if model is None:
+                return {"CANCELLED"}
+            similar = _Similar(model, found, shown.min_similarity)
+            _running.append(similar)
+            similar.begin()
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Look for all of it now."""
+        from shapegoogle_core import Library, ShapeGoogleError
+        from shapegoogle_core.service.requests import describe_meshes
+
+        shown = context.window_manager.shape_google_duplicates
+        _cancel_running()
+        hidden = 0
+        if shown.scope == "LIBRARY":
+            try:
+                with Library.open(_library_path(context), read_only=True) as library:
+                    groups = library.duplicates(shown.min_similarity)
+            except ShapeGoogleError as error:
+                self.report({"ERROR"}, str(error))
+                return {"CANCELLED"}
+            show_groups(shown, duplicates.library_groups(groups), "LIBRARY")
+        else:
+            found = self._same(context)
+            if found is None:
+                return {"CANCELLED"}
+            hidden = len(found.hidden)
+            if shown.similar:
+                model = self._model(context)
+                if model is None:
+                    return {"CANCELLED"}
+                solids, meshes = duplicates.solid_shapes(found)
+                signatures = describe_meshes(model, meshes)
+                show_groups(shown, _group(model, solids, signatures, shown.min_similarity), "SCENE", add=True)
+        shown.status = _summary(shown, hidden)
+        self.report({"INFO"}, shown.status)
+        return {"FINISHED"}
+
+    def _same(self, context: Any) -> duplicates.SceneShapes | None:
+        """List what is the same in the scene."""
+        from shapegoogle_core import ShapeGoogleError
+
+        shown = context.window_manager.shape_google_duplicates
+        try:
+            found = duplicates.collect_shapes(context, context.scene.objects)
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+        show_groups(shown, duplicates.scene_groups(found), "SCENE")
+        shown.status = _summary(shown, len(found.hidden))
+        if found.hidden:
+            self.report(
+                {"WARNING"},
+                f"Disabled in viewports or in excluded collections, and so left out: {_some(found.hidden)}",
+            )
+        if found.skipped:
+            self.report(
+                {"WARNING"},
+                f"{len(found.skipped)} objects have no extent or broken coordinates and were left out: "
+                f"{_some(found.skipped)}",
+            )
+        return found
+
+    def _model(self, context: Any) -> ShapeModel | None:
+        from shapegoogle_core import ShapeGoogleError
+
+        try:
+            return models.current_model(context)
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+
+
+class SHAPEGOOGLE_OT_cancel_duplicates(bpy.types.Operator):
+    """End the search."""
+
+    bl_idname = "shape_google.cancel_duplicates"
+    bl_label = "Cancel Search for Duplicates"
+    bl_description = "End the search for duplicates; what was found stays listed"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    def execute(self, _context: Any) -> set[str]:
+        """End it."""
+        _cancel_running()
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
+    """Select a group."""
+
+    bl_idname = "shape_google.select_duplicates"
+    bl_label = "Select Duplicates"
+    bl_description = "Select the members of a group that are in this scene, the first one active"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    index: IntProperty(
+        name="Group",
+        description="Number of the group in the list, from 0; -1: the active one",
+        default=-1,
+        min=-1,
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a group, and objects can be selected."""
+        if not len(context.window_manager.shape_google_duplicates.groups):
+            cls.poll_message_set("Find duplicates first")
+            return False
+        return _in_object_mode(cls, context)
+
+    def execute(self, context: Any) -> set[str]:
+        """Select them."""
+        shown = context.window_manager.shape_google_duplicates
+        index = shown.index if self.index < 0 else self.index
+        if not 0 <= index < len(shown.groups):
+            self.report({"ERROR"}, f"There is no group {index}; there are {len(shown.groups)}")
+            return {"CANCELLED"}
+        group = shown.groups[index]
+        objects = _objects(context, group, shown.found_in)
+        visible = [item for item in objects if item.visible_get(view_layer=context.view_layer)]
+        if not visible:
+            self.report({"WARNING"}, f"No visible object of the group of {group.name!r} is in this scene")
+            return {"CANCELLED"}
+        for item in context.view_layer.objects.selected:
+            item.select_set(False)
+        for item in visible:
+            item.select_set(True)
+        context.view_layer.objects.active = visible[0]
+        self.report({"INFO"}, f"Selected {len(visible)} of {len(group.members)}")
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_link_duplicates(bpy.types.Operator):
+    """Let the members of the chosen groups share the first one's mesh."""
+
+    bl_idname = "shape_google.link_duplicates"
+    bl_label = "Link Data"
+    bl_description = (
+        "Let the members of the chosen groups share the mesh of their first one. Nothing moves: matrices are "
+        "corrected. Objects where that cannot be promised, such as with shape keys or an armature, stay as "
+        "they are and are named"
+    )
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that a group of the scene is chosen."""
+        shown = context.window_manager.shape_google_duplicates
+        if shown.found_in != "SCENE" or not any(group.chosen and group.linkable for group in shown.groups):
+            cls.poll_message_set("Choose at least one group of identical or scaled objects of this scene")
+            return False
+        return _in_object_mode(cls, context)
+
+    def execute(self, context: Any) -> set[str]:
+        """Link them."""
+        shown = context.window_manager.shape_google_duplicates
+        linked: list[str] = []
+        refused: list[tuple[str, str]] = []
+        for group in shown.groups:
+            if group.chosen and group.linkable:
+                objects = _objects(context, group, "SCENE")
+                if len(objects) > 1:
+                    result = linking.link_data(context, objects)
+                    linked += result.linked
+                    refused += result.refused
+                else:
+                    refused.append((group.name, "its group is not there any more; find duplicates again"))
+                group.chosen = False
+        for name, reason in refused:
+            self.report({"WARNING"}, f"{name!r} was left as it is: {reason}")
+        shown.status = f"{len(linked)} linked, {len(refused)} left as they are"
+        self.report({"INFO"}, shown.status)
+        return {"FINISHED"} if linked else {"CANCELLED"}
+
+
+def _in_object_mode(operator: Any, context: Any) -> bool:
+    if context.mode != "OBJECT":
+        operator.poll_message_set("Switch to object mode")
+        return False
+    return True
+
+
+def _objects(context: Any, group: Any, scope: str) -> list[Any]:
+    """Members of a group that are objects of this scene; names may have changed since they were found."""
+    here = context.scene.objects
+    if scope == "LIBRARY":
+        # Two members may be one object: indexed from the saved file, and from the open scene.
+        names = [member.name for member in group.members if is_here(member.source, member.name)]
+        return [here[name] for name in dict.fromkeys(names)]
+    by_name = {(item.name, "" if item.library is None else item.library.filepath): item for item in here}
+    members = [by_name.get((member.name, member.library)) for member in group.members]
+    return [item for item in members if item is not None and item.type == "MESH"]
+
+
+@persistent
+def _forget(*_arguments: object) -> None:
+    """Another file is opened: the groups are of the old one."""
+    _cancel_running()
+    shown = bpy.context.window_manager.shape_google_duplicates
+    shown.groups.clear()
+    shown.status, shown.running = "", False
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (
+        SHAPEGOOGLE_OT_find_duplicates,
+        SHAPEGOOGLE_OT_cancel_duplicates,
+        SHAPEGOOGLE_OT_select_duplicates,
+        SHAPEGOOGLE_OT_link_duplicates,
+    )
+)
+
+
+def register() -> None:
+    """Make the operators and what they fill known to Blender."""
+    duplicate_properties.register()
+    _register()
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister() -> None:
+    """Take them back."""
+    _cancel_running()
+    bpy.app.handlers.load_pre.remove(_forget)
+    _unregister()
+    duplicate_properties.unregister()

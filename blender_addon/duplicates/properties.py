@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel Duplicates shows: settings, the groups that were found, and how far a search is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .groups import Group
+
+__all__ = ["KINDS", "register", "show_groups", "unregister"]
+
+KINDS = {
+    "IDENTICAL": ("Identical", "LINKED"),
+    "SCALED": ("Scaled", "FULLSCREEN_ENTER"),
+    "OTHER_DATA": ("Other Data", "MATERIAL"),
+    "SIMILAR": ("Similar", "SHADERFX"),
+    "COPIES": ("Copied Files", "DUPLICATE"),
+    "SAME": ("Same Shape", "MESH_DATA"),
+    "MOVED": ("Moved", "EMPTY_ARROWS"),
+    "MIRRORED": ("Mirrored", "MOD_MIRROR"),
+    "RE_MESHED": ("Other Mesh", "MOD_REMESH"),
+    "RE_POSED": ("Other Pose", "ARMATURE_DATA"),
+    "PART_OF": ("Whole of It", "SELECT_EXTEND"),
+    "CONTAINS": ("Part of It", "SELECT_INTERSECT"),
+}
+"""What each kind of group is called, and its icon."""
+
+
+class SHAPEGOOGLE_PG_duplicate_member(bpy.types.PropertyGroup):
+    """An object of a scene or a shape of a library; see `duplicates.Member`."""
+
+    library: StringProperty()
+    source: StringProperty()
+    scale: FloatProperty(default=1.0)
+    similarity: FloatProperty(default=1.0)
+    note: StringProperty()
+
+
+class SHAPEGOOGLE_PG_duplicate_group(bpy.types.PropertyGroup):
+    """A group of duplicates; see `duplicates.Group`."""
+
+    chosen: BoolProperty(
+        name="Chosen",
+        description="Let the members of this group share one mesh with Link Data",
+        default=False,
+    )
+    kind: StringProperty()
+    meshes: IntProperty()
+    # Large libraries save more than 32 bits hold.
+    saving: StringProperty()
+    linkable: BoolProperty()
+    members: CollectionProperty(type=SHAPEGOOGLE_PG_duplicate_member)
+
+
+class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
+    """Settings and results of the search for duplicates; never saved in a file."""
+
+    scope: EnumProperty(
+        name="Scope",
+        description="Where to look for duplicates",
+        items=(
+            ("SCENE", "Scene", "The mesh objects of this scene, before modifiers"),
+            (
+                "LIBRARY",
+                "Library",
+                "The shapes of the chosen library; nothing of it can be changed from here",
+            ),
+        ),
+    )
+    similar: BoolProperty(
+        name="Similar Shapes",
+        description=(
+            "Also look for shapes that are hard to tell apart, such as another pose or another mesh. "
+            "In a scene that takes about half a second for each different mesh"
+        ),
+        default=True,
+    )
+    min_similarity: FloatProperty(
+        name="Similarity",
+        description="Least similarity to the first of a group",
+        default=0.95,
+        min=0.5,
+        max=1.0,
+        precision=3,
+        subtype="FACTOR",
+    )
+    groups: CollectionProperty(type=SHAPEGOOGLE_PG_duplicate_group)
+    index: IntProperty(name="Group")
+    found_in: StringProperty()
+    status: StringProperty()
+    running: BoolProperty()
+    progress: FloatProperty()
+
+
+def show_groups(shown: Any, groups: Sequence[Group], scope: str, *, add: bool = False) -> None:
+    """Put groups into the list.
+
+    Parameters
+    ----------
+    shown : SHAPEGOOGLE_PG_duplicates
+    groups : sequence of Group
+    scope : {"SCENE", "LIBRARY"}
+        Where they were found.
+    add : bool, optional
+        Keep those that are in it.
+    """
+    if not add:
+        shown.groups.clear()
+        shown.index = 0
+    shown.found_in = scope
+    for group in groups:
+        entry = shown.groups.add()
+        entry.name = group.members[0].name
+        entry.kind = group.kind
+        entry.meshes = group.meshes
+        entry.saving = _saving(group)
+        entry.linkable = group.linkable
+        for member in group.members:
+            line = entry.members.add()
+            line.name, line.library, line.source = member.name, member.library, member.source
+            line.scale, line.similarity, line.note = member.scale, member.similarity, member.note
+
+
+def _saving(group: Group) -> str:
+    if group.saved_bytes:
+        return f"{group.saved_bytes / 2**20:,.1f} MB"
+    return f"{group.saved_faces:,} faces"
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_PG_duplicate_member, SHAPEGOOGLE_PG_duplicate_group, SHAPEGOOGLE_PG_duplicates)
+)
+
+
+def register() -> None:
+    """Make the properties known to Blender."""
+    _register()
+    bpy.types.WindowManager.shape_google_duplicates = PointerProperty(type=SHAPEGOOGLE_PG_duplicates)
+
+
+def unregister() -> None:
+    """Take them back."""
+    del bpy.types.WindowManager.shape_google_duplicates
+    _unregister()

@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Use a match: append, link, open its file, select it, mark it and the query in the same words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import bpy
+from mathutils import Vector
+
+from .. import scene
+from ..session import session_of
+from ..signature.operators import Painter
+from . import placing
+from .placing import PlacingError
+
+__all__ = ["OnMatch", "active_match", "register", "unregister"]
+
+# Room between the query and what is put beside it, as a share of their widths.
+GAP = 0.2
+
+
+def active_match(context: Any) -> Any:
+    """Return the chosen match, or None."""
+    session = session_of(context)
+    return session.matches[session.active_match] if 0 <= session.active_match < len(session.matches) else None
+
+
+class OnMatch:
+    """What all operators on the chosen match have in common."""
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a match."""
+        if active_match(context) is None:
+            cls.poll_message_set("Find something and choose a match first")  # type: ignore[attr-defined]
+            return False
+        return True
+
+
+class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
+    """Append the match."""
+
+    bl_idname = "shape_google.append_match"
+    bl_label = "Append"
+    bl_description = "Copy the match into this scene, to the 3D cursor; mesh files are imported"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is elsewhere."""
+        if not super().poll(context):
+            return False
+        if active_match(context).in_scene:
+            cls.poll_message_set("The match is in this scene: select it, or choose another one")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Append it."""
+        match = active_match(context)
+        try:
+            objects = placing.bring_in(context, match.source, match.object_name)
+        except PlacingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        placing.move_to(objects, context.scene.cursor.location)
+        self.report({"INFO"}, f"Appended {objects[0].name}")
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
+    """Link the match."""
+
+    bl_idname = "shape_google.link_match"
+    bl_label = "Link"
+    bl_description = "Link the match into this scene, at its place in its file; it stays in that file"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in another .blend file."""
+        match = active_match(context)
+        if match is None or not match.source.lower().endswith(".blend"):
+            cls.poll_message_set("Only objects of .blend files can be linked; append this one")
+            return False
+        if match.source == bpy.data.filepath:
+            cls.poll_message_set("The match is in this file")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Link it."""
+        match = active_match(context)
+        linked = placing.find_linked(match.source, match.object_name)
+        if linked is not None and linked in set(context.view_layer.objects):
+            placing.to_object_mode(context)
+            placing.select_only(context, [linked])
+            self.report({"INFO"}, f"{linked.name} is linked here already; it is selected now")
+            return {"FINISHED"}
+        try:
+            objects = placing.bring_in(context, match.source, match.object_name, link=True)
+        except PlacingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Linked {objects[0].name}")
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
+    """Open the file of the match."""
+
+    bl_idname = "shape_google.open_match"
+    bl_label = "Open File"
+    bl_description = "Open the .blend file of the match; Blender asks first if this file has unsaved changes"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in a .blend file."""
+        match = active_match(context)
+        if match is None or not match.source.lower().endswith(".blend"):
+            cls.poll_message_set("Only .blend files can be opened; append this match")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Open it as File > Open does, with its question for unsaved changes."""
+        return self._open(context, "INVOKE_DEFAULT")
+
+    def execute(self, context: Any) -> set[str]:
+        """Open it at once."""
+        return self._open(context, "EXEC_DEFAULT")
+
+    def _open(self, context: Any, how: str) -> set[str]:
+        source = active_match(context).source
+        try:
+            # Scripts in it stay off, whatever the preferences say: it came out of a search.
+            bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)
+        except RuntimeError as error:
+            self.report({"ERROR"}, f"{source}: {str(error).strip()}")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
+    """Select the match."""
+
+    bl_idname = "shape_google.select_match"
+    bl_label = "Select"
+    bl_description = "Select the match, which is in this scene, and look at it"
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Only what is in this scene."""
+        match = active_match(context)
+        if match is None or not match.in_scene:
+            cls.poll_message_set("The match is not in this scene; append it")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Select it."""
+        name = active_match(context).object_name
+        item = context.view_layer.objects.get(name)
+        if item is None:
+            self.report({"ERROR"}, f"{name!r} is not in this view layer any more; index the scene again")
+            return {"CANCELLED"}
+        placing.to_object_mode(context)
+        placing.select_only(context, [item])
+        if context.region is not None and context.area is not None and context.area.type == "VIEW_3D":
+            for region in context.area.regions:
+                if region.type == "WINDOW":
+                    with context.temp_override(region=region):
+                        bpy.ops.view3d.view_selected()
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
+    """Mark query and match in the same words."""
+
+    bl_idname = "shape_google.mark_match"
+    bl_label = "Mark"
+    bl_description = (
+        "Colour the active object and the match by geometric word: the same colour sits on like parts of "
+        "both. A match that is not in this scene is appended beside the active object"
+    )
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a match, and an object to compare it with."""
+        if not super().poll(context):
+            return False
+        if context.active_object is None or context.active_object.type != "MESH":
+            cls.poll_message_set("Select the object that you looked for")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Bring the match beside the object, and paint both without stopping the window."""
+        objects = self._prepare(context)
+        return {"CANCELLED"} if objects is None else self.paint_in_background(context, objects)
+
+    def execute(self, context: Any) -> set[str]:
+        """Bring the match beside the object and paint both."""
+        objects = self._prepare(context)
+        return {"CANCELLED"} if objects is None else self.paint_at_once(context, objects)
+
+    def lacking(self, items: Sequence[Any]) -> str:
+        """Words on one of the two compare nothing."""
+        meshes = {item.data.session_uid for item in items}
+        for name, uids in self._sides:
+            if not meshes & uids:
+                return f"{name!r} cannot be painted, so that there is nothing to compare"
+        return ""
+
+    def take_back(self, context: Any) -> None:
+        """Remove what was appended; select and show what was."""
+        # What Blender undid meanwhile is gone; what it made anew has kept its number.
+        placing.remove(
+            context, [block for block in bpy.data.user_map() if block.session_uid in self._appended]
+        )
+        objects = context.view_layer.objects
+        for item in objects:
+            item.select_set(item.session_uid in self._selected)
+            if item.session_uid == self._query:
+                objects.active = item
+        settings = context.scene.shape_google_painting
+        settings.kind, settings.color = self._shown
+
+    def _prepare(self, context: Any) -> list[Any] | None:
+        """Select the object and the match, which is brought in if need be; None after a report."""
+        match = active_match(context)
+        placing.to_object_mode(context)
+        query = context.active_object
+        # By number: references do not outlast an undo while a worker computes.
+        self._query = query.session_uid
+        self._selected = {item.session_uid for item in context.view_layer.objects.selected}
+        self._appended: set[int] = set()
+        settings = context.scene.shape_google_painting
+        self._shown = settings.kind, settings.color
+        here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
+        others: list[Any] = [here]
+        if here is None:
+            before = set(bpy.data.user_map())
+            reason = ""
+            try:
+                objects = placing.bring_in(context, match.source, match.object_name)
+                # A file for exchange is one shape, however many objects it is imported as.
+                is_blend = match.source.lower().endswith(".blend")
+                others = objects[:1] if is_blend else scene.mesh_objects(objects)
+                if not others:
+                    reason = f"{match.name!r} holds no mesh any more; index the library again"
+            except PlacingError as error:
+                reason = str(error)
+            self._appended = {block.session_uid for block in bpy.data.user_map() if block not in before}
+            if reason:
+                self._give_up(context, reason)
+                return None
+            _put_beside(query, objects)
+        objects = list(dict.fromkeys([query, *others]))
+        placing.select_only(context, objects)
+        self._sides = [
+            (query.name, {query.data.session_uid}),
+            (match.name, {item.data.session_uid for item in others}),
+        ]
+        settings.kind, settings.color = "WORDS", True
+        return objects
+
+
+def _put_beside(query: Any, objects: list[Any]) -> None:
+    low, high = placing.bounds(query)
+    other_low, other_high = placing.bounds(objects[0])
+    widths = high.x - low.x, other_high.x - other_low.x
+    x = high.x + GAP * sum(widths) / 2 + widths[1] / 2
+    placing.move_to(objects, Vector((x, (low.y + high.y) / 2, low.z)))
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        SHAPEGOOGLE_OT_append_match,
+        SHAPEGOOGLE_OT_link_match,
+        SHAPEGOOGLE_OT_open_match,
+        SHAPEGOOGLE_OT_select_match,
+        SHAPEGOOGLE_OT_mark_match,
+    )
+)

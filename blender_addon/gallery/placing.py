@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bring shapes of a library into the open scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+from mathutils import Matrix, Vector
+
+from .. import scene
+
+__all__ = [
+    "PlacingError",
+    "bounds",
+    "bring_in",
+    "find_linked",
+    "move_to",
+    "remove",
+    "select_only",
+    "to_object_mode",
+]
+
+# Importers of Blender by suffix, each with its operator and, where it needs one, what else to ask of it.
+_IMPORTERS = {
+    ".obj": ("wm", "obj_import"),
+    ".ply": ("wm", "ply_import"),
+    ".stl": ("wm", "stl_import"),
+    ".glb": ("import_scene", "gltf"),
+    ".gltf": ("import_scene", "gltf"),
+}
+
+
+class PlacingError(Exception):
+    """A shape cannot be brought into the scene; the message says why and what to do."""
+
+
+def bring_in(context: Any, source: str, object_name: str, *, link: bool = False) -> list[Any]:
+    """Append or link an object of a .blend file, or import a mesh file.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    source : str
+        Path of the file.
+    object_name : str
+        Of the object in a .blend file.
+    link : bool
+        Link instead of append.
+
+    Returns
+    -------
+    objects : list of bpy.types.Object
+        The new objects, selected; the mesh objects first.
+
+    Raises
+    ------
+    PlacingError
+        If the file or the object in it is gone, or Blender cannot read it.
+    """
+    path = Path(source)
+    if not path.is_file():
+        raise PlacingError(f"'{source}' is no longer there; index the library again")
+    to_object_mode(context)
+    before = set(context.view_layer.objects)
+    try:
+        if path.suffix.lower() == ".blend":
+            _from_blend(path, object_name, link)
+        else:
+            _import(context, path)
+    except RuntimeError as error:
+        raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
+    # By identity: one that is only referred to may have the name of one of the user's.
+    new = [item for item in context.view_layer.objects if item not in before]
+    if not new:
+        new = [_instance(context, path, object_name)]
+    new.sort(key=lambda item: (item.type != "MESH", item.name != object_name, item.name))
+    select_only(context, new)
+    return new
+
+
+def remove(context: Any, blocks: Sequence[Any]) -> None:
+    """Remove what was brought in.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    blocks : sequence of bpy.types.ID
+    """
+    bpy.data.batch_remove(blocks)
+    # Until then the view layer lists None in place of each object that is gone.
+    context.view_layer.update()
+
+
+def find_linked(source: str, object_name: str) -> Any | None:
+    """Find an object that was linked from a file before, in whatever scene.
+
+    Parameters
+    ----------
+    source : str
+        Path of the .blend file.
+    object_name : str
+
+    Returns
+    -------
+    item : bpy.types.Object or None
+    """
+    path = Path(source).resolve()
+    for item in bpy.data.objects:
+        if item.library is not None and item.name == object_name:
+            linked_from = bpy.path.abspath(item.library.filepath, library=item.library.library)
+            if Path(linked_from).resolve() == path:
+                return item
+    return None
+
+
+def to_object_mode(context: Any) -> None:
+    """Leave edit mode and the like, where no other object can be selected.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def select_only(context: Any, items: Sequence[Any]) -> None:
+    """Select some objects and nothing else, of whatever type, and make the first one active.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        In object mode.
+    items : sequence of bpy.types.Object
+        At least one; all in its view layer.
+    """
+    objects = context.view_layer.objects
+    for item in list(objects.selected):
+        item.select_set(False)
+    for item in items:
+        item.select_set(True)
+    objects.active = items[0]
+
+
+def _instance(context: Any, path: Path, object_name: str) -> Any:
+    """Put an object that was linked before, and that Blender therefore did not link again, into the scene."""
+    item = find_linked(str(path), object_name)
+    if item is None:
+        raise PlacingError(f"{path.name!r} holds nothing that can be shown in this scene")
+    if item in set(context.view_layer.objects):
+        return item
+    if item in set(context.scene.objects):
+        raise PlacingError(
+            f"{object_name!r} is linked already, in a collection that this view layer excludes: "
+            f"{', '.join(repr(collection.name) for collection in item.users_collection)}; include it"
+        )
+    context.collection.objects.link(item)
+    return item
+
+
+def _from_blend(path: Path, object_name: str, link: bool) -> None:
+    with bpy.data.libraries.load(str(path), link=True, assets_only=False) as (content, _):
+        there = object_name in content.objects
+    if not there:
+        raise PlacingError(f"{path.name!r} holds no object {object_name!r} any more; index the library again")
+    operator = bpy.ops.wm.link if link else bpy.ops.wm.append
+    operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
+
+
+def _import(context: Any, path: Path) -> None:
+    suffix = path.suffix.lower()
+    if suffix == ".fbx":
+        # Blender 4.5 has an importer of its own; earlier ones, an add-on that may be off.
+        module, name = ("wm", "fbx_import") if "fbx_import" in dir(bpy.ops.wm) else ("import_scene", "fbx")
+    elif suffix in _IMPORTERS:
+        module, name = _IMPORTERS[suffix]
+    else:
+        _from_core(context, path)
+        return
+    if name not in dir(getattr(bpy.ops, module)):
+        raise PlacingError(f"Blender's importer of {suffix} files is off; switch it on in the preferences")
+    getattr(getattr(bpy.ops, module), name)(filepath=str(path))
+
+
+def _from_core(context: Any, path: Path) -> None:
+    from shapegoogle_core import MeshError, read_mesh
+
+    try:
+        mesh = read_mesh(path)
+    except MeshError as error:
+        raise PlacingError(str(error)) from error
+    scene.new_object(context, mesh, path.stem)
+
+
+def move_to(objects: list[Any], place: Vector) -> None:
+    """Move new objects so that the bottom centre of the first one is at a place; linked ones stay.
+
+    Parameters
+    ----------
+    objects : list of bpy.types.Object
+        As from `bring_in`.
+    place : Vector
+    """
+    bpy.context.view_layer.update()
+    low, high = bounds(objects[0])
+    offset = Vector(place) - Vector(((low.x + high.x) / 2, (low.y + high.y) / 2, low.z))
+    for item in objects:
+        # Children and what an armature moves follow their parents.
+        if item.parent is None and item.library is None:
+            item.matrix_world = Matrix.Translation(offset) @ item.matrix_world
+    bpy.context.view_layer.update()
+
+
+def bounds(item: Any) -> tuple[Vector, Vector]:
+    """Return the least and the largest corner of an object's box in the world, modifiers included.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+
+    Returns
+    -------
+    low, high : Vector
+    """
+    corners = [item.matrix_world @ Vector(corner) for corner in item.bound_box]
+    low = Vector(min(corner[axis] for corner in corners) for axis in range(3))
+    high = Vector(max(corner[axis] for corner in corners) for axis in range(3))
+    return low, high

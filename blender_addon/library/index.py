@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Index folders and the open scene into the library."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty
+
+from .. import jobs
+from ..jobs import BackgroundRun, redraw
+from ..preferences import preferences
+from ..session import add_error, session_of
+from . import scene_source as scene_index
+
+__all__ = ["register", "unregister"]
+
+SECONDS_BETWEEN_LOOKS = 0.25
+
+# The run that fills the library now, so that it can be cancelled.
+_running: list[BackgroundRun | scene_index.SceneIndexing] = []
+
+
+class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
+    """Bring the library up to date."""
+
+    bl_idname = "shape_google.index_library"
+    bl_label = "Index Library"
+    bl_description = (
+        "Put the shapes of all chosen sources into the library, in another Blender in the background. "
+        "Only new and changed files are read, and none is ever changed"
+    )
+
+    reread: BoolProperty(
+        name="Read All Again", description="Also files that have not changed", options={"SKIP_SAVE"}
+    )
+    prune: BoolProperty(
+        name="Forget Missing Files",
+        description="Forget the shapes of files that are no longer in the chosen folders",
+        options={"SKIP_SAVE"},
+    )
+    retry: BoolProperty(
+        name="Retry Failed", description="Also files that failed before", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is something to index, and nothing is being indexed."""
+        chosen = preferences(context)
+        if session_of(context).indexing:
+            cls.poll_message_set("Indexing already")
+            return False
+        if not chosen.has_sources() and not chosen.use_scene:
+            cls.poll_message_set(
+                "Add a folder, or an asset library in Blender's preferences, or use this scene"
+            )
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Start in the background."""
+        if not self._start(context):
+            return {"CANCELLED"}
+        bpy.app.timers.register(_look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Index and wait for the end."""
+        if not self._start(context):
+            return {"CANCELLED"}
+        session = session_of(context)
+        while _running:
+            _running[0].join()
+            _take(_running[0])
+        self.report({"WARNING"} if session.errors else {"INFO"}, session.summary)
+        return {"FINISHED"}
+
+    def _flags(self) -> list[str]:
+        return [f"--{name}" for name in ("reread", "retry", "prune") if getattr(self, name)]
+
+    def _start(self, context: Any) -> bool:
+        chosen, session = preferences(context), session_of(context)
+        path, sources = chosen.library_path(), chosen.sources()
+        if not sources and not chosen.use_scene:
+            self.report({"ERROR"}, "None of the chosen folders is there; add one, or plug in its drive")
+            return False
+        session.errors.clear()
+        session.summary, session.done, session.total = "", 0, 0
+        session.progress = "Looking for files …"
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if sources:
+                _running.append(BackgroundRun([*_arguments(chosen, sources, path), *self._flags()]))
+            if chosen.use_scene:
+                _running.append(scene_index.SceneIndexing(context, path, chosen.model_name()))
+        except OSError as error:
+            while _running:
+                _running.pop().cancel()
+            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another library")
+            return False
+        session.indexing = True
+        return True
+
+
+def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
+    arguments = ["index", *map(str, sources), "--library", str(path), "--events", "--json"]
+    arguments += ["--objects", chosen.objects.lower()]
+    arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
+    if chosen.jobs:
+        arguments += ["--jobs", str(chosen.jobs)]
+    if not path.exists():
+        arguments += ["--model", chosen.model_name()]
+    return arguments
+
+
+def _look() -> float | None:
+    """Take over what the background has done so far."""
+    if _running:
+        _take(_running[0])
+        redraw()
+    return SECONDS_BETWEEN_LOOKS if _running else None
+
+
+def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
+    """Show the events of a run, and its end."""
+    session = session_of(bpy.context)
+    for event in run.events():
+        if "total" in event:
+            _show_file(session, run, event)
+        elif "shapes" in event:
+            run.reported = True
+            session.shape_count = event["shapes"]
+            _add_summary(session, event)
+            # Files that were there but could not be read have their line already; folders have none.
+            for failure in event["failed"]:
+                add_error(session, failure["source"], _worded(failure["error"]))
+    if run.exit_code is None or run not in _running:
+        return
+    _running.remove(run)
+    # 1: some files failed, and are listed; or Blender could not even start the run.
+    if run.exit_code not in (0, 1) or not run.reported:
+        add_error(session, str(preferences().library_path()), run.last_words())
+        session.summary = session.summary or "Indexing stopped; the list of errors says why"
+    if not _running:
+        session.indexing = False
+        session.progress = ""
+
+
+def _show_file(session: Any, run: BackgroundRun | scene_index.SceneIndexing, event: dict[str, Any]) -> None:
+    session.done, session.total = event["done"], event["total"]
+    seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
+    session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
+    if event["status"] == "failed":
+        add_error(session, event["path"], _worded(event["reason"]))
+
+
+def _worded(reason: str) -> str:
+    """Name what is an option of the command as the menu does."""
+    return reason.replace("--retry tries", "Retry Failed Files tries")
+
+
+def _duration(seconds: float) -> str:
+    """Say a time as people do, such as '3 min'."""
+    if seconds < 60:
+        return f"{max(round(seconds), 1)} s"
+    if seconds < 3600:
+        return f"{round(seconds / 60)} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def _add_summary(session: Any, event: dict[str, Any]) -> None:
+    if "scene" in event:
+        parts = [f"{event['scene']} shape{'' if event['scene'] == 1 else 's'} of this scene"]
+    else:
+        keys = ("added", "updated", "unchanged", "removed")
+        counts = {key: len(event[key]) if key == "removed" else event[key] for key in keys}
+        parts = [f"{count} {key}" for key, count in counts.items() if count]
+    if event["failed"]:
+        parts.append(f"{len(event['failed'])} failed")
+    text = ", ".join(parts) or "nothing found"
+    session.summary = f"{session.summary}; {text}" if session.summary else text
+
+
+class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
+    """Stop indexing."""
+
+    bl_idname = "shape_google.cancel_indexing"
+    bl_label = "Cancel Indexing"
+    bl_description = "Stop; what is in the library stays, and the next run goes on from there"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Something is being indexed."""
+        return bool(session_of(context).indexing)
+
+    def execute(self, context: Any) -> set[str]:
+        """Stop it."""
+        jobs.end(_running)
+        session = session_of(context)
+        session.indexing = False
+        session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
+        session.progress = ""
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
+    """Copy the errors as text."""
+
+    bl_idname = "shape_google.copy_errors"
+    bl_label = "Copy Errors"
+    bl_description = "Copy all errors to the clipboard, one line each"
+
+    def execute(self, context: Any) -> set[str]:
+        """Copy them."""
+        errors = session_of(context).errors
+        context.window_manager.clipboard = "\n".join(f"{error.path}: {error.reason}" for error in errors)
+        self.report({"INFO"}, f"{len(errors)} errors copied")
+        return {"FINISHED"}
+
+
+register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_index_library, SHAPEGOOGLE_OT_cancel_indexing, SHAPEGOOGLE_OT_copy_errors)
+)
+
+
+def unregister() -> None:
+    """Take them back, and end what runs."""
+    jobs.end(_running)
+    _unregister()

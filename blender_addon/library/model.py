@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which model is used: the library's, else the one of the preferences, else the shipped one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import preferences
+
+if TYPE_CHECKING:
+    from shapegoogle_core import ShapeModel
+
+__all__ = ["clear", "current_model", "model_source"]
+
+_loaded: dict[tuple[str, float], ShapeModel] = {}
+
+
+def current_model(context: Any) -> ShapeModel:
+    """Return the model of the chosen library; without one, that of the preferences.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Returns
+    -------
+    model : ShapeModel
+        Loaded once, and again when its file has changed.
+
+    Raises
+    ------
+    ModelError, LibraryError
+        If the file cannot be read.
+    """
+    from shapegoogle_core import Library, load_model
+
+    source = model_source(context)
+    if isinstance(source, Path):
+        return _once(str(source), lambda: _model_of(Library, str(source)))
+    return _once(source, lambda: load_model(source))
+
+
+def model_source(context: Any) -> Path | str:
+    """Return where `current_model` comes from: a library, or what `load_model` calls a model."""
+    chosen = preferences.preferences(context)
+    library: Path = chosen.library_path()
+    return library if library.is_file() else str(chosen.model_name())
+
+
+def clear() -> None:
+    """Forget loaded models."""
+    _loaded.clear()
+
+
+def _model_of(opener: Any, path: str) -> ShapeModel:
+    with opener.open(path, read_only=True) as library:
+        model: ShapeModel = library.model
+    return model
+
+
+def _once(path: str, load: Any) -> ShapeModel:
+    key = path, Path(path).stat().st_mtime if Path(path).is_file() else 0.0
+    if key not in _loaded:
+        _loaded.clear()
+        _loaded[key] = load()
+    return _loaded[key]

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel Library: which file, made from which sources, and how indexing goes."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+from typing import Any
+
+import bpy
+
+from .. import connections
+from ..preferences import preferences
+from ..session import session_of
+from ..wrapped_text import wrapped
+
+__all__ = ["register", "unregister"]
+
+
+class SHAPEGOOGLE_UL_folders(bpy.types.UIList):
+    """Folders whose shapes are indexed."""
+
+    def draw_item(
+        self,
+        _context: Any,
+        layout: Any,
+        _data: Any,
+        item: Any,
+        _icon: int,
+        _active_data: Any,
+        _active_property: str,
+    ) -> None:
+        """Lay a folder out."""
+        row = layout.row(align=True)
+        row.prop(item, "use", text="")
+        # The sidebar is too narrow for a path; that of the active folder is below the list.
+        row.label(text=PurePath(item.path.rstrip("/\\")).name or item.path)
+
+
+class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
+    """Files that were not indexed."""
+
+    def draw_item(
+        self,
+        _context: Any,
+        layout: Any,
+        _data: Any,
+        item: Any,
+        _icon: int,
+        _active_data: Any,
+        _active_property: str,
+    ) -> None:
+        """Lay an error out."""
+        layout.label(text=item.name, icon="FILE")
+
+
+class SHAPEGOOGLE_PT_library(bpy.types.Panel):
+    """Choose the library, its sources, and index them."""
+
+    bl_label = "Library"
+    bl_category = "Shape Google"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_order = 10
+
+    def draw_header_preset(self, context: Any) -> None:
+        """Say at the right of the title how large the library is."""
+        count = session_of(context).shape_count
+        if count:
+            self.layout.label(text=f"{count:,} shape{'' if count == 1 else 's'}")
+
+    def draw(self, context: Any) -> None:
+        """Lay the panel out."""
+        layout = self.layout
+        chosen, session = preferences(context), session_of(context)
+        layout.operator("shape_google.choose_library", text=chosen.library_path().name, icon="FILE_FOLDER")
+        _draw_sources(layout, chosen, context)
+        _draw_indexing(layout, session, context)
+        if session.errors:
+            _draw_errors(layout, session, context)
+
+
+def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_sources")
+    header.label(text="Sources")
+    if body is None:
+        return
+    column = body.column(align=True)
+    libraries = len(connections.asset_libraries())
+    row = column.row()
+    row.enabled = libraries > 0
+    row.prop(chosen, "use_asset_libraries", text=f"Asset Libraries ({libraries})")
+    column.prop(chosen, "use_scene")
+    row = body.row()
+    row.template_list(
+        "SHAPEGOOGLE_UL_folders", "", chosen, "folders", chosen, "active_folder", rows=2, maxrows=6
+    )
+    column = row.column(align=True)
+    column.operator("shape_google.add_folder", text="", icon="ADD")
+    column.operator("shape_google.remove_folder", text="", icon="REMOVE")
+    if 0 <= chosen.active_folder < len(chosen.folders):
+        wrapped(body, chosen.folders[chosen.active_folder].path, context)
+    split = body.split(factor=0.3)
+    split.label(text="Objects")
+    split.prop(chosen, "objects", text="")
+
+
+def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
+    if session.indexing:
+        row = layout.row(align=True)
+        row.scale_y = 1.3
+        share = session.done / session.total if session.total else 0.0
+        row.progress(factor=share, text=session.progress)
+        row.operator("shape_google.cancel_indexing", text="", icon="X")
+        return
+    row = layout.row(align=True)
+    row.scale_y = 1.3
+    row.operator("shape_google.index_library", icon="FILE_REFRESH")
+    row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
+    if session.summary:
+        wrapped(layout, session.summary, context)
+
+
+def _draw_errors(layout: Any, session: Any, context: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_errors")
+    header.label(text=f"{len(session.errors)} not indexed", icon="ERROR")
+    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
+    if body is None:
+        return
+    body.template_list(
+        "SHAPEGOOGLE_UL_errors", "", session, "errors", session, "active_error", rows=2, maxrows=6
+    )
+    if 0 <= session.active_error < len(session.errors):
+        error = session.errors[session.active_error]
+        box = body.box()
+        wrapped(box, error.path, context)
+        wrapped(box, error.reason, context)
+
+
+class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):
+    """Less usual ways to index."""
+
+    bl_label = "Indexing"
+
+    def draw(self, _context: Any) -> None:
+        """Lay the menu out."""
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator("shape_google.index_library", text="Retry Failed Files").retry = True
+        self.layout.operator("shape_google.index_library", text="Read All Files Again").reread = True
+        self.layout.operator("shape_google.index_library", text="Forget Missing Files").prune = True
+        self.layout.separator()
+        self.layout.operator("shape_google.train_model")
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_UL_folders, SHAPEGOOGLE_UL_errors, SHAPEGOOGLE_PT_library, SHAPEGOOGLE_MT_indexing)
+)

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Train a model on the shapes of the library's sources."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+
+from .. import jobs
+from ..jobs import BackgroundRun, redraw
+from ..preferences import preferences
+from ..session import add_error, session_of
+
+__all__ = ["register", "unregister"]
+
+SECONDS_BETWEEN_LOOKS = 0.5
+
+# The run that learns now, so that it can be cancelled.
+_running: list[BackgroundRun] = []
+
+
+class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
+    """Train a model on the shapes of the library's sources."""
+
+    bl_idname = "shape_google.train_model"
+    bl_label = "Train Model on This Library"
+    bl_description = (
+        "Learn words, metric and codes from the shapes of the chosen sources, in the background: about a "
+        "second for each shape and version. The model is for new libraries; this one keeps its own"
+    )
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is something to learn from."""
+        if not preferences(context).has_sources():
+            cls.poll_message_set("Add a folder, or an asset library in Blender's preferences")
+            return False
+        return not session_of(context).training
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Ask where to put it."""
+        self.filepath = str(preferences(context).libraries_folder() / "mine.npz")
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Train, in the background where there is a window."""
+        chosen = preferences(context)
+        path = Path(bpy.path.abspath(self.filepath))
+        path = path if path.suffix == ".npz" else path.with_name(f"{path.name}.npz")
+        preset = "paper" if chosen.model == "PAPER" else "default"
+        arguments = ["train", *map(str, chosen.sources()), "--output", str(path), "--preset", preset]
+        arguments += ["--objects", chosen.objects.lower()]
+        if chosen.jobs:
+            arguments += ["--jobs", str(chosen.jobs)]
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            run = BackgroundRun(arguments)
+        except OSError as error:
+            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another place")
+            return {"CANCELLED"}
+        _running.append(run)
+        session_of(context).training = "Training …"
+        if bpy.app.background:
+            run.join()
+            _take(run, path)
+            self.report({"INFO"}, session_of(context).summary)
+        else:
+            look = partial(_look, run, path)
+            bpy.app.timers.register(look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
+        return {"FINISHED"}
+
+
+def _look(run: BackgroundRun, path: Path) -> float | None:
+    if run not in _running:  # cancelled
+        return None
+    _take(run, path)
+    redraw()
+    return SECONDS_BETWEEN_LOOKS if run in _running else None
+
+
+def _take(run: BackgroundRun, path: Path) -> None:
+    """Show how far training is, and its end."""
+    run.events()
+    session = session_of(bpy.context)
+    if run.exit_code is None:
+        session.training = run.lines[-1] if run.lines else "Training …"
+        return
+    _running.remove(run)
+    session.training = ""
+    if path.exists() and run.exit_code in (0, 1):
+        chosen = preferences()
+        chosen.model, chosen.model_file = "FILE", str(path)
+        session.summary = f"Trained {path.name}; it is used for new libraries"
+    else:
+        session.summary = "Training failed; the list of errors says why"
+        add_error(session, str(path), run.last_words())
+
+
+class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
+    """Stop training."""
+
+    bl_idname = "shape_google.cancel_training"
+    bl_label = "Cancel Training"
+    bl_description = "Stop; no model is written"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Something is being trained."""
+        return bool(session_of(context).training)
+
+    def execute(self, context: Any) -> set[str]:
+        """Stop it."""
+        jobs.end(_running)
+        session = session_of(context)
+        session.training, session.summary = "", "Training cancelled"
+        return {"FINISHED"}
+
+
+register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_train_model, SHAPEGOOGLE_OT_cancel_training)
+)
+
+
+def unregister() -> None:
+    """Take them back, and end what runs."""
+    jobs.end(_running)
+    _unregister()

@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender objects ↔ core meshes: the only place that reads or writes the meshes of bpy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from . import mesh_arrays
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from shapegoogle_core import Mesh
+
+    FloatArray = NDArray[np.float64]
+    IntArray = NDArray[np.int32]
+else:
+    from ..lazy_numpy import np
+
+__all__ = [
+    "base_mesh",
+    "evaluated_mesh",
+    "joined_name",
+    "mesh_objects",
+    "new_object",
+    "query_meshes",
+    "selected_part",
+    "shape_objects",
+    "split_evaluated",
+]
+
+
+def mesh_objects(objects: Sequence[Any]) -> list[Any]:
+    """Those objects that are meshes, in the same order."""
+    return [item for item in objects if item.type == "MESH"]
+
+
+def shape_objects(objects: Sequence[Any]) -> list[Any]:
+    """Those objects that may be shapes, meshes and point clouds, in the same order."""
+    return [item for item in objects if item.type in ("MESH", "POINTCLOUD")]
+
+
+def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:
+    """Tell the objects that Blender evaluates in the view layer from those that it does not.
+
+    Blender leaves out what is disabled in viewports or lies in excluded collections only. Such an object has
+    no modifiers that could be seen, and after opening a file its ``matrix_world`` is the identity: where it
+    stands and how large it is cannot be known. What is hidden with the eye is evaluated all the same.
+
+    Parameters
+    ----------
+    objects : iterable of bpy.types.Object
+    context : bpy.types.Context
+        Its view layer counts.
+
+    Returns
+    -------
+    evaluated, others : list of bpy.types.Object
+        Both in the order given. The world matrices of the first are up to date.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    enabled = _enabled_objects(context.view_layer.layer_collection)
+    evaluated: list[Any] = []
+    others: list[Any] = []
+    for item in objects:
+        # Whether it is in the graph is not enough: what other objects refer to is there in part, without
+        # its modifiers, and what is disabled by an animation keeps a matrix that is out of date.
+        own = item.evaluated_get(depsgraph)
+        seen = item in enabled and own.is_evaluated and not own.hide_viewport
+        (evaluated if seen else others).append(item)
+    return evaluated, others
+
+
+def base_mesh(item: Any) -> Mesh:
+    """Mesh of an object before its modifiers, at world scale: vertex i is vertex i of ``item.data``.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh object; in edit mode as it is edited.
+
+    Returns
+    -------
+    mesh : Mesh
+        Named after the object; polygons cut into triangles.
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite.
+    """
+    if item.mode == "EDIT":
+        item.update_from_editmode()
+    return _core_mesh(item.name, [(*_arrays(item.data), _matrix(item))])
+
+
+def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
+    """Mesh of an object as it is seen: with modifiers, at world scale.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh or a point cloud.
+    depsgraph : bpy.types.Depsgraph, optional
+        That of the context when left out.
+
+    Returns
+    -------
+    mesh : Mesh
+        Without faces if there are points alone. Wires, edges without any face, have no points either: those
+        are not spread over a surface.
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite.
+    """
+    return _core_mesh(item.name, [_evaluated_arrays(item, depsgraph)])
+
+
+def selected_part(items: Sequence[Any]) -> Mesh:
+    """Return what is selected in edit mode: the selected faces of all objects, joined, at world scale.
+
+    Parameters
+    ----------
+    items : sequence of bpy.types.Object
+        At least one mesh object in edit mode; named after the first one with selected faces.
+
+    Returns
+    -------
+    mesh : Mesh
+        Before modifiers. Without faces if none are selected.
+    """
+    parts, names = [], []
+    for item in items:
+        item.update_from_editmode()
+        data = item.data
+        vertices, faces = _arrays(data)
+        chosen = mesh_arrays.read(data.polygons, "select", 1, bool)[:, 0]
+        polygon = mesh_arrays.read(data.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
+        faces = faces[chosen[polygon]]
+        if len(faces):
+            used, corners = np.unique(faces, return_inverse=True)
+            parts.append((vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)))
+            names.append(item.name)
+    return _core_mesh(f"{joined_name(names or [items[0].name])}, selected part", parts)
+
+
+def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
+    """Return what the user means: what is selected in edit mode, else the selected objects.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    separate : bool, optional
+        Whether several objects are shapes of their own; else they are joined. What is selected in edit mode
+        is always one shape.
+
+    Returns
+    -------
+    meshes : list of Mesh
+        At least one. As seen, with modifiers; in edit mode before them. The active object's first.
+
+    Raises
+    ------
+    MeshError
+        If nothing usable is selected; the message says what to do.
+    """
+    from shapegoogle_core import MeshError
+
+    active = context.active_object
+    if active is not None and active.type == "MESH" and active.mode == "EDIT":
+        # Objects that share a mesh are edited as one; the active one stands for them.
+        edited = {item.data: item for item in (*mesh_objects(context.objects_in_mode), active)}
+        part = selected_part(sorted(edited.values(), key=lambda item: (item != active, item.name)))
+        if not len(part.faces):
+            names = " and ".join(repr(item.name) for item in edited.values())
+            verb = "has" if len(edited) == 1 else "have"
+            if not any(len(data.polygons) for data in edited):
+                raise MeshError(f"{names} {verb} no faces to select; leave edit mode to look for all points")
+            raise MeshError(f"{names} {verb} no selected faces; select the faces to look for")
+        return [part]
+    chosen = shape_objects(context.selected_objects)
+    if not chosen and active is not None:
+        chosen = shape_objects([active])
+    if not chosen:
+        raise MeshError("no mesh or point cloud is selected; select the shape to look for")
+    depsgraph = context.evaluated_depsgraph_get()
+    if separate:
+        chosen.sort(key=lambda item: item != active)
+    meshes = [evaluated_mesh(item, depsgraph) for item in chosen]
+    empty = [mesh.name for mesh in meshes if not len(mesh.vertices)]
+    if empty and (separate or len(empty) == len(meshes)):
+        raise MeshError(f"{empty[0]!r} has neither faces nor single points; select a mesh or a point cloud")
+    return meshes if separate else [_joined(meshes)]
+
+
+def new_object(context: Any, mesh: Mesh, name: str) -> Any:
+    """Make an object of a core mesh in the active collection.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    mesh : Mesh
+    name : str
+
+    Returns
+    -------
+    item : bpy.types.Object
+    """
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
+    item = bpy.data.objects.new(name, data)
+    context.collection.objects.link(item)
+    return item
+
+
+def joined_name(names: Sequence[str]) -> str:
+    """Return the first name, and how many more there are."""
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
+
+
+def _joined(meshes: Sequence[Mesh]) -> Mesh:
+    """Join surfaces, or clouds of points; what is neither, such as wires, does not count among surfaces."""
+    from shapegoogle_core import MeshError
+
+    surfaces = [mesh for mesh in meshes if not mesh.is_point_cloud]
+    cloud = next((mesh for mesh in meshes if mesh.is_point_cloud and _is_cloud(mesh)), None)
+    if surfaces and cloud is not None:
+        raise MeshError(
+            f"{cloud.name!r} is a point cloud and {surfaces[0].name!r} a mesh, which cannot be one shape; "
+            "select one of them, or choose Examples"
+        )
+    parts = [(mesh.vertices, mesh.faces, np.eye(4)) for mesh in meshes]
+    return _core_mesh(joined_name([mesh.name for mesh in meshes]), parts)
+
+
+def _is_cloud(mesh: Mesh) -> bool:
+    from shapegoogle_core import MeshError
+    from shapegoogle_core.mesh import check_cloud
+
+    try:
+        check_cloud(mesh)
+    except MeshError:
+        return False
+    return True
+
+
+def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:
+    """Objects of a layer collection and those below it whose collections do not keep them from being seen."""
+    disabled = (
+        disabled or layer.collection.hide_viewport
+    )  # passed on to collections inside, as `exclude` is not
+    found = set() if disabled or layer.exclude else set(layer.collection.objects)
+    for child in layer.children:
+        found |= _enabled_objects(child, disabled=disabled)
+    return found
+
+
+def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:
+    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+    evaluated = item.evaluated_get(depsgraph)
+    if evaluated.type == "POINTCLOUD":
+        return (
+            mesh_arrays.read(evaluated.data.points, "co", 3, np.float32).astype(np.float64),
+            np.empty((0, 3), np.int32),
+            _matrix(evaluated),
+        )
+    data = evaluated.to_mesh()
+    try:
+        vertices, faces = _arrays(data)
+        if len(data.edges) and not len(faces):
+            vertices = vertices[:0]
+        return vertices, faces, _matrix(evaluated)
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _matrix(item: Any) -> FloatArray:
+    return np.array(item.matrix_world, np.float64)
+
+
+def _arrays(data: Any) -> tuple[FloatArray, IntArray]:
+    """Vertices (n, 3) and triangles (m, 3) of a bpy mesh, in its own space."""
+    return mesh_arrays.vertex_positions(data).astype(np.float64), mesh_arrays.triangles(data)
+
+
+def _core_mesh(name: str, parts: Sequence[tuple[FloatArray, IntArray, FloatArray]]) -> Mesh:
+    """Join parts, each moved to its place in the world."""
+    from shapegoogle_core import Mesh
+
+    all_vertices, all_faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int32)], 0
+    for vertices, faces, matrix in parts:
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            faces = faces[:, ::-1]  # a mirrored object would come out inside out
+        # Not `@`: the threads of BLAS wait for each other on a busy machine, and the window for them.
+        all_vertices.append(np.einsum("nj,ij->ni", vertices, matrix[:3, :3]) + matrix[:3, 3])
+        all_faces.append(faces + count)
+        count += len(vertices)
+    return Mesh(np.concatenate(all_vertices), np.concatenate(all_faces), name)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""More like this, not like this: matches as examples for the next search."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+
+from ..gallery.operators import OnMatch, active_match
+from ..preferences import preferences
+from ..session import examples_of, session_of
+
+__all__ = ["register", "unregister"]
+
+
+class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
+    """Make the chosen match an example."""
+
+    bl_idname = "shape_google.mark_example"
+    bl_label = "Mark as Example"
+
+    unlike: BoolProperty(
+        name="Not Like This", description="What is like it is not looked for", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, _context: Any, properties: Any) -> str:
+        """Return the tooltip of either button."""
+        if properties.unlike:
+            return (
+                "Not like this: from the next search on what is like this match comes last. Once more takes "
+                "it back"
+            )
+        return (
+            "More like this: from the next search on what is also like this match comes first. Once more "
+            "takes it back"
+        )
+
+    def execute(self, context: Any) -> set[str]:
+        """Put it into the list, or take it off if it is there as such already."""
+        session = session_of(context)
+        match = active_match(context)
+        for index, example in enumerate(session.examples):
+            if (example.library, example.shape_id) == (session.library, match.shape_id):
+                if example.unlike == self.unlike:
+                    session.examples.remove(index)
+                else:
+                    example.unlike = self.unlike
+                return {"FINISHED"}
+        example = session.examples.add()
+        example.name = match.object_name or match.name
+        example.library, example.shape_id, example.unlike = session.library, match.shape_id, self.unlike
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
+    """Take an example off the list."""
+
+    bl_idname = "shape_google.remove_example"
+    bl_label = "Remove Example"
+    bl_description = "Take this example off the list"
+    bl_options = {"INTERNAL"}
+
+    index: IntProperty(options={"SKIP_SAVE"})
+
+    def execute(self, context: Any) -> set[str]:
+        """Take it off."""
+        session = session_of(context)
+        if not 0 <= self.index < len(session.examples):
+            return {"CANCELLED"}
+        session.examples.remove(self.index)
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_clear_examples(bpy.types.Operator):
+    """Take all examples off the list."""
+
+    bl_idname = "shape_google.clear_examples"
+    bl_label = "Clear Examples"
+    bl_description = "Take all examples from the library off the list: ask with what is selected alone"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There are some."""
+        if not examples_of(session_of(context), preferences(context).library_path()):
+            cls.poll_message_set("There are no examples from this library")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Take them off."""
+        session = session_of(context)
+        for index, _ in reversed(examples_of(session, preferences(context).library_path())):
+            session.examples.remove(index)
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_mark_example, SHAPEGOOGLE_OT_remove_example, SHAPEGOOGLE_OT_clear_examples)
+)

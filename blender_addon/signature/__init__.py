@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paint signatures, words and keypoints onto meshes."""
+
+from . import operators, panel, select_keypoints
+
+__all__ = ["register", "unregister"]
+
+_MODULES = (operators, select_keypoints, panel)
+
+
+def register() -> None:
+    """Make this feature known to Blender."""
+    for module in _MODULES:
+        module.register()
+
+
+def unregister() -> None:
+    """Take it back."""
+    for module in reversed(_MODULES):
+        module.unregister()

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spectra, words and keypoints of objects, kept while the file is open: the slider has to follow the hand."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .. import scene
+from . import attributes, painting
+from .painting import Layer, Painting
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
+
+    Result = VertexSpectrum | VertexWords | VertexKeypoints
+else:
+    from ..lazy_numpy import np
+
+__all__ = ["Known", "Task", "clear", "key_of", "known", "paint_layers", "remember", "task_of"]
+
+Key = tuple[object, ...]
+MOST_BYTES = 512 * 2**20
+
+_cache: OrderedDict[Key, Known] = OrderedDict()
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What was computed of an object.
+
+    Attributes
+    ----------
+    result : VertexSpectrum, VertexWords or VertexKeypoints
+    size : float
+        Diagonal of its bounding box in world units.
+    """
+
+    result: Result
+    size: float
+
+    @property
+    def bytes(self) -> int:
+        """How much memory its arrays take."""
+        from shapegoogle_core import VertexSpectrum, VertexWords
+
+        matrix, result = self.result.prolongation, self.result
+        if isinstance(result, VertexSpectrum):
+            functions = result.spectrum.eigenvectors
+        else:
+            functions = result.words if isinstance(result, VertexWords) else result.strength
+        return int(functions.nbytes + matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What has to be computed of an object; `function` is the core's, so a worker process can run it.
+
+    Attributes
+    ----------
+    key : tuple
+    name : str
+        Of the object.
+    function : callable
+    arguments : tuple
+    size : float
+        As in `Known`.
+    seconds : float
+        About how long it takes.
+    """
+
+    key: Key
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    size: float
+    seconds: float
+
+
+def key_of(item: Any, chosen: Painting, model: ShapeModel | None) -> Key:
+    """Identify what a painting needs to know of an object.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    chosen : Painting
+    model : ShapeModel or None
+        Whose words, for the kind WORDS.
+    """
+    geometry = attributes.geometry_hash(item)
+    if chosen.kind == "WORDS":
+        return geometry, None if model is None else model.identifier, chosen.channel
+    spectrum = geometry, chosen.eigenpairs, chosen.laplacian, chosen.budget
+    return (*spectrum, chosen.detector) if chosen.kind == "KEYPOINTS" else spectrum
+
+
+def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> Task:
+    """Prepare the computation that a painting needs.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    chosen : Painting
+    model : ShapeModel or None
+    key : tuple
+        From `key_of`.
+
+    Returns
+    -------
+    task : Task
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite, or the model has no such words.
+    """
+    from shapegoogle_core import MeshError, vertex_keypoints, vertex_spectrum, vertex_words
+
+    mesh = scene.base_mesh(item)
+    count = len(mesh.vertices)
+    used = np.zeros(count, bool)
+    used[mesh.faces] = True
+    size = float(np.linalg.norm(np.ptp(mesh.vertices[used], axis=0))) if used.any() else 0.0
+    if chosen.kind != "WORDS" or model is None:
+        solved = min(count, chosen.budget or count)
+        seconds = 1e-6 * solved * chosen.eigenpairs + 2e-5 * count
+        arguments = chosen.eigenpairs, chosen.laplacian, chosen.budget
+        if chosen.kind == "KEYPOINTS":
+            seconds += 1e-8 * solved**2  # discs of detectors
+            return Task(key, item.name, vertex_keypoints, (mesh, chosen.detector, *arguments), size, seconds)
+        return Task(key, item.name, vertex_spectrum, (mesh, *arguments), size, seconds)
+    descriptors = [channel.descriptor for channel in model.settings.channels]
+    if chosen.channel not in descriptors:
+        raise MeshError(
+            f"the model {model.name!r} has no words of {chosen.channel!r}; choose {' or '.join(descriptors)}"
+        )
+    channel = descriptors.index(chosen.channel)
+    return Task(key, item.name, vertex_words, (model, mesh, channel), size, 1.0 + 2e-5 * count)
+
+
+def known(key: Key) -> Known | None:
+    """Return what was computed before, if it was."""
+    entry = _cache.get(key)
+    if entry is not None:
+        _cache.move_to_end(key)
+    return entry
+
+
+def remember(task: Task, result: Result) -> Known:
+    """Keep a result; the oldest ones go when all together take more than `MOST_BYTES`."""
+    entry = _cache[task.key] = Known(result, task.size)
+    while len(_cache) > 1 and sum(each.bytes for each in _cache.values()) > MOST_BYTES:
+        _cache.popitem(last=False)
+    return entry
+
+
+def clear() -> None:
+    """Forget everything."""
+    _cache.clear()
+
+
+def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None = None) -> list[Layer]:
+    """Attributes of an object, from what is known of it.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    chosen : Painting
+    entry : Known
+    source : int, optional
+        Vertex that heat spreads from; left out, the one that is selected.
+
+    Returns
+    -------
+    layers : list of Layer
+
+    Raises
+    ------
+    MeshError
+        If the object has no such values.
+    """
+    from shapegoogle_core import MeshError, VertexKeypoints, VertexWords
+
+    if isinstance(entry.result, VertexKeypoints):
+        return painting.paint_keypoints(entry.result)
+    if isinstance(entry.result, VertexWords):
+        return painting.paint_words(chosen, entry.result)
+    if chosen.kind == "HEAT" and source is None:
+        source = attributes.picked_vertex(item)
+    try:
+        return painting.paint_spectrum(chosen, entry.result, source)
+    except MeshError as error:
+        raise MeshError(f"{item.name!r} {error}") from error

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Transfer what a match has, weights, colours and UVs, to the object that was looked for."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from typing import Any, ClassVar
+
+import bpy
+
+from .. import jobs, scene
+from ..gallery import placing
+from ..gallery.operators import OnMatch
+from ..gallery.placing import PlacingError
+from ..session import session_of
+from . import layers as transferring
+from .layers import Source, Target, Transferred
+
+__all__ = ["register", "running", "unregister"]
+
+SECONDS_BETWEEN_LOOKS = 0.1
+# Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
+# costs less than so many times as much, left and right may be exchanged.
+POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.25
+
+# The one transfer that waits for the worker, so that it can be shown and cancelled. No property of the
+# session: opening a file ends the operator, and what the session holds is carried over to the new file.
+_running: list[SHAPEGOOGLE_OT_transfer_match] = []
+
+
+def running() -> str:
+    """Return what the transfer that is going on waits for, as the panel says it; empty if there is none."""
+    return _running[0].waits_for if _running else ""
+
+
+class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
+    """Transfer the match's vertex groups, colours and UVs."""
+
+    bl_idname = "shape_google.transfer_match"
+    bl_label = "Transfer"
+    bl_description = (
+        "Carry vertex groups, color attributes and UV maps from the match to the active object, which is the "
+        "same shape in another pose or of another mesh. Both are taken as they are before modifiers"
+    )
+    bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    waits_for = ""
+    stopped = False
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """There is a match, an object to give to, and something to carry over."""
+        if not super().poll(context):
+            return False
+        if _running:
+            cls.poll_message_set("Transferring already")
+            return False
+        session = session_of(context)
+        item = context.active_object
+        if item is None or item.type != "MESH":
+            cls.poll_message_set("Select the object that you looked for")
+            return False
+        if item.library is not None or item.data.library is not None:
+            cls.poll_message_set("The active object is linked from another file and cannot be changed here")
+            return False
+        if not (session.transfer_groups or session.transfer_colors or session.transfer_uvs):
+            cls.poll_message_set("Choose what to transfer: vertex groups, colors or UVs")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Match the two shapes in a worker process; the window stays usable."""
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        self._future = future
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
+        manager.modal_handler_add(self)
+        _running[:] = [self]
+        self._say(context, f"Matching {self._target.mesh.name} …")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Wait for the worker."""
+        if self.stopped or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            self.report({"INFO"}, "Transfer cancelled")
+            return {"CANCELLED"}
+        if event.type != "TIMER" or not self._future.done():
+            return {"PASS_THROUGH"}
+        if context.mode != "OBJECT":  # writing waits while the user edits, paints or sculpts
+            self._say(context, "Waiting for object mode …")
+            return {"PASS_THROUGH"}
+        self.cancel(context)
+        return self._finish()
+
+    def cancel(self, context: Any) -> None:
+        """Stop waiting; Blender calls it too, when it opens a file or ends."""
+        self._future.cancel()
+        _running.clear()
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+        jobs.redraw()
+
+    def _say(self, context: Any, what: str) -> None:
+        """Show what is waited for, in the status bar and in the panel."""
+        if self.waits_for != what:
+            self.waits_for = what
+            context.workspace.status_text_set(f"{what} (Esc: cancel)")
+            jobs.redraw()
+
+    def execute(self, context: Any) -> set[str]:
+        """Match and write before returning."""
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        self._future = future
+        return self._finish()
+
+    def _ask(self, context: Any) -> Future[Any] | None:
+        """Read both objects and hand them to the worker; None after a report."""
+        from shapegoogle_core import MeshError
+        from shapegoogle_core.correspondence import match_with_points
+
+        session = session_of(context)
+        placing.to_object_mode(context)
+        item = context.active_object
+        # By number: references do not outlast an undo while the worker computes.
+        self._item, self._replace = item.session_uid, session.transfer_replace
+        try:
+            self._target: Target = transferring.read_target(item)
+            self._source: Source = self._read_match(context, item)
+        except (MeshError, PlacingError) as error:
+            self.report({"ERROR"}, str(error))
+            return None
+        if not self._source.layers:
+            self.report({"ERROR"}, f"{self._source.mesh.name!r} has nothing of what is to be transferred")
+            return None
+        wanted, kept = transferring.without_kept(item, self._source.layers, replace=self._replace)
+        if not wanted:  # known before the shapes are matched, which takes seconds
+            self._report_kept(kept)
+            return None
+        return jobs.worker().submit(
+            match_with_points, self._target.mesh, self._source.mesh, self._target.centers
+        )
+
+    def _read_match(self, context: Any, item: Any) -> Source:
+        """Read the match, which is brought in for that and removed again if it is not in the scene."""
+        session = session_of(context)
+        match = session.matches[session.active_match]
+        wanted = {
+            "groups": session.transfer_groups,
+            "colors": session.transfer_colors,
+            "uvs": session.transfer_uvs,
+        }
+        here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
+        if here == item:
+            raise PlacingError(f"{item.name!r} is the match itself; select the object to transfer to")
+        if here is not None and here.type == "POINTCLOUD":
+            raise PlacingError(f"{match.name!r} is a point cloud, which has nothing to transfer")
+        if here is not None and here.type == "MESH":
+            return transferring.read_source(here, **wanted)
+        selected = list(context.view_layer.objects.selected)
+        before = set(bpy.data.user_map())
+        try:
+            found = scene.mesh_objects(placing.bring_in(context, match.source, match.object_name))
+            if not found:
+                raise PlacingError(
+                    f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after "
+                    "a change the library must be indexed again"
+                )
+            if len(found) > 1 and not match.source.lower().endswith(".blend"):
+                raise PlacingError(
+                    f"{match.name!r} is imported as {len(found)} objects; append it, join them, and index "
+                    "the scene to transfer from the whole"
+                )
+            context.view_layer.update()
+            return transferring.read_source(found[0], **wanted)
+        finally:
+            placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
+            for each in context.view_layer.objects:
+                each.select_set(each in selected)
+            context.view_layer.objects.active = item
+
+    def _finish(self) -> set[str]:
+        from shapegoogle_core import ShapeGoogleError
+
+        try:
+            match, centers = self._future.result()
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        item = next((each for each in bpy.data.objects if each.session_uid == self._item), None)
+        count = len(self._target.mesh.vertices), len(self._target.corner_vertices)
+        if item is None or not item.users_scene:  # other objects may still refer to one that was deleted
+            self.report(
+                {"ERROR"}, f"{self._target.mesh.name!r} was deleted meanwhile; nothing is transferred"
+            )
+            return {"CANCELLED"}
+        if (len(item.data.vertices), len(item.data.loops)) != count:
+            self.report({"ERROR"}, f"{self._target.mesh.name!r} was changed meanwhile; transfer again")
+            return {"CANCELLED"}
+        done = transferring.transfer(item, self._source, self._target, match, centers, replace=self._replace)
+        if done.kept:
+            self._report_kept(done.kept)
+        if done.refused:
+            self.report({"WARNING"}, f"No room for the UV maps {_listed(done.refused)}; remove others first")
+        if not done.count:
+            return {"CANCELLED"}
+        self._report(item, done, match)
+        return {"FINISHED"}
+
+    def _report_kept(self, names: list[str]) -> None:
+        self.report(
+            {"WARNING"},
+            f"Kept as they are: {_listed(names)}; tick Replace Existing to overwrite them, and unlock groups "
+            "that are locked",
+        )
+
+    def _report(self, item: Any, done: Transferred, match: Any) -> None:
+        confidence = float(match.confidence[match.face >= 0].mean())
+        what = [
+            f"{len(names)} {word if len(names) == 1 else words}"
+            for names, word, words in (
+                (done.groups, "vertex group", "vertex groups"),
+                (done.colors, "color attribute", "color attributes"),
+                (done.uvs, "UV map", "UV maps"),
+            )
+            if names
+        ]
+        text = (
+            f"Transferred {' and '.join(what)} from {self._source.mesh.name!r} to {item.name!r}, "
+            f"mean confidence {confidence:.2f}"
+        )
+        if confidence < POOR_CONFIDENCE or match.distortion > POOR_DISTORTION:
+            self.report({"WARNING"}, f"{text}: a poor fit, perhaps not the same shape; look at it closely")
+        elif match.runner_up < CLOSE_CHOICE:
+            self.report({"WARNING"}, f"{text}; a close choice: see whether its sides are exchanged")
+        else:
+            self.report({"INFO"}, text)
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(repr(name) for name in names[:5])
+    return shown if len(names) <= 5 else f"{shown} and {len(names) - 5} more"
+
+
+class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
+    """Stop transferring."""
+
+    bl_idname = "shape_google.cancel_transfer"
+    bl_label = "Cancel Transfer"
+    bl_description = "Stop transferring; nothing has been changed yet"
+
+    @classmethod
+    def poll(cls, _context: Any) -> bool:
+        """There is something to stop."""
+        return bool(_running)
+
+    def execute(self, _context: Any) -> set[str]:
+        """Stop it."""
+        _running[0].stopped = True  # it ends at its next tick
+        return {"FINISHED"}
+
+
+register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_transfer_match, SHAPEGOOGLE_OT_cancel_transfer)
+)
+
+
+def unregister() -> None:
+    """Take them back; Blender ends a transfer that is going on without a word to it."""
+    _unregister()
+    _running.clear()

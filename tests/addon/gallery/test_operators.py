@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""What is done with a match: linking, selecting and marking it, also where that fails."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+
+def add(name: str, subdivisions: int = 3):
+    """A lumpy ball."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
+    item = bpy.context.object
+    item.name = name
+    for vertex in item.data.vertices:
+        vertex.co *= 1 + 0.2 * np.sin(3 * vertex.co.x) + 0.1 * vertex.co.z
+    return item
+
+
+def choose(name: str, source: Path | str, *, in_scene: bool = False) -> None:
+    session = bpy.context.window_manager.shape_google
+    match = session.matches.add()
+    match.name = match.object_name = name
+    match.source, match.in_scene = str(source), in_scene
+    session.active_match = len(session.matches) - 1
+
+
+@pytest.fixture
+def source(blender, tmp_path: Path):
+    """A file with a man, who has an armature and shape keys, and a shape without faces."""
+    bpy.ops.object.armature_add()
+    armature = bpy.context.object
+    man = add("Man")
+    man.modifiers.new("Armature", "ARMATURE").object = armature
+    man.shape_key_add(name="Basis")
+    man.data.materials.append(bpy.data.materials.new("Skin"))
+    points = bpy.data.meshes.new("Points")
+    points.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1)], [])
+    cloud = bpy.data.objects.new("Points", points)
+    cloud.shape_key_add(name="Basis")
+    cloud.parent = man
+    bpy.context.collection.objects.link(cloud)
+    path = tmp_path / "source.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    yield path
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def blocks() -> set[str]:
+    return {f"{type(block).__name__} {block.name_full}" for block in bpy.data.user_map()}
+
+
+class TestLink:
+    def test_an_armature_may_have_the_name_of_one_here(self, source):
+        bpy.ops.object.armature_add()
+        assert bpy.context.object.name == "Armature"
+        choose("Man", source)
+        assert bpy.ops.shape_google.link_match() == {"FINISHED"}
+        assert bpy.context.active_object.name == "Man"
+        assert [item.name for item in bpy.context.selected_objects] == ["Man"]
+
+    @pytest.mark.parametrize("relative", [False, True])
+    def test_what_is_linked_already_is_selected(self, source, relative, capfd):
+        if relative:
+            bpy.ops.wm.save_as_mainfile(filepath=str(source.with_name("here.blend")))
+        choose("Man", source)
+        bpy.ops.shape_google.link_match()
+        if relative:
+            bpy.ops.file.make_paths_relative()
+            assert bpy.data.libraries[0].filepath.startswith("//")
+        own = add("Own")
+        bpy.ops.object.mode_set(mode="EDIT")
+        assert bpy.ops.shape_google.link_match() == {"FINISHED"}
+        assert "Man is linked here already" in capfd.readouterr().out
+        assert bpy.context.active_object.name == "Man"
+        assert (own.mode, own.select_get()) == ("OBJECT", False)
+
+    def test_what_was_linked_and_taken_out_comes_back(self, source):
+        choose("Man", source)
+        bpy.ops.shape_google.link_match()
+        man = bpy.context.active_object
+        bpy.context.collection.objects.unlink(man)
+        assert bpy.ops.shape_google.link_match() == {"FINISHED"}
+        assert bpy.context.active_object == man
+
+    def test_in_an_excluded_collection_it_says_so_or_is_shown(self, source):
+        choose("Man", source)
+        bpy.ops.shape_google.link_match()
+        man = bpy.context.active_object
+        collection = bpy.data.collections.new("Away")
+        bpy.context.scene.collection.children.link(collection)
+        bpy.context.collection.objects.unlink(man)
+        collection.objects.link(man)
+        bpy.context.view_layer.layer_collection.children["Away"].exclude = True
+        try:
+            bpy.ops.shape_google.link_match()
+        except RuntimeError as error:
+            assert "view layer excludes: 'Away'" in str(error)  # noqa: PT017
+        else:  # Blender 5.2 puts it into the active collection too
+            assert man in set(bpy.context.view_layer.objects)
+            assert bpy.context.active_object == man
+
+
+def test_nothing_is_listed_in_place_of_what_was_removed(source, addon):
+    placing = importlib.import_module(f"{addon.__name__}.gallery.placing")
+    placing.bring_in(bpy.context, str(source), "Man")  # from then on the file is known, and stays
+    before = set(bpy.data.user_map())
+    shown = set(bpy.context.view_layer.objects)
+    placing.bring_in(bpy.context, str(source), "Man")
+    bpy.context.view_layer.update()
+    placing.remove(bpy.context, [block for block in bpy.data.user_map() if block not in before])
+    assert set(bpy.context.view_layer.objects) == shown
+
+
+def test_select_leaves_edit_mode_and_deselects_all_else():
+    bpy.ops.object.light_add()
+    light = bpy.context.object
+    edited = add("Edited")
+    target = bpy.data.objects.new("Target", edited.data.copy())
+    bpy.context.collection.objects.link(target)
+    light.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    choose("Target", "(unsaved scene)", in_scene=True)
+    assert bpy.ops.shape_google.select_match() == {"FINISHED"}
+    assert (edited.mode, bpy.context.mode) == ("OBJECT", "OBJECT")
+    assert bpy.context.selected_objects == [target]
+    assert bpy.context.active_object == target
+
+
+class TestMark:
+    @pytest.mark.parametrize("trouble", ["library", "match"])
+    def test_what_fails_leaves_nothing_behind(self, source, tmp_path, trouble):
+        query, other = add("Query"), add("Other")
+        other.select_set(True)
+        bpy.context.view_layer.objects.active = query
+        chosen = bpy.context.scene.shape_google_painting
+        chosen.kind = "HKS"
+        before = blocks()
+        if trouble == "library":
+            (tmp_path / "shapes.sglib").write_text("no library")
+            choose("Man", source)
+            reason = r"shapes\.sglib"
+        else:
+            choose("Points", source)
+            reason = "'Points' cannot be painted"
+        with pytest.raises(RuntimeError, match=reason):
+            bpy.ops.shape_google.mark_match()
+        assert blocks() == before
+        assert "sg_word" not in query.data.attributes
+        assert (bpy.context.active_object, set(bpy.context.selected_objects)) == (query, {other})
+        assert chosen.kind == "HKS"
+        bpy.data.orphans_purge(do_recursive=True)
+
+    def test_all_objects_of_an_imported_file_are_painted(self, tmp_path):
+        path = tmp_path / "two.obj"
+        first, second = add("First"), add("Second")
+        second.location.x = 4
+        first.select_set(True)
+        bpy.ops.wm.obj_export(filepath=str(path))
+        for item in (first, second):
+            bpy.data.objects.remove(item)
+        query = add("Query")
+        choose("two.obj", path)
+        assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
+        assert len(bpy.context.selected_objects) == 3
+        assert all("sg_word" in item.data.attributes for item in bpy.context.selected_objects)
+        assert bpy.context.active_object == query
+
+    def test_the_query_itself(self):
+        query = add("Query")
+        choose("Query", "(unsaved scene)", in_scene=True)
+        assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
+        assert bpy.context.selected_objects == [query]

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: MIT
+"""The Blender that reads .blend and .fbx files: what it finds, what it refuses, what it leaves alone."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from shapegoogle_core import MeshError
+from shapegoogle_core.indexing import end_external_readers, read_shapes
+from tests.addon.conftest import to_point_cloud
+
+linux_only = pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits and ends processes so")
+
+
+def digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@pytest.fixture
+def read(addon):
+    """Read the shapes of a file with a Blender of its own."""
+    import importlib
+
+    assets = importlib.import_module(f"{addon.__name__}.connections")
+
+    def read_file(path: Path, objects: str = "all"):
+        return read_shapes(path, replace(assets.blend_reader(), options=(("objects", objects),)))
+
+    yield read_file
+    end_external_readers()
+
+
+def save(path: Path) -> Path:
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    return path
+
+
+def add(name: str, **options: object):
+    bpy.ops.mesh.primitive_monkey_add(**options)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def test_objects_with_modifiers_at_world_scale(read, tmp_path: Path) -> None:
+    item = add("Suzanne", location=(1, 2, 3))
+    item.scale = 2, 2, 2
+    item.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    bpy.context.view_layer.update()
+    path = save(tmp_path / "scene.blend")
+    before = digest(path)
+    (shape,) = read(path).shapes
+    assert (shape.object_name, shape.mesh.name) == ("Suzanne", "Suzanne")
+    assert len(shape.mesh.vertices) > 1500
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    expected = np.array([evaluated.matrix_world @ vertex.co for vertex in evaluated.data.vertices])
+    np.testing.assert_allclose(shape.mesh.vertices, expected, atol=1e-5)
+    assert digest(path) == before
+
+
+def test_hidden_objects_and_such_without_a_scene(read, tmp_path: Path) -> None:
+    add("Hidden").hide_viewport = True
+    loose = add("Loose")
+    loose.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    loose.use_fake_user = True
+    for collection in loose.users_collection:
+        collection.objects.unlink(loose)
+    shapes = {shape.object_name: shape.mesh for shape in read(save(tmp_path / "scene.blend")).shapes}
+    assert set(shapes) == {"Hidden", "Loose"}
+    assert len(shapes["Loose"].vertices) > 3 * len(shapes["Hidden"].vertices)
+
+
+def test_armatures_pose(read, tmp_path: Path) -> None:
+    bpy.ops.object.armature_add()
+    armature = bpy.context.object
+    item = add("Posed")
+    group = item.vertex_groups.new(name="Bone")
+    group.add(range(len(item.data.vertices)), 1.0, "REPLACE")
+    item.modifiers.new("Armature", "ARMATURE").object = armature
+    armature.pose.bones["Bone"].location = 0, 5, 0
+    bpy.context.view_layer.update()
+    (shape,) = read(save(tmp_path / "scene.blend")).shapes
+    assert shape.mesh.vertices[:, 2].mean() > 4
+
+
+def test_linked_data_is_described_once(read, tmp_path: Path) -> None:
+    first = add("A")
+    for name, scale in (("B", (3, 3, 3)), ("C", (1, 1, 2)), ("D", (-1, 1, 1))):
+        copy = first.copy()
+        copy.name = name
+        copy.scale = scale
+        bpy.context.collection.objects.link(copy)
+    twins = {shape.object_name: shape.twin_of for shape in read(save(tmp_path / "scene.blend")).shapes}
+    # Stretched in one direction it is another shape.
+    assert twins == {"A": None, "B": 0, "C": None, "D": 0}
+
+
+def test_objects_that_their_parents_deform_are_no_twins(read, tmp_path: Path) -> None:
+    """As Blender before 2.5 made them: no modifier says that they are deformed."""
+    first = add("A")
+    for name, parented in (("B", True), ("C", True), ("D", False)):
+        copy = first.copy()
+        copy.name = name
+        bpy.context.collection.objects.link(copy)
+        if parented:
+            lattice = bpy.data.objects.new(f"Lattice of {name}", bpy.data.lattices.new("Lattice"))
+            lattice.scale = 4, 4, 4
+            bpy.context.collection.objects.link(lattice)
+            if name == "C":
+                for point in list(lattice.data.points)[:4]:
+                    point.co_deform.x += 3
+            copy.parent, copy.parent_type = lattice, "LATTICE"
+    bpy.context.view_layer.update()
+    shapes = {shape.object_name: shape for shape in read(save(tmp_path / "scene.blend")).shapes}
+    assert {name: shape.twin_of for name, shape in shapes.items()} == {
+        "A": None,
+        "B": None,
+        "C": None,
+        "D": 0,
+    }
+    extents = [np.ptp(shapes[name].mesh.vertices[:, 0]) for name in "BC"]
+    assert not math.isclose(*extents, rel_tol=0.05)
+
+
+def test_assets_first(read, tmp_path: Path) -> None:
+    add("Plain")
+    add("Asset").asset_mark()
+    path = save(tmp_path / "scene.blend")
+    assert [shape.object_name for shape in read(path, "assets").shapes] == ["Asset"]
+    assert [shape.object_name for shape in read(path).shapes] == ["Asset", "Plain"]
+    bpy.data.objects["Asset"].asset_clear()
+    path = save(tmp_path / "none.blend")
+    assert [shape.object_name for shape in read(path, "assets").shapes] == ["Asset", "Plain"]
+
+
+def test_wires_and_lamps_are_no_shapes(read, tmp_path: Path) -> None:
+    bpy.ops.object.light_add()
+    mesh = bpy.data.meshes.new("wire")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Wire", mesh))
+    found = read(save(tmp_path / "scene.blend"))
+    assert not found.shapes
+    assert not found.problems
+
+
+def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read, tmp_path: Path) -> None:
+    points = np.random.default_rng(1).random((40, 3)).astype(np.float32)
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata(points.tolist(), [], [])
+    objects = [bpy.data.objects.new(name, mesh) for name in ("Vertices", "Scan")]
+    objects.append(bpy.data.objects.new("Empty", bpy.data.pointclouds.new("Empty")))
+    for item in objects:
+        bpy.context.collection.objects.link(item)
+    objects[1].scale = 1, 2, -3
+    bpy.ops.object.select_all(action="DESELECT")
+    objects[1].select_set(True)
+    bpy.context.view_layer.objects.active = objects[1]
+    converted = to_point_cloud()
+    found = read(save(tmp_path / "scene.blend"))
+    assert not found.problems
+    assert [shape.object_name for shape in found.shapes] == ["Scan"] * converted
+    for shape in found.shapes:
+        assert shape.mesh.is_point_cloud
+        np.testing.assert_allclose(shape.mesh.vertices, points * [1, 2, -3], atol=1e-6)
+
+
+def test_scripts_in_files_do_not_run(read, tmp_path: Path) -> None:
+    victim = tmp_path / "ran"
+    text = bpy.data.texts.new("start.py")
+    text.use_module = True  # runs when the file is opened, where that is allowed
+    text.write(f"open({str(victim)!r}, 'w')")
+    item = add("Driven")
+    driver = item.driver_add("location", 0).driver
+    driver.expression = f"len(open({str(victim)!r}, 'w').name)"
+    path = save(tmp_path / "scene.blend")
+    bpy.data.texts.remove(text)
+    victim.unlink(missing_ok=True)  # the driver may have run here, where it was made
+    assert len(read(path).shapes) == 1
+    assert not victim.exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"no Blender file", b"BLENDER-v405" + bytes(100)])
+def test_what_is_no_blend_file(read, tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "broken.blend"
+    path.write_bytes(content)
+    with pytest.raises(MeshError, match=r"'broken\.blend'"):
+        read(path)
+    # The same Blender reads the next file.
+    add("Suzanne")
+    assert len(read(save(tmp_path / "good.blend")).shapes) == 1
+
+
+def test_a_missing_library_and_a_compressed_file(read, tmp_path: Path) -> None:
+    add("Elsewhere")
+    elsewhere = save(tmp_path / "elsewhere.blend")
+    bpy.data.objects.remove(bpy.data.objects["Elsewhere"])
+    with bpy.data.libraries.load(str(elsewhere), link=True) as (_, wanted):
+        wanted.objects = ["Elsewhere"]
+    bpy.context.collection.objects.link(wanted.objects[0])
+    add("Own")
+    path = tmp_path / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=True)
+    elsewhere.unlink()
+    # What is linked belongs to the other file.
+    assert [shape.object_name for shape in read(path).shapes] == ["Own"]
+    bpy.data.libraries.remove(bpy.data.libraries[0])
+
+
+def test_an_fbx_is_one_shape(read, tmp_path: Path) -> None:
+    if "fbx" not in dir(bpy.ops.export_scene):
+        pytest.skip("this Blender writes no .fbx")
+    # Inside a real Blender tests are lent packages; the Blender that reads files has its own alone.
+    lent = Path(os.environ.get("BLENDER_USER_RESOURCES", tmp_path), "scripts", "modules").resolve()
+    if Path(np.__file__).resolve().is_relative_to(lent):
+        pytest.skip("this Blender has no numpy of its own, which its importer of .fbx needs")
+    add("A", location=(-2, 0, 0))
+    add("B", location=(2, 0, 0))
+    path = tmp_path / "two.fbx"
+    bpy.ops.export_scene.fbx(filepath=str(path))
+    (shape,) = read(path).shapes
+    assert shape.object_name == ""
+    assert len(shape.mesh.faces) == 2 * 968
+    assert math.isclose(np.ptp(shape.mesh.vertices[:, 0]), 6.7, rel_tol=0.05)
+
+
+def heavy(path: Path) -> Path:
+    """Write a small file that Blender makes two million faces of."""
+    item = add("Heavy")
+    item.modifiers.new("Subdivision", "SUBSURF").levels = 6
+    return save(path)
+
+
+@linux_only
+def test_memory(read, addon, tmp_path: Path) -> None:
+    import importlib
+
+    reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
+    path = heavy(tmp_path / "heavy.blend")
+    with pytest.raises(MeshError, match=r"'heavy\.blend'"):
+        read_shapes(path, replace(reader, memory_limit=300))
+    end_external_readers()
+    bpy.context.object.modifiers.clear()
+    light = save(tmp_path / "light.blend")
+    assert len(read_shapes(light, replace(reader, memory_limit=300)).shapes) == 1
+
+
+PROGRAM = """
+import sys
+from shapegoogle_core.indexing import ExternalReader, read_shapes
+
+print("reads", flush=True)
+read_shapes(sys.argv[1], ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:]), "Blender"))
+"""
+
+
+@linux_only
+def test_a_reading_blender_does_not_outlive_a_killed_worker(addon, tmp_path: Path) -> None:
+    import importlib
+
+    path = heavy(tmp_path / "heavy.blend")
+    command = importlib.import_module(f"{addon.__name__}.connections").blend_reader().command
+    # Inside a real Blender the core lies among the extension's own packages.
+    program = f"import sys; sys.path[:] = {sys.path!r}\n{PROGRAM}"
+    worker = subprocess.Popen(
+        [sys.executable, "-c", program, str(path), *command], stdout=subprocess.PIPE, start_new_session=True
+    )
+    assert worker.stdout.readline() == b"reads\n"
+    readers: list[int] = []
+    while not readers:
+        assert worker.poll() is None
+        time.sleep(0.05)
+        readers = children(worker.pid)
+    time.sleep(4)  # time to start and to be at work
+    worker.kill()
+    worker.communicate()
+    deadline = time.monotonic() + 2
+    while Path(f"/proc/{readers[0]}").exists():
+        assert time.monotonic() < deadline, "the reading Blender goes on"
+        time.sleep(0.05)
+
+
+def children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
