@@ -9,6 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.duplicates.evidence import EXPLAINED_MEMBERS, by_evidence
 from shapegoogle_core.library.duplicates.find import MIN_SIMILARITY, DuplicateGroup, find_duplicates
@@ -22,7 +24,7 @@ from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
 from shapegoogle_core.library.storage.signature_check import check_signature
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
@@ -110,7 +112,7 @@ class Library:
     @property
     def path(self) -> Path:
         """The file."""
-        return self._store.path
+        return Path(self._store.name)
 
     @property
     def model(self) -> ShapeModel:
@@ -131,6 +133,7 @@ class Library:
         source: str = "",
         object_name: str = "",
         thumbnail: bytes | None = None,
+        tags: Sequence[str] = (),
     ) -> int:
         """Describe a shape and add it.
 
@@ -148,6 +151,8 @@ class Library:
             Name of the object inside the source.
         thumbnail : bytes, optional
             A picture as PNG.
+        tags : sequence of str, optional
+            Labels to filter searches by.
 
         Returns
         -------
@@ -164,6 +169,7 @@ class Library:
             source=source,
             object_name=object_name,
             thumbnail=thumbnail,
+            tags=tags,
         )
 
     def add_signature(
@@ -173,6 +179,7 @@ class Library:
         source: str = "",
         object_name: str = "",
         thumbnail: bytes | None = None,
+        tags: Sequence[str] = (),
     ) -> int:
         """Add a shape that this library's model has described already; else as `add`.
 
@@ -181,8 +188,8 @@ class Library:
         LibraryError
             If another model made the signature.
         """
-        shape = NewShape(signature, name, object_name, thumbnail)
-        check_signature(signature, name, self._model, self.path)
+        shape = NewShape(signature, name, object_name, thumbnail, tuple(tags))
+        check_signature(signature, name, self._model, self._store.name)
         return self._store.add(source, shape)
 
     def replace_source(
@@ -216,7 +223,7 @@ class Library:
             In the order of `shapes`.
         """
         for shape in shapes:
-            check_signature(shape.signature, shape.name, self._model, self.path)
+            check_signature(shape.signature, shape.name, self._model, self._store.name)
         source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
         return self._store.replace_source(source, shapes)
 
@@ -293,15 +300,15 @@ class Library:
         summary = self._store.summary()
         return {
             "path": str(self.path),
-            "shapes": summary["shapes"],
-            "sources": summary["sources"],
-            "failed": summary["failed"],
+            "shapes": summary.shapes,
+            "sources": summary.sources,
+            "failed": summary.failed,
             "model": self._model.identifier,
             "model_name": self._model.name,
             "code_bits": self._model.code_bits,
             "bag_size": self._model.bag_size,
-            "bytes": summary["bytes"],
-            "schema": summary["schema"],
+            "bytes": summary.bytes,
+            "schema": summary.format,
         }
 
     def sources(self) -> dict[str, SourceRecord]:
@@ -334,10 +341,12 @@ class Library:
             record = self._record(shape_id)
             _, bags = self._store.bags([shape_id], self._model.bag_size)
             samples = self._store.samples([shape_id]) if self._model.settings.sample else {}
-            code = self._store.code(shape_id, self._model.code_bits // 8)
+            _, codes = self._store.codes("codes", [shape_id], self._model.code_bits // 8)
             local = self._model.settings.local
-            local_code = None if local is None else self._store.local_code(shape_id, local.words // 8)
-        if code is None or len(bags) == 0:
+            local_codes = np.empty((0, 0), np.uint8)
+            if local is not None:
+                _, local_codes = self._store.codes("local_words", [shape_id], local.words // 8)
+        if len(codes) == 0 or len(bags) == 0:
             raise LibraryError(
                 f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
                 f"{record.source or 'it'!r} again"
@@ -346,7 +355,14 @@ class Library:
         if shape_id in samples:
             sample = unpack_sample(self._store, self._model, shape_id, samples[shape_id])
         return ShapeSignature(
-            bags[0], code, record.area, record.vertex_count, record.face_count, sample, local_code
+            bags=bags[0],
+            code=codes[0],
+            area=record.area,
+            vertex_count=record.vertex_count,
+            face_count=record.face_count,
+            sample=sample,
+            local_code=local_codes[0] if len(local_codes) else None,
+            extents=record.extents,
         )
 
     def thumbnail(self, shape_id: int) -> bytes | None:
@@ -472,7 +488,7 @@ class Library:
         if not signatures:
             raise ValueError("there is nothing to look for: give at least one example of it")
         for signature in (*signatures, *unlike):
-            check_signature(signature, "the query", self._model, self.path)
+            check_signature(signature, "the query", self._model, self._store.name)
         question = Question(self._model, signatures, unlike)
         if exact:
             return self._search.among_all(question, top)

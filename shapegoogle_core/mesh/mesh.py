@@ -94,6 +94,17 @@ class Mesh:
         return float(face_areas(self).sum())
 
     @property
+    def extents(self) -> tuple[float, float, float]:
+        """Side lengths of the axis-aligned box around the surface; of a point cloud, around its points."""
+        points = self.vertices
+        if not self.is_point_cloud:  # a stray vertex is not part of the surface
+            points = points[used_vertices(self.faces, len(points))[0]]
+        if len(points) == 0:
+            return (0.0, 0.0, 0.0)
+        x, y, z = np.ptp(points, axis=0).tolist()
+        return (x, y, z)
+
+    @property
     def is_point_cloud(self) -> bool:
         """Whether there are no faces."""
         return len(self.faces) == 0

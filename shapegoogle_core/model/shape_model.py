@@ -173,6 +173,7 @@ class ShapeModel:
             face_count=len(mesh.faces),
             sample=sample,
             local_code=local_code,
+            extents=mesh.extents,
             surface=shape.placement.back(shape.mesh) if keep_surface and not cloud else None,
         )
 

@@ -36,6 +36,8 @@ class ShapeSignature:
         Which local words the sample has, if the model has an index of parts; see `LocalWords.code`.
     surface : Mesh or None
         The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
+    extents : (float, float, float)
+        Side lengths of the axis-aligned bounding box of the mesh as given; zeros if they are not known.
     """
 
     bags: FloatBags
@@ -46,6 +48,7 @@ class ShapeSignature:
     sample: SurfaceSample | None = None
     local_code: NDArray[np.uint8] | None = None
     surface: Mesh | None = None
+    extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.search.explain import Compared, Explainer
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["EXPLAINED_MEMBERS", "by_evidence"]

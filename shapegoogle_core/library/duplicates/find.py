@@ -25,7 +25,7 @@ from shapegoogle_core.library.duplicates.leader_clustering import (
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.storage.records import ShapeRecord, SourceRecord
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import Store, all_codes
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.describe import FloatBags
@@ -249,7 +249,7 @@ class _Table:
 
     @classmethod
     def read(cls, store: Store, model: ShapeModel) -> _Table:
-        shape_ids, codes = store.codes(model.code_bits // 8)
+        shape_ids, codes = all_codes(store, "codes", model.code_bits // 8)
         numbers = np.zeros((len(shape_ids), 3), np.int64)  # vertices, faces, source
         area = np.zeros(len(shape_ids))
         known = np.zeros(len(shape_ids), bool)

@@ -20,7 +20,7 @@ from shapegoogle_core.library.evidence import Evidence, EvidenceKind
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature

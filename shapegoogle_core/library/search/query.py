@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
-from shapegoogle_core.library.storage.sqlite.store import round_bags
+from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_model import ShapeSignature

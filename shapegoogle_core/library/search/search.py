@@ -24,7 +24,7 @@ from shapegoogle_core.library.search.codes.word_index import WordIndex
 from shapegoogle_core.library.search.query import FARTHEST, Question
 from shapegoogle_core.library.search.verify import CERTAIN, SCREENED, Examples, Sharing, verify
 from shapegoogle_core.library.storage.samples import stored_supports
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import CodeKind, Store
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["CANDIDATES", "CANDIDATES_PER_MATCH", "Search"]
@@ -70,7 +70,7 @@ class Search:
             store, "codes", code_bytes, lambda: CodeIndex(code_bytes, best_table(store.last_id()))
         )
         self._local_words: _Codes[WordIndex] | None = None
-        if model.settings.local is not None and store.has_local_words():
+        if model.settings.local is not None:
             word_bytes = model.settings.local.words // 8
             self._local_words = _Codes(store, "local_words", word_bytes, lambda: WordIndex(word_bytes))
         self._bags_at_once = max(1, BAG_ENTRIES_AT_ONCE // model.bag_size)
@@ -116,10 +116,10 @@ class Search:
             if len(rough) <= count:  # all are wanted: their bags decide, and tell which are gone
                 nearest += rough
                 continue
-            shape_ids, known = self._store.codes_of(rough, self._model.code_bits // 8)
+            shape_ids, known = self._store.codes("codes", rough, self._model.code_bits // 8)
             order = np.argsort(asymmetric_distances(known, projection), kind="stable")[:count]
-            nearest += np.array(shape_ids, np.int64)[order].tolist()
-            nearest += set(rough).difference(shape_ids)  # they have no bags either: found gone there
+            nearest += shape_ids[order].tolist()
+            nearest += set(rough).difference(shape_ids.tolist())  # they have no bags either: found gone there
         # Each once, however many examples it is near to.
         return list(dict.fromkeys(nearest))
 
@@ -260,9 +260,9 @@ _I = TypeVar("_I", bound=ShapeIndex)
 class _Codes(Generic[_I]):
     """One kind of codes of a store, read when first wanted; then only those that are new."""
 
-    def __init__(self, store: Store, table: str, code_bytes: int, empty: Callable[[], _I]) -> None:
+    def __init__(self, store: Store, kind: CodeKind, code_bytes: int, empty: Callable[[], _I]) -> None:
         self._store = store
-        self._table = table
+        self._kind = kind
         self._code_bytes = code_bytes
         self._empty = empty
         self._index: _I | None = None
@@ -271,7 +271,7 @@ class _Codes(Generic[_I]):
         """All codes, with those that were added since they were read; some may be of shapes that are gone."""
         if self._index is None or self._index.gone > MAX_GONE:
             self._index = self._empty()
-        for shape_ids, codes in self._store.code_pages(self._table, self._index.last_id, self._code_bytes):
+        for shape_ids, codes in self._store.code_pages(self._kind, self._index.last_id, self._code_bytes):
             self._index.add(shape_ids, codes)
         return self._index
 

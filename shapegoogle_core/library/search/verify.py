@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.storage.samples import prepared_matches, stored_supports
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.alignment import SHARED_SCALES, measure

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How a library file is opened or made, and which files and models are refused."""
+"""Opening and making library files; refusal of unsuitable files and models."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import stat
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError, ModelError
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.sqlite.store import SqliteStore
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel, load_model
 
 __all__ = ["open_store"]
@@ -16,20 +17,30 @@ __all__ = ["open_store"]
 def open_store(
     path: Path, model: ShapeModel | None, *, read_only: bool, timeout: float
 ) -> tuple[Store, ShapeModel]:
-    """Open a library file, or make a new one; arguments and errors as of `Library.open`.
+    """Open a library file, or make a new one.
+
+    Parameters
+    ----------
+    path, model, read_only, timeout
+        See `Library.open`.
 
     Returns
     -------
     store : Store
     model : ShapeModel
-        The one that describes its shapes.
+        The model that describes its shapes.
+
+    Raises
+    ------
+    LibraryError, ModelError
+        See `Library.open`.
     """
     exists = _is_file(path)
     if not exists:
         _check_place(path, read_only=read_only)
         # Before the file is made: a missing model must not leave one behind.
         model = model or load_model()
-    store = Store(path, create=not exists, read_only=read_only, timeout=timeout)
+    store = SqliteStore(path, create=not exists, read_only=read_only, timeout=timeout)
     try:
         if store.is_empty():
             if read_only:
@@ -44,7 +55,7 @@ def open_store(
 
 
 def _is_file(path: Path) -> bool:
-    """Whether there is a file at a path; a folder, or no way to know, is an error."""
+    """Return whether there is a file at a path; a folder or an unreachable path is an error."""
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -59,7 +70,7 @@ def _is_file(path: Path) -> bool:
 
 
 def _check_place(path: Path, *, read_only: bool) -> None:
-    """Make sure that a library may be made at a path where there is none."""
+    """Make sure that a new library may be made at a path."""
     if read_only:
         raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
     if not path.parent.is_dir():
@@ -67,16 +78,16 @@ def _check_place(path: Path, *, read_only: bool) -> None:
 
 
 def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
-    """Return the library's model, or the given one if it is the same."""
+    """Return the given model if it is the library's own; without one, load the library's model."""
     identifier, content = store.model()
     if model is None:
         try:
-            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.path}'")
+            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.name}'")
         except ModelError as error:
             raise LibraryError(str(error)) from error
     if model.identifier != identifier:
         raise LibraryError(
-            f"'{store.path}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
+            f"'{store.name}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
             "their signatures cannot be compared; leave the model out to use the library's own, or index "
             "your folders into a new library"
         )

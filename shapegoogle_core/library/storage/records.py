@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes into a library and what comes back from it, as plain values."""
+"""Records that go into a library and come back from it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from shapegoogle_core.model.shape_model import ShapeSignature
 
-__all__ = ["NewShape", "ShapeRecord", "SourceRecord"]
+__all__ = ["NewShape", "ShapeRecord", "SourceRecord", "StoreSummary"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,24 +17,27 @@ class NewShape:
     Attributes
     ----------
     signature : ShapeSignature
-        What `ShapeModel.describe` returned.
+        Result of `ShapeModel.describe`.
     name : str
-        The object's or the file's name.
+        Name of the object or of the file.
     object_name : str
         Name of the object inside its source; empty for a file that is one shape.
     thumbnail : bytes or None
         A picture as PNG.
+    tags : tuple of str
+        Labels to filter searches by.
     """
 
     signature: ShapeSignature
     name: str
     object_name: str = ""
     thumbnail: bytes | None = None
+    tags: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class ShapeRecord:
-    """What a library knows of a shape besides its bags, code and thumbnail.
+    """A shape of a library without its signature and thumbnail.
 
     Attributes
     ----------
@@ -46,6 +49,10 @@ class ShapeRecord:
         Of the mesh as it was read.
     area : float
         Of the mesh as it was read, in squared units of its file.
+    extents : (float, float, float)
+        Side lengths of the axis-aligned bounding box of the mesh as it was read, in units of its file.
+    tags : tuple of str
+        In alphabetical order, each once.
     """
 
     shape_id: int
@@ -55,11 +62,13 @@ class ShapeRecord:
     vertex_count: int
     face_count: int
     area: float
+    extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tags: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class SourceRecord:
-    """What a library knows of a file: enough to tell whether it changed since.
+    """A file as a library knows it: enough to see whether it has changed since.
 
     Attributes
     ----------
@@ -68,15 +77,15 @@ class SourceRecord:
     size : int or None
         In bytes. None: shapes were added under this name, but no file was indexed.
     mtime_ns : int or None
-        Time of the last change, in nanoseconds, as `os.stat` gives it.
+        Time of the last change in nanoseconds, from `os.stat`.
     sha256 : str or None
-        Hash of the content, in hexadecimal digits; behind it, where they are not the usual ones, the options
-        of the program that read it: "+objects=assets".
+        Hash of the content in hexadecimal digits, followed by options of the reader that differ from the
+        defaults, such as "+objects=assets".
     error : str or None
-        Why the file, or part of it, could not be described. Such a file is worth another try only when it
-        changed or the user asks for it.
+        Reason why the file, or a part of it, could not be described. Such a file is read again only after a
+        change or on request.
     shape_count : int
-        How many shapes it gave.
+        Number of shapes read from it.
     """
 
     path: str
@@ -85,3 +94,25 @@ class SourceRecord:
     sha256: str | None
     error: str | None
     shape_count: int
+
+
+@dataclass(frozen=True)
+class StoreSummary:
+    """Numbers about a whole library.
+
+    Attributes
+    ----------
+    shapes, sources : int
+    failed : int
+        Sources with an error.
+    bytes : int
+        Room that the library takes.
+    format : int
+        Version of its format.
+    """
+
+    shapes: int
+    sources: int
+    failed: int
+    bytes: int
+    format: int

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.storage.sqlite.errors import damaged
-from shapegoogle_core.library.storage.sqlite.store import Store
+from shapegoogle_core.library.storage.errors import damaged
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
 
@@ -80,11 +80,11 @@ def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -
     try:
         sample = SurfaceSample.from_bytes(data)
     except ValueError as error:
-        raise damaged(store.path, f"the surface of shape {shape_id} cannot be read: {error}") from error
+        raise damaged(store.name, f"the surface of shape {shape_id} cannot be read: {error}") from error
     settings = model.settings.sample
     if settings is None or (len(sample.points), len(sample.descriptors)) != (
         settings.points,
         settings.keypoints,
     ):
-        raise damaged(store.path, f"the surface of shape {shape_id} has another size than its model's")
+        raise damaged(store.name, f"the surface of shape {shape_id} has another size than its model's")
     return sample

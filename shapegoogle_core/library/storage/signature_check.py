@@ -1,42 +1,40 @@
 # SPDX-License-Identifier: MIT
-"""Whether a signature belongs into a library."""
+"""Check that a signature belongs to the model of a library."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.sqlite.store import round_bags
+from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
 
 __all__ = ["check_signature"]
 
 
-def check_signature(signature: ShapeSignature, name: str, model: ShapeModel, path: Path) -> None:
-    """Refuse a signature that does not belong into a library.
+def check_signature(signature: ShapeSignature, name: str, model: ShapeModel, library: str) -> None:
+    """Raise LibraryError if a signature cannot be compared with those of a library.
 
     Parameters
     ----------
     signature : ShapeSignature
     name : str
-        What errors call it.
+        Name of the shape in error messages.
     model : ShapeModel
-        The library's.
-    path : Path
-        The library.
+        The library's model.
+    library : str
+        Name of the library, see `Store.name`.
 
     Raises
     ------
     LibraryError
-        If another model made it, or its bags are no numbers that the library can hold.
+        If another model made it, or its bags are not numbers that the library can hold.
     """
     misfit = _misfit(model, signature)
     if misfit:
         raise LibraryError(
-            f"{name!r} was described with another model than that of '{path}' "
+            f"{name!r} was described with another model than that of '{library}' "
             f"({model.identifier}): {misfit}; describe it with library.model"
         )
     if not np.isfinite(round_bags(signature.bags)).all():
@@ -44,7 +42,7 @@ def check_signature(signature: ShapeSignature, name: str, model: ShapeModel, pat
 
 
 def _misfit(model: ShapeModel, signature: ShapeSignature) -> str:
-    """In what a signature is not of a model; empty if it may be."""
+    """Return the difference between a signature and those of a model; empty if there is none."""
     if (signature.bags.shape, signature.code.shape) != ((model.bag_size,), (model.code_bits // 8,)):
         return (
             f"{signature.bags.size} bag entries and {8 * signature.code.size} bits instead of "

@@ -39,7 +39,7 @@ def test_a_new_library_is_empty_and_knows_its_model(path, model):
             "code_bits": 72,
             "bag_size": model.bag_size,
             "bytes": path.stat().st_size,
-            "schema": 5,
+            "schema": 6,
         }
 
 

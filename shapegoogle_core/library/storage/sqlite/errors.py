@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What SQLite reports, as sentences that a user can act on."""
+"""SQLite errors as sentences that a user can act on."""
 
 from __future__ import annotations
 
@@ -8,44 +8,24 @@ import sqlite3
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.storage.errors import damaged
 
-__all__ = ["damaged", "library_error", "read_only_error"]
+__all__ = ["library_error", "read_only_error"]
 
 # An extended result code carries its primary code in the lowest byte.
 _PRIMARY = 0xFF
 
 
-def damaged(path: Path, detail: str) -> LibraryError:
-    """Say that a library's content contradicts itself.
-
-    Parameters
-    ----------
-    path : Path
-        The library.
-    detail : str
-        What was found.
-
-    Returns
-    -------
-    error : LibraryError
-    """
-    return LibraryError(
-        f"'{path}' is damaged or was cut short ({detail}); restore it from a backup, or delete it and index "
-        "your folders again"
-    )
-
-
 def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryError:
-    """Say what an SQLite error means for a library and what to do.
+    """Make the error that says what an SQLite error means for a library and what to do.
 
     Parameters
     ----------
     error : sqlite3.Error
-        What went wrong.
     path : Path
         The library.
     timeout : float
-        How long a lock was waited for, in seconds.
+        Longest time to wait for a lock, in seconds.
 
     Returns
     -------
@@ -88,7 +68,7 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
                 f"'{path}' is not a Shape Google library (not an SQLite database); choose another file"
             )
         case sqlite3.SQLITE_CORRUPT:
-            return damaged(path, str(error))
+            return damaged(str(path), str(error))
         case sqlite3.SQLITE_IOERR | sqlite3.SQLITE_PROTOCOL | sqlite3.SQLITE_NOLFS:
             return LibraryError(
                 f"'{path}' cannot be read or written ({_name(error)}): the disk, its quota or the network "
@@ -100,11 +80,11 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
                 f"'{path}' cannot take it: a name, picture or bag is over a gigabyte; leave it out"
             )
         case _:
-            return damaged(path, f"{_name(error)}: {error}")
+            return damaged(str(path), f"{_name(error)}: {error}")
 
 
 def read_only_error(path: Path) -> LibraryError:
-    """Say that a library cannot be changed.
+    """Make the error for a change of a library that is read-only.
 
     Parameters
     ----------

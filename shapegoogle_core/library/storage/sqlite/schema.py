@@ -1,23 +1,16 @@
 # SPDX-License-Identifier: MIT
 """The tables of a library file.
 
-A shape's row is spread over six tables, so that loading all codes touches about 40 bytes for each shape and
-neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
+A shape's row is spread over several tables, so that reading all codes touches about 40 bytes for each shape
+and neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
-import numpy as np
-
-__all__ = ["APPLICATION_ID", "BAG_TYPE", "SCHEMA", "SCHEMA_VERSION", "UNREADABLE_VERSION"]
-
-# Half floats, little-endian. On 70 PSB shapes (2,448 entries, square-rooted, L1) they move
-# distances by less than 0.05 % and leave the order of the ten nearest as it is, for half the room.
-BAG_TYPE = np.dtype("<f2")
+__all__ = ["APPLICATION_ID", "FORMAT", "SCHEMA"]
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-# 2: with samples; they had no eigenfunctions and cannot be read any more. 3: with them. 4: with codes of bags
-# of local words. 5: with local words. One of version 1, 3 or 4 stays as it is: without samples, or words.
-SCHEMA_VERSION, UNREADABLE_VERSION = 5, 2
+FORMAT = 6
+"""Version of the library format; a library of another one is refused."""
 
 SCHEMA = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -37,10 +30,23 @@ CREATE TABLE shapes (
     name TEXT NOT NULL,
     vertex_count INTEGER NOT NULL,
     face_count INTEGER NOT NULL,
-    area REAL NOT NULL
+    area REAL NOT NULL,
+    extent_x REAL NOT NULL,
+    extent_y REAL NOT NULL,
+    extent_z REAL NOT NULL
 );
 CREATE INDEX shapes_of_source ON shapes (source_id);
+CREATE TABLE tags (
+    shape_id INTEGER NOT NULL REFERENCES shapes (id) ON DELETE CASCADE,
+    tag TEXT NOT NULL,
+    PRIMARY KEY (shape_id, tag)
+) WITHOUT ROWID;
+CREATE INDEX shapes_with_tag ON tags (tag);
 CREATE TABLE codes (
+    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
+    code BLOB NOT NULL
+);
+CREATE TABLE local_words (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     code BLOB NOT NULL
 );
@@ -51,10 +57,6 @@ CREATE TABLE bags (
 CREATE TABLE samples (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     content BLOB NOT NULL
-);
-CREATE TABLE local_words (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    code BLOB NOT NULL
 );
 CREATE TABLE thumbnails (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,

@@ -16,7 +16,7 @@ from shapegoogle_core import Library, LibraryError, Mesh
 from shapegoogle_core.library.search import search
 from shapegoogle_core.library.search import verify as verification
 from shapegoogle_core.library.search.query import FARTHEST, Question, pool_distances
-from shapegoogle_core.library.storage.sqlite.store import round_bags
+from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.preprocessing import Mending
 from shapegoogle_core.registration import SampleSettings
 

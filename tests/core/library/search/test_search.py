@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from shapegoogle_core.library import Library
 from shapegoogle_core.library.search import search
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
-from shapegoogle_core.library.storage.sqlite.store import round_bags
+from shapegoogle_core.library.storage.bag_precision import round_bags
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -14,21 +15,29 @@ from hypothesis import strategies as st
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.library.storage.sqlite import code_blocks
+from shapegoogle_core.library.storage.sqlite.code_blocks import CodeBlocks
+from shapegoogle_core.library.storage.sqlite.store import SqliteStore
+from shapegoogle_core.library.storage.store import all_codes
+from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 BLOCK_IDS = 8
 CHANGES = ["add", "replace", "remove", "remove shape"]
 
+SignatureMaker = Callable[..., ShapeSignature]
 
-@pytest.fixture(autouse=True)
-def small_blocks(monkeypatch):
-    monkeypatch.setattr(code_blocks, "BLOCK_IDS", BLOCK_IDS)
-    monkeypatch.setattr(code_blocks, "TRIGGER", code_blocks.TRIGGER.replace("4096", str(BLOCK_IDS)))
-    monkeypatch.setattr(code_blocks, "ROWS_AT_ONCE", 5)
+
+def open_store(path: Path, model: ShapeModel) -> SqliteStore:
+    """A store with small blocks."""
+    Library.open(path, model).close()
+    return SqliteStore(path, create=False, read_only=False, timeout=30, block_ids=BLOCK_IDS, rows_at_once=5)
+
+
+def open_library(path: Path, model: ShapeModel) -> Library:
+    return Library(open_store(path, model), model)
 
 
 def blocks_of(path: Path) -> dict[int, list[int]]:
-    """Which ids each block holds."""
+    """Ids in each block."""
     with closing(sqlite3.connect(path)) as connection:
         return {
             block: (block * BLOCK_IDS + 1 + np.frombuffer(offsets, "<u2").astype(int)).tolist()
@@ -36,33 +45,39 @@ def blocks_of(path: Path) -> dict[int, list[int]]:
         }
 
 
-def check(library: Library) -> None:
+def check(path: Path, model: ShapeModel) -> None:
     """Read all codes, and those after each id, and compare them with the rows."""
-    with closing(sqlite3.connect(library.path)) as connection:
+    with closing(sqlite3.connect(path)) as connection:
         rows = connection.execute("SELECT shape_id, code FROM codes ORDER BY shape_id").fetchall()
-    shape_ids, codes = library._store.codes(9)
-    assert list(zip(shape_ids.tolist(), [code.tobytes() for code in codes], strict=True)) == rows
-    for last_id in range(0, library._store.last_id() + 2, 3):
-        with library._store.snapshot():
-            pages = list(library._store.code_pages("codes", last_id, 9))
-        found = [shape_id for ids, _ in pages for shape_id in ids.tolist()]
-        assert found == [shape_id for shape_id, _ in rows if shape_id > last_id]
+    with closing(open_store(path, model)) as store:
+        shape_ids, codes = all_codes(store, "codes", 9)
+        assert list(zip(shape_ids.tolist(), [code.tobytes() for code in codes], strict=True)) == rows
+        for last_id in range(0, store.last_id() + 2, 3):
+            check_pages(store, last_id, [shape_id for shape_id, _ in rows if shape_id > last_id])
 
 
-def test_a_block_is_packed_when_its_ids_are_given(path, model, make_signature):
-    with Library.open(path, model) as library:
+def check_pages(store: SqliteStore, last_id: int, expected: list[int]) -> None:
+    with store.snapshot():
+        pages = list(store.code_pages("codes", last_id, 9))
+    assert [shape_id for ids, _ in pages for shape_id in ids.tolist()] == expected
+
+
+def test_a_block_is_packed_when_its_ids_are_given(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker
+) -> None:
+    with open_library(path, model) as library:
         for seed in range(BLOCK_IDS - 1):
             library.add_signature(make_signature(seed), f"{seed}", source="a")
         with closing(sqlite3.connect(path)) as connection:
             assert not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'code_blocks'").fetchall()
         for seed in range(2 * BLOCK_IDS):
             library.add_signature(make_signature(seed), f"{seed}", source="b")
-            check(library)
+            check(path, model)
         assert blocks_of(path) == {0: list(range(1, 9)), 1: list(range(9, 17))}
 
 
-def test_blocks_follow_removals(path, model, make_signature):
-    with Library.open(path, model) as library:
+def test_blocks_follow_removals(path: Path, model: ShapeModel, make_signature: SignatureMaker) -> None:
+    with open_library(path, model) as library:
         for source in "abc":
             shapes = [NewShape(make_signature(seed), f"{seed}") for seed in range(8)]
             library.replace_source(source, size=1, mtime_ns=1, sha256=None, shapes=shapes)
@@ -71,13 +86,15 @@ def test_blocks_follow_removals(path, model, make_signature):
         library.add_signature(make_signature(50), "4", source="a")  # replaces the fifth
         library.remove("b")
         assert blocks_of(path) == {0: [1, 2, 4, 6, 7, 8], 1: [], 2: list(range(17, 25))}
-        check(library)
+        check(path, model)
 
 
 @pytest.mark.parametrize("filling", [1, 5])
-def test_an_older_version_leaves_gaps_that_are_filled_later(path, model, make_signature, filling):
+def test_another_program_leaves_gaps_that_are_filled_later(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker, filling: int
+) -> None:
     """It removes and adds by plain SQL; only the trigger, which is in the file, knows of blocks."""
-    with Library.open(path, model) as library:
+    with open_library(path, model) as library:
         for seed in range(20):
             library.add_signature(make_signature(seed), f"{seed}", source=f"{seed // 4}")
         with closing(sqlite3.connect(path)) as old:
@@ -85,7 +102,7 @@ def test_an_older_version_leaves_gaps_that_are_filled_later(path, model, make_si
             old.execute("DELETE FROM sources WHERE path = '1'")
             old.commit()
         assert list(blocks_of(path)) == [1]
-        check(library)
+        check(path, model)
         assert library.query_signature(make_signature(5), 1)[0].name != "5"
         for seed in range(20, 24):
             library.add_signature(make_signature(seed), f"{seed}")
@@ -94,42 +111,46 @@ def test_an_older_version_leaves_gaps_that_are_filled_later(path, model, make_si
             1: list(range(9, 17)),
             2: list(range(17, 25)),
         }
-        check(library)
+        check(path, model)
 
 
-def test_a_library_of_an_older_version_gets_all_blocks_at_the_end_of_the_next(path, model, make_signature):
-    with Library.open(path, model) as library:
+def test_a_library_that_lost_its_blocks_gets_them_all_at_the_end_of_the_next(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker
+) -> None:
+    with open_library(path, model) as library:
         for seed in range(30):
             library.add_signature(make_signature(seed), f"{seed}")
         with closing(sqlite3.connect(path)) as old:
             old.execute("DROP TRIGGER code_blocks_removed")
             old.execute("DROP TABLE code_blocks")
-        check(library)
+        check(path, model)
         for seed in range(30, 32):
             library.add_signature(make_signature(seed), f"{seed}")
         assert list(blocks_of(path)) == [0, 1, 2, 3]
-        check(library)
+        check(path, model)
 
 
-def test_a_change_that_fails_leaves_the_blocks_as_they_were(path, model, make_signature, monkeypatch):
-    with Library.open(path, model) as library:
+def test_a_change_that_fails_leaves_the_blocks_as_they_were(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with open_library(path, model) as library:
         for seed in range(12):
             library.add_signature(make_signature(seed), f"{seed}", source="a")
         before = blocks_of(path)
 
-        def fail(_blocks):
+        def fail(_self: CodeBlocks, _blocks: object) -> None:
             raise sqlite3.OperationalError("no")
 
-        monkeypatch.setattr(library._store._code_blocks["codes"], "pack", fail)
+        monkeypatch.setattr(CodeBlocks, "pack", fail)
         with pytest.raises(LibraryError):
             library.remove("a")
         assert blocks_of(path) == before
         assert len(library) == 12
-        check(library)
+        check(path, model)
 
 
-def test_a_block_cut_short_is_damage(path, model, make_signature):
-    with Library.open(path, model) as library:
+def test_a_block_cut_short_is_damage(path: Path, model: ShapeModel, make_signature: SignatureMaker) -> None:
+    with open_library(path, model) as library:
         for seed in range(8):
             library.add_signature(make_signature(seed), f"{seed}")
         with closing(sqlite3.connect(path)) as connection:
@@ -146,10 +167,15 @@ def test_a_block_cut_short_is_damage(path, model, make_signature):
         max_size=12,
     )
 )
-def test_any_changes(tmp_path_factory, model, make_signature, changes):
+def test_any_changes(
+    tmp_path_factory: pytest.TempPathFactory,
+    model: ShapeModel,
+    make_signature: SignatureMaker,
+    changes: list[tuple[str, int, bool]],
+) -> None:
     """By this connection or another; a search that stays open answers as one that begins."""
     path = tmp_path_factory.mktemp("any") / "shapes.sglib"
-    with Library.open(path, model) as first, Library.open(path) as second:
+    with open_library(path, model) as first, open_library(path, model) as second:
         for number, (change, size, by_other) in enumerate(changes):
             library = second if by_other else first
             match change:
@@ -161,9 +187,11 @@ def test_any_changes(tmp_path_factory, model, make_signature, changes):
                 case "remove":
                     library.remove(f"{size}")
                 case _:
-                    library.remove_shape(library._store.last_id() - size)
-            check(first)
-            with Library.open(path) as fresh:
+                    library.remove_shape(
+                        max((shape.shape_id for shape in library.shapes()), default=0) - size
+                    )
+            check(path, model)
+            with open_library(path, model) as fresh:
                 expected = fresh.query_signature(make_signature(number), 5)
             assert first.query_signature(make_signature(number), 5) == expected
             assert second.query_signature(make_signature(number), 5) == expected

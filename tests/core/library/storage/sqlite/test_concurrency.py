@@ -11,12 +11,17 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.storage.sqlite.store import SqliteStore
+from shapegoogle_core.model import ShapeModel, ShapeSignature
+
+SignatureMaker = Callable[..., ShapeSignature]
 
 # What a child process knows: the library, and signatures like those of the fixture.
 PRELUDE = """
@@ -63,14 +68,14 @@ def check_file(path: Path) -> None:
 
 
 @pytest.fixture
-def made(path, model) -> Path:
+def made(path: Path, model: ShapeModel) -> Path:
     with Library.open(path, model):
         return path
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
 @pytest.mark.parametrize("writes", [1, 7, 20])
-def test_a_killed_writer_loses_only_what_was_in_flight(made, writes):
+def test_a_killed_writer_loses_only_what_was_in_flight(made: Path, writes: int) -> None:
     """Three shapes to a file, killed in the stream: every file that was reported is there as a whole."""
     process = start(
         """
@@ -104,7 +109,9 @@ def test_a_killed_writer_loses_only_what_was_in_flight(made, writes):
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
 @pytest.mark.parametrize("read_only", [False, True])
-def test_a_writer_killed_within_a_transaction_is_undone(made, model, make_signature, read_only):
+def test_a_writer_killed_within_a_transaction_is_undone(
+    made: Path, model: ShapeModel, make_signature: SignatureMaker, read_only: bool
+) -> None:
     """Killed when half of the transaction lies in the file already: the journal brings the old state back."""
     with Library.open(made) as library:
         library.add_signature(make_signature(1), "old", source="a.blend")
@@ -136,7 +143,7 @@ def test_a_writer_killed_within_a_transaction_is_undone(made, model, make_signat
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT of one process only")
-def test_ctrl_c_loses_only_what_was_in_flight(made):
+def test_ctrl_c_loses_only_what_was_in_flight(made: Path) -> None:
     process = start(
         """
         done = 0
@@ -163,7 +170,7 @@ def test_ctrl_c_loses_only_what_was_in_flight(made):
     check_file(made)
 
 
-def test_readers_see_whole_files_while_a_writer_writes(made, make_signature):
+def test_readers_see_whole_files_while_a_writer_writes(made: Path, make_signature: SignatureMaker) -> None:
     writer = start(
         """
         import itertools, threading
@@ -194,7 +201,7 @@ def test_readers_see_whole_files_while_a_writer_writes(made, make_signature):
     check_file(made)
 
 
-def test_two_writers_take_turns(made):
+def test_two_writers_take_turns(made: Path) -> None:
     code = """
         with Library.open(path) as library:
             for number in range(15):
@@ -207,7 +214,9 @@ def test_two_writers_take_turns(made):
     check_file(made)
 
 
-def test_two_makers_of_one_library_agree(path, model, make_signature):
+def test_two_makers_of_one_library_agree(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker
+) -> None:
     """Both find no file; one makes the tables, the other finds them made."""
     errors: list[BaseException] = []
     barrier = threading.Barrier(2)
@@ -230,7 +239,7 @@ def test_two_makers_of_one_library_agree(path, model, make_signature):
         assert sorted(shape.name for shape in library.shapes()) == ["1", "2"]
 
 
-def test_a_writer_that_waits_too_long_says_so(made, make_signature):
+def test_a_writer_that_waits_too_long_says_so(made: Path, make_signature: SignatureMaker) -> None:
     holder = sqlite3.connect(made, isolation_level=None)
     holder.execute("BEGIN IMMEDIATE")
     with Library.open(made, timeout=0.1) as library:
@@ -245,7 +254,7 @@ def test_a_writer_that_waits_too_long_says_so(made, make_signature):
     holder.close()
 
 
-def test_a_reader_that_waits_too_long_says_so(made, make_signature):
+def test_a_reader_that_waits_too_long_says_so(made: Path, make_signature: SignatureMaker) -> None:
     holder = sqlite3.connect(made, isolation_level=None)
     holder.execute("BEGIN EXCLUSIVE")
     with pytest.raises(LibraryError, match="is in use by another program"):
@@ -253,7 +262,7 @@ def test_a_reader_that_waits_too_long_says_so(made, make_signature):
     holder.close()
 
 
-def test_another_thread_is_told_to_open_its_own(made):
+def test_another_thread_is_told_to_open_its_own(made: Path) -> None:
     messages = []
 
     def use(library: Library) -> None:
@@ -270,10 +279,12 @@ def test_another_thread_is_told_to_open_its_own(made):
     assert "open the library again in each thread" in messages[0]
 
 
-def test_a_full_disk_keeps_what_was_added(made, make_signature):
+def test_a_full_disk_keeps_what_was_added(made: Path, make_signature: SignatureMaker) -> None:
     with Library.open(made) as library:
-        pages = library._store._value("PRAGMA page_count")
-        library._store._value(f"PRAGMA max_page_count = {pages + 40}")
+        store = library._store
+        assert isinstance(store, SqliteStore)
+        pages = store.value("PRAGMA page_count")
+        store.value(f"PRAGMA max_page_count = {pages + 40}")
         added, message = 0, ""
         while not message:
             try:
@@ -285,7 +296,7 @@ def test_a_full_disk_keeps_what_was_added(made, make_signature):
         assert 0 < added == len(library)
         assert library.query_signature(make_signature(0), 1)[0].name == "0"
         # Room again: the same object goes on.
-        library._store._value("PRAGMA max_page_count = 1000000")
+        store.value("PRAGMA max_page_count = 1000000")
         library.add_signature(make_signature(added), "one more")
     with Library.open(made) as library:
         assert len(library) == added + 1
@@ -311,7 +322,7 @@ LIMITED = """
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit on the size of files")
-def test_the_operating_system_refuses_to_write_more(made, make_signature):
+def test_the_operating_system_refuses_to_write_more(made: Path, make_signature: SignatureMaker) -> None:
     """The write itself fails, as on a full disk or at a quota."""
     process = subprocess.run(
         [
@@ -337,7 +348,7 @@ def test_the_operating_system_refuses_to_write_more(made, make_signature):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit on the size of files")
-def test_no_room_to_make_a_library(path, model, tmp_path):
+def test_no_room_to_make_a_library(path: Path, model: ShapeModel, tmp_path: Path) -> None:
     model.save(tmp_path / "model.npz")
     code = """
         import resource

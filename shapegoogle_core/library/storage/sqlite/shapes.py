@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""SQL of the tables `shapes` and `tags`: names, counts, sizes and tags of shapes, and filters on them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
+from shapegoogle_core.library.storage.sqlite.database import Database, encoded
+from shapegoogle_core.library.storage.sqlite.filter_conditions import filter_conditions, fold_case
+
+__all__ = ["ShapeTable"]
+
+SELECT_SHAPES = """
+SELECT shapes.id, name, coalesce(path, ''), object_name, vertex_count, face_count, area,
+    extent_x, extent_y, extent_z
+FROM shapes LEFT JOIN sources ON sources.id = source_id
+"""
+
+
+class ShapeTable(Database):
+    """Records of the shapes of a library file."""
+
+    def insert_record(self, source_id: int | None, shape: NewShape) -> int:
+        """Insert the record and the tags of a new shape, inside `writing`; return its id."""
+        signature = shape.signature
+        shape_id = self.connection.execute(
+            "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area,"
+            " extent_x, extent_y, extent_z)"
+            " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?)",
+            (
+                source_id,
+                encoded(shape.object_name),
+                encoded(shape.name),
+                int(signature.vertex_count),
+                int(signature.face_count),
+                float(signature.area),
+                *map(float, signature.extents),
+            ),
+        ).lastrowid
+        assert shape_id is not None  # an INSERT that did not raise has made a row
+        self.connection.executemany(
+            "INSERT OR IGNORE INTO tags VALUES (?, CAST(? AS TEXT))",
+            [(shape_id, encoded(tag)) for tag in shape.tags],
+        )
+        return shape_id
+
+    def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
+        """Return the records of some shapes, see `Store.shapes`."""
+        tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
+        return _records(self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids), tags)
+
+    def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
+        """Return the records of the next shapes, see `Store.shapes_after`."""
+        rows = self.rows(SELECT_SHAPES + "WHERE shapes.id > ? ORDER BY shapes.id LIMIT ?", last_id, limit)
+        if not rows:
+            return []
+        tags = self.rows(
+            "SELECT shape_id, tag FROM tags WHERE shape_id BETWEEN ? AND ?", rows[0][0], rows[-1][0]
+        )
+        return _records(rows, tags)
+
+    def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
+        """Find the shapes that meet a filter, see `Store.filtered_ids`."""
+        condition, parameters = filter_conditions(where)
+        with self.explained():
+            self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
+        rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
+        return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+
+
+def _records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -> list[ShapeRecord]:
+    tags_of: defaultdict[int, list[str]] = defaultdict(list)
+    for shape_id, tag in tags:
+        tags_of[shape_id].append(tag)
+    return [
+        ShapeRecord(
+            shape_id,
+            name,
+            source,
+            object_name,
+            vertex_count,
+            face_count,
+            area,
+            extents=(x, y, z),
+            tags=tuple(sorted(tags_of.get(shape_id, ()))),
+        )
+        for shape_id, name, source, object_name, vertex_count, face_count, area, x, y, z in rows
+    ]

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""`Store`: the operations of a library's storage, whatever database is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord, StoreSummary
+
+__all__ = ["CodeKind", "CodePage", "Store", "all_codes"]
+
+CodeKind = Literal["codes", "local_words"]
+"""The binary codes of bags, or the local words of each shape as bits."""
+
+CodePage = tuple[NDArray[np.int64], NDArray[np.uint8]]
+"""Ids of shapes (n,), in ascending order, and their codes (n, code_bytes)."""
+
+
+class Store(Protocol):
+    """An open library.
+
+    Ids of shapes ascend in the order in which shapes are added, and no id is given twice. Every change is one
+    transaction: when the method returns all of it is stored, and after an error nothing. Every method raises
+    `LibraryError` if the database reports an error or the content is damaged. A store belongs to the thread
+    that opened it.
+    """
+
+    @property
+    def name(self) -> str:
+        """Path or address, as error messages name the library."""
+
+    @property
+    def read_only(self) -> bool:
+        """Whether changes are refused."""
+
+    def close(self) -> None:
+        """Close the library. Closing twice does no harm."""
+
+    def snapshot(self) -> AbstractContextManager[None]:
+        """Let all reads inside the context see one state. Writers may have to wait, so be quick."""
+
+    def model(self) -> tuple[str, bytes]:
+        """Return identifier and file content of the model that described the shapes."""
+
+    def summary(self) -> StoreSummary:
+        """Return numbers about the whole library."""
+
+    # -- changes --------------------------------------------------------------------------------------------
+
+    def add(self, source: str, shape: NewShape) -> int:
+        """Add one shape; it replaces the one with the same source, object name and name.
+
+        Parameters
+        ----------
+        source : str
+            Empty: the shape has no source and replaces nothing.
+        shape : NewShape
+
+        Returns
+        -------
+        shape_id : int
+        """
+
+    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape]) -> list[int]:
+        """Store a source and its shapes in place of everything stored for this source before.
+
+        Parameters
+        ----------
+        source : SourceRecord
+            Its `shape_count` is not used.
+        shapes : iterable of NewShape
+
+        Returns
+        -------
+        shape_ids : list of int
+            In the order of `shapes`.
+        """
+
+    def update_source(self, path: str, size: int, mtime_ns: int) -> bool:
+        """Store the new size and time of change of a source; return False if the source is unknown."""
+
+    def remove_sources(self, paths: Iterable[str]) -> int:
+        """Remove sources with all their shapes; return how many of them were known."""
+
+    def remove_shapes(self, shape_ids: Iterable[int]) -> int:
+        """Remove single shapes; return how many of them were there."""
+
+    # -- records --------------------------------------------------------------------------------------------
+
+    def count(self) -> int:
+        """Return the number of shapes."""
+
+    def last_id(self) -> int:
+        """Return the greatest id of a shape, 0 if there is none."""
+
+    def sources(self) -> list[SourceRecord]:
+        """Return all sources in the order of their paths."""
+
+    def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
+        """Return the records of these shapes in the order of their ids, without unknown ones."""
+
+    def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
+        """Return the next records in the order of ids; start with `last_id` 0."""
+
+    def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
+        """Find the shapes that meet the conditions of a filter that are known before a search.
+
+        Parameters
+        ----------
+        where : Filter
+            Name, folder, tag, faces and size; its other conditions are not used.
+
+        Returns
+        -------
+        shape_ids : (n,) array of int64
+            In ascending order.
+        """
+
+    # -- signatures -----------------------------------------------------------------------------------------
+
+    def code_pages(self, kind: CodeKind, last_id: int, code_bytes: int) -> Iterator[CodePage]:
+        """Read the codes of all shapes after an id, in pages; use them up within one `snapshot`.
+
+        Parameters
+        ----------
+        kind : {"codes", "local_words"}
+        last_id : int
+            0 for all shapes; the last id seen, for those that were added since.
+        code_bytes : int
+            Length of each code.
+
+        Yields
+        ------
+        shape_ids : (n,) array of int64
+        codes : (n, code_bytes) array of uint8
+        """
+
+    def codes(self, kind: CodeKind, shape_ids: Sequence[int], code_bytes: int) -> CodePage:
+        """Return ids (sorted, without unknown ones) and codes (n, code_bytes) of these shapes."""
+
+    def bags(self, shape_ids: Sequence[int], bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
+        """Return ids (sorted, without unknown ones) and bags (n, bag_size) of these shapes."""
+
+    def bags_after(self, last_id: int, limit: int, bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
+        """Return ids and bags (n, bag_size) of the next shapes by id; start with `last_id` 0."""
+
+    def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the surface samples of these shapes by id, in the format of `SurfaceSample.to_bytes`."""
+
+    def thumbnail(self, shape_id: int) -> bytes | None:
+        """Return the picture of a shape as PNG, or None if it has none."""
+
+
+def all_codes(store: Store, kind: CodeKind, code_bytes: int) -> CodePage:
+    """Read the codes of all shapes at once.
+
+    Parameters
+    ----------
+    store : Store
+    kind : {"codes", "local_words"}
+    code_bytes : int
+        Length of each code.
+
+    Returns
+    -------
+    shape_ids : (n,) array of int64
+        In ascending order.
+    codes : (n, code_bytes) array of uint8
+    """
+    shape_ids = [np.empty(0, np.int64)]
+    codes = [np.empty((0, code_bytes), np.uint8)]
+    with store.snapshot():
+        for page_ids, page in store.code_pages(kind, 0, code_bytes):
+            shape_ids.append(page_ids)
+            codes.append(page)
+    return np.concatenate(shape_ids), np.concatenate(codes)
