@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.mesh.io.formats import Checked, FormatError, check_face_count
+from shapegoogle_core.mesh.io.ply import Checked, FormatError, check_face_count
 
 __all__ = ["check_glb", "check_gltf"]
 

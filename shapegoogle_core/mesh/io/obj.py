@@ -14,7 +14,7 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.formats import FormatError, check_face_count
+from shapegoogle_core.mesh.io.ply import FormatError, check_face_count
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["read_obj"]

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
-from shapegoogle_core.mesh.io.formats import Checked, FormatError, check_off, check_ply, check_stl
 from shapegoogle_core.mesh.io.gltf import check_glb, check_gltf
 from shapegoogle_core.mesh.io.obj import read_obj
-from shapegoogle_core.mesh.io.scans import check_point_count, read_pcd, read_xyz
+from shapegoogle_core.mesh.io.pcd import check_point_count, read_pcd, read_xyz
+from shapegoogle_core.mesh.io.ply import Checked, FormatError, check_off, check_ply, check_stl
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]

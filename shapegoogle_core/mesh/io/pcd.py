@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shapegoogle_core.mesh.io.formats import FormatError
+from shapegoogle_core.mesh.io.ply import FormatError
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["check_point_count", "read_pcd", "read_xyz"]
