@@ -1,23 +1,36 @@
 # SPDX-License-Identifier: MIT
-"""What a glTF must pass before trimesh parses it: trimesh 5.2 ignores or misreads what is refused here."""
+"""Reading glTF, text and binary: checked here, parsed by trimesh, all nodes in their places.
+
+trimesh 5.2 ignores or misreads the features that are refused here.
+"""
 
 from __future__ import annotations
 
+import io
 import json
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
+from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.ply import Checked, FormatError, check_face_count
+from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count, read_content
+from shapegoogle_core.mesh.io.polygons import Polygons
 
-__all__ = ["check_glb", "check_gltf"]
+__all__ = ["read_glb", "read_gltf"]
 
 _COMPRESSIONS = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
 _TRIANGLES, _TRIANGLE_STRIP, _TRIANGLE_FAN = 4, 5, 6
 
 
-def check_glb(data: bytes, max_faces: int) -> Checked:
-    """Compare the lengths that a .glb file claims with its own, then check it as `check_gltf` does."""
+def read_glb(file: MeshFile) -> Polygons:
+    """Read a binary glTF file; see `read_gltf`."""
+    data = file.data
     magic, version, length, json_length = np.frombuffer(data[:16].ljust(16, b"\0"), "<u4").tolist()
     if magic != int.from_bytes(b"glTF", "little") or version != 2:
         raise FormatError("does not begin like a binary glTF 2 file (.glb); export it again")
@@ -26,11 +39,33 @@ def check_glb(data: bytes, max_faces: int) -> Checked:
             f"claims {length:,} bytes, {json_length:,} of them JSON, but has {len(data):,}; "
             "it is damaged or was cut short: copy or export it again"
         )
-    check_gltf(data[20 : 20 + json_length], max_faces)
-    return Checked(data, None)
+    _check(data[20 : 20 + json_length], file.max_faces)
+    return _parse(file, "glb")
 
 
-def check_gltf(data: bytes, max_faces: int) -> Checked:
+def read_gltf(file: MeshFile) -> Polygons:
+    """Read a glTF file with the buffers that it names.
+
+    Parameters
+    ----------
+    file : MeshFile
+
+    Returns
+    -------
+    polygons : Polygons
+        The meshes of all nodes, each in its place.
+
+    Raises
+    ------
+    FormatError
+        If the file is damaged, needs a file that is not in its folder, uses a feature that cannot be read,
+        or has too many faces.
+    """
+    _check(file.data, file.max_faces)
+    return _parse(file, "gltf")
+
+
+def _check(data: bytes, max_faces: int) -> None:
     """Check the JSON of a glTF: version, compression, counts, one place for each node."""
     try:
         header = json.loads(data)
@@ -67,7 +102,6 @@ def check_gltf(data: bytes, max_faces: int) -> Checked:
     places += {root for scene in header.get("scenes", []) for root in scene.get("nodes", [])}
     if len(set(places)) < len(places):
         raise FormatError("has a node with two parents, which glTF does not allow; export it again")
-    return Checked(data, None)
 
 
 def _face_count(header: dict[str, Any], primitive: dict[str, Any]) -> int:
@@ -84,3 +118,76 @@ def _face_count(header: dict[str, Any], primitive: dict[str, Any]) -> int:
         raise FormatError("has normalised positions, which cannot be read; export it without quantisation")
     count: int = corners["count"]
     return count // 3 if mode == _TRIANGLES else max(count - 2, 0)
+
+
+def _parse(file: MeshFile, kind: str) -> Polygons:
+    import trimesh  # takes a second
+
+    neighbours: Any = _Neighbours(file.folder, file.max_faces)
+    with _quiet():
+        scene = trimesh.load_scene(
+            io.BytesIO(file.data),
+            file_type=kind,
+            resolver=neighbours,
+            process=False,
+            maintain_order=True,
+            skip_materials=True,
+        )
+        return Polygons.from_triangles(*_flatten(scene))
+
+
+def _flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Put all parts of a trimesh scene in their places and into one list of triangles."""
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
+    if scene.graph.nodes_geometry:
+        placed = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
+    else:  # a glTF without a scene; its meshes have no place
+        placed = [(np.eye(4), name) for name in scene.geometry]
+    for transform, name in placed:
+        part = scene.geometry[name]
+        points = np.asarray(part.vertices, np.float64)
+        triangles = np.asarray(getattr(part, "faces", ()), np.int64).reshape(-1, 3)
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
+            strange = triangles[(triangles < 0) | (triangles >= len(points))][0]
+            raise FormatError(
+                f"has a face that names vertex {strange}, but its part has {len(points):,} vertices "
+                "(counted from 0); it is damaged or was cut short"
+            )
+        if not np.array_equal(transform, np.eye(4)):
+            points = points @ transform[:3, :3].T + transform[:3, 3]
+        vertices.append(points)
+        mirrored = np.linalg.det(transform[:3, :3]) < 0
+        faces.append((triangles[:, ::-1] if mirrored else triangles) + count)
+        count += len(points)
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+class _Neighbours:
+    """Resolver of the other files that a glTF names: only regular files in its folder or below."""
+
+    def __init__(self, folder: Path, max_faces: int) -> None:
+        self.folder = folder.resolve()
+        self.max_faces = max_faces
+
+    def __getitem__(self, name: str) -> bytes:
+        return self.get(name)
+
+    def get(self, name: str) -> bytes:
+        neighbour = (self.folder / unquote(name)).resolve()
+        if not neighbour.is_relative_to(self.folder) or not neighbour.is_file():
+            raise FormatError(f"needs the file {name!r}, which is not beside it; copy both together")
+        return read_content(neighbour, self.max_faces)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep trimesh's log and numpy's warnings off the user's terminal; what matters is raised."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.setLevel(level)

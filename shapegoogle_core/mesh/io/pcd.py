@@ -1,117 +1,74 @@
 # SPDX-License-Identifier: MIT
-"""Files of scanners that hold points and no faces: XYZ texts and the PCD files of the Point Cloud Library."""
+"""Reading PCD, the files of the Point Cloud Library: text, binary or compressed with LZF."""
 
 from __future__ import annotations
 
-import io
 import re
 import struct
 from typing import NamedTuple
 
 import numpy as np
 
-from shapegoogle_core.mesh.io.ply import FormatError
+from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count
+from shapegoogle_core.mesh.io.polygons import Polygons
+from shapegoogle_core.mesh.io.text import filled_lines, parse_numbers, plain_text, without_mark
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["check_point_count", "read_pcd", "read_xyz"]
+__all__ = ["read_pcd"]
 
-_PCD_TYPES = {"F": "f", "I": "i", "U": "u"}
-_PCD_SIZES = (1, 2, 4, 8)
-
-
-def check_point_count(count: int, most: int) -> None:
-    """Raise `FormatError` if there are more points than wanted."""
-    if count > most:
-        raise FormatError(
-            f"has {count:,} points, above the limit of {most:,}; thin it first, or raise max_faces"
-        )
-
-
-def read_xyz(data: bytes, most: int) -> FloatArray:
-    """Read the first three numbers of each line; what follows (normals, colours) is left out.
-
-    Blanks, tabs, commas or semicolons stand between them. Comments begin with # or //; a first line that
-    names the columns x, y, z is one.
-
-    Parameters
-    ----------
-    data : bytes
-    most : int
-        So many points at most.
-
-    Returns
-    -------
-    points : (n, 3) array
-
-    Raises
-    ------
-    FormatError
-        If a line is no point, or there are too many.
-    """
-    text = re.sub(rb"[,;]", b" ", re.sub(rb"(#|//).*", b"", data))
-    text = re.sub(rb"\A\s*x\s+y\s+z\b.*", b"", text, flags=re.IGNORECASE)
-    if not text.strip():
-        raise FormatError("has no points: it is empty, or no XYZ file; export it again")
-    check_point_count(sum(1 for _ in re.finditer(rb"\S.*", text)), most)
-    try:
-        points = np.loadtxt(io.BytesIO(text), usecols=(0, 1, 2), ndmin=2, encoding="latin-1")
-    except ValueError as error:
-        reason = str(error).partition(";")[0]
-        raise FormatError(
-            f"has a line that is no point ({reason}); it is damaged, cut short or no XYZ file: export it"
-        ) from error
-    return np.asarray(points, np.float64)
+_TYPES = {"F": "f", "I": "i", "U": "u"}
+_SIZES = (1, 2, 4, 8)
+_DATA_LINE = re.compile(rb"(?:\A|(?<=[\r\n]))DATA[ \t]+(\w+)[ \t]*(?:\r\n|\n|\r|\Z)")
 
 
 class _Layout(NamedTuple):
-    """What a PCD header says: one record for each point, and how the data are written."""
+    """Content of a PCD header: the record of a point, and how the records are written."""
 
     record: np.dtype[np.void]
     point_count: int
     encoding: str
 
 
-def read_pcd(data: bytes, most: int) -> FloatArray:
-    """Read the positions of a PCD file, version 0.7 or before: text, binary or compressed.
+def read_pcd(file: MeshFile) -> Polygons:
+    """Read the positions of a PCD file of version 0.7 or before.
 
     Points without a position (NaN), which stand for rays that met nothing, are left out.
 
     Parameters
     ----------
-    data : bytes
-    most : int
-        So many points at most.
+    file : MeshFile
 
     Returns
     -------
-    points : (n, 3) array
+    points : Polygons
+        Without faces.
 
     Raises
     ------
     FormatError
         If the header or the data are damaged, or there are too many points.
     """
-    header = re.search(rb"^DATA[ \t]+(\w+)[ \t\r]*(\n|\Z)", data[: 1 << 16], re.MULTILINE)
-    if header is None:
+    data = without_mark(file.data)
+    head = _DATA_LINE.search(data[: 1 << 16])
+    if head is None:
         raise FormatError("has no PCD header with a line DATA; it is no PCD file or was cut short")
-    layout = _pcd_layout(data[: header.start()].decode("latin-1"), header[1].decode())
-    check_point_count(layout.point_count, most)
-    body = data[header.end() :]
+    layout = _layout(plain_text(data[: head.start()]).decode("latin-1"), head[1].decode())
+    check_point_count(layout.point_count, file.max_faces)
+    body = data[head.end() :]
     if layout.encoding == "ascii":
-        points = _pcd_text(body, layout)
+        points = _from_text(plain_text(body), layout)
     elif layout.encoding == "binary":
         if len(body) < layout.point_count * layout.record.itemsize:
             raise _cut_short(layout)
         points = _positions(np.frombuffer(body, layout.record, layout.point_count))
     elif layout.encoding == "binary_compressed":
-        points = _pcd_compressed(body, layout)
+        points = _from_compressed(body, layout)
     else:
         raise FormatError(f"has the unknown kind of data {layout.encoding!r}; export it again")
-    measured: FloatArray = points[~np.isnan(points).all(axis=1)]
-    return measured
+    return Polygons.from_points(points[~np.isnan(points).all(axis=1)])
 
 
-def _pcd_layout(header: str, encoding: str) -> _Layout:
+def _layout(header: str, encoding: str) -> _Layout:
     values = {}
     for line in header.splitlines():
         if words := line.partition("#")[0].split():
@@ -121,9 +78,9 @@ def _pcd_layout(header: str, encoding: str) -> _Layout:
         sizes, counts = map(int, values["SIZE"]), map(int, values.get("COUNT", ["1"] * len(names)))
         fields = []
         for name, size, kind, count in zip(names, sizes, values["TYPE"], counts, strict=True):
-            if size not in _PCD_SIZES or not 0 <= count < 1 << 16:
+            if size not in _SIZES or not 0 <= count < 1 << 16:
                 raise ValueError(f"{count} values of {size} bytes")
-            fields.append((name, f"<{_PCD_TYPES[kind]}{size}", (count,)))
+            fields.append((name, f"<{_TYPES[kind]}{size}", (count,)))
         width, height = (int(values[name][0]) for name in ("WIDTH", "HEIGHT"))
         count = int(values["POINTS"][0]) if "POINTS" in values else width * height
         # Names may repeat ("_" is filler), so records have numbers instead.
@@ -142,29 +99,16 @@ def _positions(records: np.ndarray[tuple[int], np.dtype[np.void]]) -> FloatArray
     return np.concatenate([records[axis] for axis in "xyz"], axis=1).astype(np.float64)
 
 
-def _pcd_text(body: bytes, layout: _Layout) -> FloatArray:
+def _from_text(text: bytes, layout: _Layout) -> FloatArray:
     column, place = 0, {}
     for name in layout.record.names or ():
         place[name] = column
         column += layout.record[name].shape[0]
-    try:
-        rows = np.loadtxt(
-            io.BytesIO(body),
-            usecols=[place[axis] for axis in "xyz"],
-            ndmin=2,
-            max_rows=max(layout.point_count, 1),
-        )
-    except ValueError as error:
-        reason = str(error).partition(";")[0]
-        raise FormatError(
-            f"has a line that is no point ({reason}); it is damaged: export it again"
-        ) from error
-    if len(rows) < layout.point_count:
-        raise _cut_short(layout)
-    return np.asarray(rows[: layout.point_count], np.float64)
+    lines = filled_lines(text, layout.point_count)
+    return parse_numbers(lines, [place[axis] for axis in "xyz"], "a point")
 
 
-def _pcd_compressed(body: bytes, layout: _Layout) -> FloatArray:
+def _from_compressed(body: bytes, layout: _Layout) -> FloatArray:
     """Unpack LZF; the fields then stand one after the other, each for all points."""
     if len(body) < 8:
         raise _cut_short(layout)

@@ -1,314 +1,277 @@
 # SPDX-License-Identifier: MIT
-"""What a file must pass before trimesh parses it, and the spelling in which trimesh reads it right.
+"""Reading PLY, text and binary: a header describes elements, whose rows follow.
 
-Seen with trimesh 5.2. Other geometry than the file's, without a word: texts that end too early or hold what
-is no number; STL whose name holds the word vertex. Refused though sound: binary PLY with polygons of several
-sizes, which Blender writes, and texts outside UTF-8 without another package. OBJ is read in `obj.py`.
+Not left to trimesh, which in version 5.2 refuses binary polygons of several sizes, as Blender writes them,
+splits vertices at texture seams and misreads texts that are cut short.
 """
 
 from __future__ import annotations
 
 import re
-import struct
 from array import array
-from itertools import islice, takewhile
-from typing import Literal, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Checked", "FormatError", "check_face_count", "check_off", "check_ply", "check_stl"]
+from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.polygons import Polygons
+from shapegoogle_core.mesh.io.text import (
+    filled_lines,
+    parse_numbers,
+    parse_polygons,
+    plain_text,
+    unexpected,
+    without_mark,
+)
+
+__all__ = ["read_ply"]
+
+_TYPES = {"char": "i1", "short": "i2", "int": "i4", "float": "f4", "double": "f8"}
+_TYPES |= {"uchar": "u1", "ushort": "u2", "uint": "u4"}
+_TYPES |= {np.dtype(kind).name: kind for kind in (*_TYPES.values(), "i8", "u8")}
+_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+_HEADER_END = re.compile(rb"(?<=[\r\n])end_header[ \t]*(?:\r\n|\n|\r|\Z)")
+
+# Properties that are read; those of each tuple mean the same.
+_WANTED = {"vertex": (("x",), ("y",), ("z",)), "face": (("vertex_indices", "vertex_index"),)}
+
+_Type = np.dtype[Any]
+_Column = tuple[NDArray[Any], NDArray[np.int64]]
+"""Values of a property in all rows, and how many are in each row: 1 if the property is not a list."""
 
 
-class FormatError(Exception):
-    """A file is not what its format asks for; the message completes the sentence "<file>: …"."""
-
-
-class Checked(NamedTuple):
-    """A file's content for trimesh, and how many triangles have to come out of it."""
-
-    data: bytes
-    faces: int | None
-
-
-def check_face_count(count: int, max_faces: int) -> None:
-    """Raise `FormatError` if there are more faces than wanted."""
-    if count > max_faces:
-        raise FormatError(
-            f"has {count:,} faces or more, above the limit of {max_faces:,}; "
-            "simplify it first, or raise max_faces"
-        )
-
-
-def check_off(data: bytes, max_faces: int) -> Checked:
-    """Compare the counts of an OFF text with its lines."""
-    text = re.sub(rb"[^\x00-\x7f]", b"?", re.sub(rb"#.*", b"", data)).strip()
-    # Some files of the Princeton and ModelNet collections have "OFF3514 3546 0" in one line.
-    keyword = re.match(rb"(?:ST)?C?N?OFF\s*(?:(\d+)[ \t]+(\d+)(?!\S))?.*", text)
-    if keyword is None:
-        raise FormatError(
-            "does not begin with the word OFF: it is empty, or no plain OFF file; export it again"
-        )
-    if keyword[1] is None:
-        raise FormatError("has no counts of vertices and faces after the word OFF; export it again")
-    vertex_count, face_count = int(keyword[1]), int(keyword[2])
-    if 2 * (vertex_count + face_count) > len(data):
-        raise FormatError(
-            f"claims {vertex_count:,} vertices and {face_count:,} faces, more than a file of "
-            f"{len(data):,} bytes can hold; it is damaged or was cut short"
-        )
-    check_face_count(face_count, max_faces)
-    rows = _rows(text[keyword.end() :], vertex_count + face_count)
-    triangle_count = sum(max(int(row.split(None, 1)[0]) - 2, 0) for row in rows[vertex_count:])
-    check_face_count(triangle_count, max_faces)
-    head = b"OFF\n%d %d 0\n" % (vertex_count, face_count)
-    return Checked(head + b"\n".join(rows), triangle_count)
-
-
-def _rows(text: bytes, count: int) -> list[bytes]:
-    """Return the first lines that are not blank."""
-    rows = [line for line in text.splitlines() if line.strip()]
-    if len(rows) < count:
-        raise FormatError(
-            f"ends after {len(rows):,} of the {count:,} lines that it announces; it was cut short: "
-            "copy or export it again"
-        )
-    return rows[:count]
-
-
-def check_stl(data: bytes, max_faces: int) -> Checked:
-    """Compare the length of a binary STL with its count; count the facets of a text, and take names away."""
-    count = int.from_bytes(data[80:84], "little")
-    if len(data) == 84 + 50 * count:
-        check_face_count(count, max_faces)
-        return Checked(data, count)
-    if data.lstrip()[:5].lower() == b"solid":
-        text = re.sub(rb"[^\x00-\x7f]", b"?", data.lower())
-        text = re.sub(rb"^\s*(end ?)?solid\b.*", rb"\1solid", text, flags=re.MULTILINE)
-        text = text.replace(b"end solid", b"endsolid")
-        if text.split()[-1] != b"endsolid":
-            raise FormatError("ends before the word endsolid: it was cut short; copy or export it again")
-        facet_count = text.count(b"endfacet")
-        check_face_count(facet_count, max_faces)
-        triangles = re.findall(rb"(?:\bvertex(?:[ \t]+[-+.\w]+){3}[ \t\r]*\n\s*){3}end", text)
-        if not 3 * len(triangles) == 3 * facet_count == text.count(b"vertex"):
-            raise FormatError(
-                f"has {facet_count:,} facets, of which {len(triangles):,} are triangles; it is damaged or "
-                "was cut short: copy or export it again"
-            )
-        return Checked(text, facet_count)
-    if len(data) < 84:
-        raise FormatError(f"has only {len(data)} bytes, which is no STL file; copy or export it again")
-    raise FormatError(
-        f"claims {count:,} triangles, which take {84 + 50 * count:,} bytes, but has {len(data):,}; it is no "
-        "STL file, damaged or cut short: copy or export it again"
-    )
-
-
-_Order = Literal["<", ">"]  # little, big endian
-
-
-class _Property(NamedTuple):
+@dataclass(frozen=True)
+class _Property:
     name: str
-    type: str  # numpy's name, which PLY knows too
-    count_type: str = ""  # of a list's length; empty: a single value
+    type: _Type
+    count_type: _Type | None  # of the length of a list; None: a single value
 
 
-class _Element(NamedTuple):
+@dataclass(frozen=True)
+class _Element:
     name: str
     length: int
-    properties: list[_Property]
+    properties: list[_Property] = field(default_factory=list)
 
-    def header(self) -> str:
-        """Lines of the header in which only positions and corners have a name that trimesh knows."""
-        lines = [f"element {self.name} {self.length}\n"]
-        for index, (name, kind, count_type) in enumerate(self.properties):
-            known = name == "vertex_indices" if count_type else name in ("x", "y", "z")
-            prefix = f"list {count_type} " if count_type else ""
-            lines.append(f"property {prefix}{kind} {name if known else f'p{index}'}\n")
-        return "".join(lines)
-
-
-_NUMPY_NAMES = {"char": "int8", "short": "int16", "int": "int32", "float": "float32", "double": "float64"}
-_NUMPY_NAMES |= {"uchar": "uint8", "ushort": "uint16", "uint": "uint32"}
-_NUMPY_NAMES |= {name: name for name in (*_NUMPY_NAMES.values(), "int64", "uint64")}
+    def wanted(self) -> list[int]:
+        """Places of the properties that are read."""
+        found = []
+        for names in _WANTED.get(self.name, ()):
+            places = [place for place, each in enumerate(self.properties) if each.name in names]
+            if not places:
+                raise FormatError(f"has the element {self.name!r} without {names[0]!r}; export it again")
+            found.append(places[0])
+        return found
 
 
-def check_ply(data: bytes, max_faces: int) -> Checked:
-    """Compare a PLY file with its header; keep positions and corners, and make mixed polygons triangles."""
-    kind, elements, position = _ply_header(data)
+def read_ply(file: MeshFile) -> Polygons:
+    """Read the positions of the vertices and the corners of the faces of a PLY file.
+
+    Parameters
+    ----------
+    file : MeshFile
+
+    Returns
+    -------
+    polygons : Polygons
+        Points alone if there are no faces. Other elements and properties are left out.
+
+    Raises
+    ------
+    FormatError
+        If the header is damaged or does not fit the rows, or there are too many faces.
+    """
+    data = without_mark(file.data)
+    order, elements, start = _read_header(data)
     for element in elements:
         if element.name == "face":
-            check_face_count(element.length, max_faces)
-        if not 0 <= element.length <= len(data) - position:
+            check_face_count(element.length, file.max_faces)
+        if not 0 <= element.length <= len(data) - start:
             raise FormatError(
                 f"claims {element.length:,} times the element {element.name!r}, but only "
-                f"{len(data) - position:,} bytes are left; it is damaged or was cut short"
+                f"{len(data) - start:,} bytes are left; it is damaged or was cut short"
             )
-    if kind == "ascii":
-        elements, body, triangle_count = _ply_text(data[position:], elements)
-    else:
-        elements, body, triangle_count = _ply_binary(data, elements, position, ">" if "big" in kind else "<")
-    check_face_count(triangle_count, max_faces)
-    header = f"ply\nformat {kind} 1.0\n{''.join(map(_Element.header, elements))}end_header\n"
-    return Checked(header.encode() + body, triangle_count)
+    read = _text_columns if order == "=" else _binary_columns
+    columns = read(data, start, [element for element in elements if element.length])
+    vertices = np.empty((0, 3))
+    if "vertex" in columns:
+        vertices = np.stack([values for values, _ in columns["vertex"]], axis=1).astype(np.float64)
+    if "face" not in columns:
+        return Polygons.from_points(vertices)
+    corners, sizes = columns["face"][0]
+    return Polygons(vertices, corners.astype(np.int64), sizes)
 
 
-def _ply_header(data: bytes) -> tuple[str, list[_Element], int]:
-    """Return the format, the elements that are not empty, and where the data begin."""
+def _read_header(data: bytes) -> tuple[str, list[_Element], int]:
+    """Return the order of bytes ("=" for a text), the elements, and where their rows begin."""
     if not re.match(rb"ply\s", data):
         raise FormatError("does not begin with the word ply: it is empty, or no PLY file; export it again")
-    end = re.compile(rb"^end_header[ \t\r]*$\n?", re.MULTILINE).search(data, 0, 1 << 20)
+    end = _HEADER_END.search(data, 0, 1 << 20)
     if end is None:
         raise FormatError("has a PLY header without end: it was cut short; copy or export it again")
-    kind, elements = "", list[_Element]()
-    for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
+    order, elements = "", list[_Element]()
+    for line in plain_text(data[: end.start()]).decode("latin-1").split("\n")[1:]:
         try:
             match line.split():
-                case ["format", ("ascii" | "binary_little_endian" | "binary_big_endian") as kind, *_]:
-                    pass
+                case ["format", encoding, *_]:
+                    order = _ORDERS[encoding]
                 case ["element", name, count]:
-                    elements.append(_Element(name, int(count), []))
+                    elements.append(_Element(name, int(count)))
                 case ["property", "list", count_type, item_type, name]:
-                    name = "vertex_indices" if name == "vertex_index" else name
-                    types = _NUMPY_NAMES[item_type], _NUMPY_NAMES[count_type]
-                    elements[-1].properties.append(_Property(name, *types))
+                    kind, count_kind = _type(item_type, order), _type(count_type, order)
+                    if count_kind.kind == "f":
+                        raise ValueError(line)
+                    elements[-1].properties.append(_Property(name, kind, count_kind))
                 case ["property", value_type, name]:
-                    elements[-1].properties.append(_Property(name, _NUMPY_NAMES[value_type]))
-                case [] | ["comment" | "obj_info", *_]:
-                    pass
-                case _:
-                    raise ValueError("unknown")
+                    elements[-1].properties.append(_Property(name, _type(value_type, order), None))
+                case ["format" | "element" | "property", *_]:
+                    raise ValueError(line)
+                # All other lines are comments, whatever their keyword.
         except (ValueError, KeyError, IndexError) as error:
             raise FormatError(
-                f"has a damaged line {line[:60]!r} in its PLY header ({error}); export it again"
+                f"has a damaged line {line[:60]!r} in its PLY header; export it again"
             ) from error
-    if not kind:
+    if not order:
         raise FormatError("has a PLY header without a format; it is damaged: export it again")
     for element in elements:
-        if element.name == "face" and "vertex_indices" not in (each.name for each in element.properties):
-            raise FormatError("has faces without 'vertex_indices'; export it again")
-    return kind, [element for element in elements if element.length], end.end()
+        element.wanted()
+    return order, elements, end.end()
 
 
-def _ply_text(text: bytes, elements: list[_Element]) -> tuple[list[_Element], bytes, int]:
-    """Return elements and lines for trimesh, and how many triangles the faces make."""
-    rows = iter(_rows(text, sum(element.length for element in elements)))
-    kept, lines, triangle_count = list[_Element](), list[bytes](), 0
+def _type(name: str, order: str) -> _Type:
+    return np.dtype(order + _TYPES[name])
+
+
+def _text_columns(data: bytes, start: int, elements: Sequence[_Element]) -> dict[str, list[_Column]]:
+    lines = filled_lines(plain_text(data[start:]), sum(element.length for element in elements))
+    columns, first = dict[str, list[_Column]](), 0
     for element in elements:
-        of_element = list(islice(rows, element.length))
-        if element.name in ("vertex", "face"):
-            kept.append(element)
-            lines += of_element
+        rows = lines[first : first + element.length]
+        first += element.length
         if element.name == "face":
-            before = list(takewhile(lambda each: each.name != "vertex_indices", element.properties))
-            for words in map(bytes.split, of_element):
-                at = 0
-                for each in before:
-                    at += 1 + int(words[at]) if each.count_type else 1
-                triangle_count += max(int(words[at]) - 2, 0)
-    return kept, b"\n".join(lines), triangle_count
+            (place,) = element.wanted()
+            columns["face"] = [parse_polygons(*_text_column(rows, element.properties[:place], place))]
+        elif element.name == "vertex":
+            ones = np.ones(len(rows), np.int64)
+            kinds = [element.properties[place].type for place in element.wanted()]
+            numbers = parse_numbers(rows, element.wanted(), "a vertex")
+            with np.errstate(over="ignore", invalid="ignore"):
+                # The decimals of a float stand for the nearest float.
+                columns["vertex"] = [
+                    (values.astype(kind), ones) for values, kind in zip(numbers.T, kinds, strict=True)
+                ]
+    return columns
 
 
-def _ply_binary(
-    data: bytes, elements: list[_Element], position: int, order: _Order
-) -> tuple[list[_Element], bytes, int]:
-    """Return elements and bytes for trimesh, and how many triangles the faces make."""
-    kept, body, triangle_count = list[_Element](), b"", 0
+def _text_column(lines: list[bytes], before: Sequence[_Property], place: int) -> tuple[list[bytes], int]:
+    """Return lines and a property's column in them: cut off at the property if lists are before it."""
+    if not any(each.count_type for each in before):
+        return lines, place
+    rest = []
+    for line in lines:
+        words, start = line.split(), 0
+        try:
+            for each in before:
+                start += 1 + int(words[start]) if each.count_type else 1
+        except (ValueError, IndexError) as error:
+            raise unexpected(line, "a polygon") from error
+        rest.append(b" ".join(words[start:]))
+    return rest, 0
+
+
+def _binary_columns(data: bytes, position: int, elements: Sequence[_Element]) -> dict[str, list[_Column]]:
+    columns = dict[str, list[_Column]]()
     for element in elements:
-        if {"vertex", "face"} <= {each.name for each in kept}:
-            break
-        begin = position
-        if element.name == "face":
-            starts, sizes, position = _ply_lists(data, begin, element, order)
-            triangle_count = int(np.maximum(sizes - 2, 0).sum())
-        elif any(each.count_type for each in element.properties):
-            raise FormatError(
-                f"has lists in the element {element.name!r}, which cannot be read; export it again"
-            )
-        else:
-            position += element.length * sum(np.dtype(each.type).itemsize for each in element.properties)
-        if position > len(data):
-            raise _ply_cut_short(element)
-        rows = data[begin:position]
-        if element.name == "face":
-            list_count = sum(bool(each.count_type) for each in element.properties)
-            if list_count > 1 or sizes[0] not in (3, 4) or (sizes != sizes[0]).any():
-                # trimesh takes the lengths in the first row for all rows.
-                element, rows = _ply_triangles(data, starts, sizes, element, order)
-        if element.name in ("vertex", "face"):
-            kept.append(element)
-            body += rows
-    return kept, body, triangle_count
+        even = _even_columns(data, position, element)
+        columns[element.name], position = even or _uneven_columns(data, position, element)
+    return columns
 
 
-def _ply_cut_short(element: _Element) -> FormatError:
+def _even_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int] | None:
+    """Read rows that are all as long as the first, as in most files; None if they are not.
+
+    Returns
+    -------
+    columns : list
+        Of the properties that are wanted.
+    end : int
+        Where the next element begins.
+    """
+    fields, counts, end = list[tuple[Any, ...]](), list[str](), position
+    for place, each in enumerate(element.properties):
+        size = 1
+        if each.count_type:
+            counts.append(f"count of {place}")
+            fields.append((counts[-1], each.count_type))
+            size = _list_length(data, end, each.count_type, element)
+            end += each.count_type.itemsize
+        end += size * each.type.itemsize
+        if end > len(data):
+            raise _cut_short(element)
+        fields.append((str(place), each.type, (size,)))
+    record = np.dtype(fields)
+    if not fields:
+        return [], position
+    end = position + element.length * record.itemsize
+    if end > len(data):
+        if counts:
+            return None
+        raise _cut_short(element)
+    rows = np.frombuffer(data, record, element.length, position)
+    if not all((rows[count] == rows[count][0]).all() for count in counts):
+        return None
+    columns = [rows[str(place)] for place in element.wanted()]
+    return [(values.ravel(), np.full(*values.shape)) for values in columns], end
+
+
+def _uneven_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int]:
+    """Read rows with lists of different lengths; see `_even_columns`."""
+    wanted = element.wanted()
+    starts, sizes = ({place: array("q") for place in wanted} for _ in range(2))
+    for _ in range(element.length):
+        for place, each in enumerate(element.properties):
+            size = 1
+            if each.count_type:
+                size = _list_length(data, position, each.count_type, element)
+                position += each.count_type.itemsize
+            if place in starts:
+                starts[place].append(position)
+                sizes[place].append(size)
+            position += size * each.type.itemsize
+    if position > len(data):
+        raise _cut_short(element)
+    columns = [
+        _gather(data, np.array(starts[place]), np.array(sizes[place]), element.properties[place].type)
+        for place in wanted
+    ]
+    return columns, position
+
+
+def _gather(data: bytes, starts: NDArray[np.int64], sizes: NDArray[np.int64], kind: _Type) -> _Column:
+    """Values of lists that begin at some bytes, one list after the other."""
+    content, values, places = np.frombuffer(data, np.uint8), np.empty(sizes.sum(), kind), np.cumsum(sizes)
+    for size in np.unique(sizes[sizes > 0]).tolist():
+        rows = np.flatnonzero(sizes == size)
+        found = content[starts[rows, None] + np.arange(size * kind.itemsize)].view(kind)
+        values[places[rows, None] - size + np.arange(size)] = found
+    return values, sizes
+
+
+def _list_length(data: bytes, position: int, kind: _Type, element: _Element) -> int:
+    if position + kind.itemsize > len(data):
+        raise _cut_short(element)
+    order: Literal["little", "big"] = "big" if kind.str[0] == ">" else "little"
+    length = int.from_bytes(data[position : position + kind.itemsize], order, signed=kind.kind == "i")
+    if length < 0:
+        raise FormatError(f"has a list of {length} values in the element {element.name!r}; it is damaged")
+    return length
+
+
+def _cut_short(element: _Element) -> FormatError:
     return FormatError(
         f"ends before its {element.length:,} times the element {element.name!r} are complete; it was cut "
         "short: copy or export it again"
     )
-
-
-def _ply_lists(
-    data: bytes, position: int, element: _Element, order: _Order
-) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
-    """Where the corners of each face begin, how many they are, and where the faces end."""
-    steps, gap = [], 0
-    for each in element.properties:
-        width = np.dtype(each.type).itemsize
-        if each.count_type:
-            length = _dtype(each.count_type, order)
-            steps.append((gap, struct.Struct(order + length.char), width, each.name == "vertex_indices"))
-            gap = 0
-        else:
-            gap += width
-    if len(steps) == 1:  # rows of one length, as in most files, need no loop
-        before, count, width, _ = steps[0]
-        first = int.from_bytes(data[position + before :][: count.size], "little" if order == "<" else "big")
-        row = before + count.size + first * width + gap
-        if position + element.length * row <= len(data):
-            rows = np.frombuffer(data, np.uint8, element.length * row, position).reshape(-1, row)
-            size_bytes = rows[:, before : before + count.size]
-            if (size_bytes == size_bytes[0]).all():
-                begins = position + before + count.size + row * np.arange(element.length)
-                return begins, np.full(element.length, first), position + element.length * row
-    starts, sizes = array("q"), array("q")
-    for _ in range(element.length):
-        for before, count, width, wanted in steps:
-            position += before + count.size
-            if position > len(data):
-                raise _ply_cut_short(element)
-            (size,) = count.unpack_from(data, position - count.size)
-            if size < 0:
-                raise FormatError(f"has a face with a list of {size} values; it is damaged")
-            if wanted:
-                starts.append(position)
-                sizes.append(size)
-            position += size * width
-        position += gap
-    return np.array(starts), np.array(sizes), position
-
-
-def _dtype(name: str, order: _Order) -> np.dtype[np.generic]:
-    return np.dtype(name).newbyteorder(order)
-
-
-def _ply_triangles(
-    data: bytes,
-    starts: NDArray[np.int64],
-    sizes: NDArray[np.int64],
-    element: _Element,
-    order: _Order,
-) -> tuple[_Element, bytes]:
-    """Return faces of any sizes as fans of triangles."""
-    (corners,) = (each for each in element.properties if each.name == "vertex_indices")
-    corner = _dtype(corners.type, order)
-    triangles = [np.empty((0, 3), corner)]
-    for size in np.unique(sizes[sizes > 2]):
-        begins = starts[sizes == size, None]
-        polygons = np.frombuffer(data, np.uint8)[begins + np.arange(size * corner.itemsize)].view(corner)
-        fan = np.stack([np.zeros(size - 2, int), np.arange(1, size - 1), np.arange(2, size)], axis=1)
-        triangles.append(polygons[:, fan].reshape(-1, 3))
-    rows = np.empty(sum(map(len, triangles)), [("size", "u1"), ("corners", corner, 3)])
-    rows["size"], rows["corners"] = 3, np.concatenate(triangles)
-    return _Element("face", len(rows), [corners._replace(count_type="uint8")]), rows.tobytes()

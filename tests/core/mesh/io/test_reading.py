@@ -309,7 +309,7 @@ class TestPly:
         """A triangle, a quad and a pentagon take as much room as three quads."""
         points = np.array([[2, 0, 0], [1, 2, 0], [-1, 2, 0], [-2, 0, 0], [0, -3, 0]], float)
         mesh = read_mesh(write(tmp_path, "sum.ply", ply(points, [range(4), range(3), range(5)])))
-        assert mesh.faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 1, 2], [0, 2, 3], [0, 3, 4]]
+        assert mesh.faces.tolist() == [[0, 1, 2], [2, 3, 0], [0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 3, 4]]
 
     def test_texture_does_not_split_vertices(self, tmp_path):
         """Texture coordinates at every corner, of one length or not, as scanners and MeshLab write them."""
@@ -327,8 +327,10 @@ class TestPly:
             assert np.array_equal(mesh.vertices, POINTS)
             assert mesh.faces.tolist() == [list(face) for face in TRIANGLES]
         data = ply(kind="ascii").replace(b"property uchar red", b"property float s\nproperty float t")
-        data = data.replace(b" 7\n", b" 0.5 0.25\n\n")
-        assert np.array_equal(read_mesh(write(tmp_path, "seam.ply", data)).vertices, POINTS)
+        data = data.replace(b" 7\n", b" 0.5 0.25\n\n", len(POINTS))
+        mesh = read_mesh(write(tmp_path, "seam.ply", data))
+        assert np.array_equal(mesh.vertices, POINTS)
+        assert mesh.faces.tolist() == [list(face) for face in TRIANGLES]
 
     def test_cut_short(self, tmp_path):
         for cut in (1, 30, 150, 230):
@@ -609,7 +611,7 @@ def test_point_cloud(tmp_path):
 
 
 def test_memory_running_out_is_said(tmp_path, monkeypatch):
-    def exhausted(path, max_faces):
+    def exhausted(file):
         raise MemoryError
 
     monkeypatch.setitem(read_mesh.__globals__["_READERS"], ".obj", exhausted)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""Reading STL, binary and text: triangles with three vertices of their own each."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.polygons import Polygons
+from shapegoogle_core.mesh.io.text import parse_numbers, plain_text
+from shapegoogle_core.mesh.mesh import FloatArray
+
+__all__ = ["read_stl"]
+
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_FACET = re.compile(rb"\bvertex((?:[ \t]+[-+.\w]+){3})[ \t]*\n\s*" * 3 + rb"end")
+
+
+def read_stl(file: MeshFile) -> Polygons:
+    """Read an STL file; the solids of a text become one mesh.
+
+    Parameters
+    ----------
+    file : MeshFile
+
+    Returns
+    -------
+    polygons : Polygons
+        Not welded: vertices 3i, 3i + 1 and 3i + 2 are the corners of triangle i.
+
+    Raises
+    ------
+    FormatError
+        If the length is not the one that the file announces, a facet of a text is not a triangle, or there
+        are too many faces.
+    """
+    data = file.data
+    count = int.from_bytes(data[80:84], "little")
+    # Binary files may begin with the word solid too, so their length decides.
+    if len(data) == 84 + _RECORD.itemsize * count:
+        check_face_count(count, file.max_faces)
+        vertices = np.frombuffer(data, _RECORD, count, 84)["corners"].reshape(-1, 3).astype(np.float64)
+    else:
+        text = plain_text(data).lower()
+        if text.lstrip()[:5] != b"solid":
+            raise _not_an_stl(len(data), count)
+        vertices = _text_vertices(text, file.max_faces)
+    return Polygons.from_triangles(vertices, np.arange(len(vertices)).reshape(-1, 3))
+
+
+def _text_vertices(text: bytes, max_faces: int) -> FloatArray:
+    text = re.sub(rb"^\s*(end ?)?solid\b.*", rb"\1solid", text, flags=re.MULTILINE)  # names say anything
+    if not re.search(rb"\bend ?solid\s*\Z", text):
+        raise FormatError("ends before the word endsolid: it was cut short; copy or export it again")
+    facet_count = text.count(b"endfacet")
+    check_face_count(facet_count, max_faces)
+    triangles = _FACET.findall(text)
+    if not 3 * len(triangles) == 3 * facet_count == text.count(b"vertex"):
+        raise FormatError(
+            f"has {facet_count:,} facets, of which {len(triangles):,} are triangles; it is damaged or "
+            "was cut short: copy or export it again"
+        )
+    lines = [vertex for triangle in triangles for vertex in triangle]
+    return parse_numbers(lines, (0, 1, 2), "a vertex")
+
+
+def _not_an_stl(size: int, count: int) -> FormatError:
+    if size < 84:
+        return FormatError(f"has only {size} bytes, which is no STL file; copy or export it again")
+    return FormatError(
+        f"claims {count:,} triangles, which take {84 + _RECORD.itemsize * count:,} bytes, but has {size:,}; "
+        "it is no STL file, damaged or cut short: copy or export it again"
+    )
