@@ -4,7 +4,7 @@
 from shapegoogle_core.registration.alignment import Alignment, PreparedSample, align
 from shapegoogle_core.registration.local_words import LocalSettings, LocalWords, fit_local_words
 from shapegoogle_core.registration.sample import SampleSettings, SurfaceSample, sample_surface
-from shapegoogle_core.registration.screening import supports
+from shapegoogle_core.registration.support import supports
 
 __all__ = [
     "Alignment",

@@ -26,7 +26,7 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.alignment import PART_SCALES
-from shapegoogle_core.registration.fit import (
+from shapegoogle_core.registration.surface_fit import (
     Fit,
     Surface,
     TangentPlanes,

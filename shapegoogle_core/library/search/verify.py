@@ -25,7 +25,7 @@ from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.alignment import SHARED_SCALES, measure
-from shapegoogle_core.registration.exactness import RoughPose, exact_fit, rough_pose
+from shapegoogle_core.registration.exact_fit import RoughPose, exact_fit, rough_pose
 
 __all__ = ["CERTAIN", "SCREENED", "Examples", "Sharing", "verify"]
 

@@ -18,7 +18,7 @@ from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import Mending
 from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
 from shapegoogle_core.registration.alignment import Frame
-from shapegoogle_core.registration.exactness import RoughPose
+from shapegoogle_core.registration.exact_fit import RoughPose
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface
 from shapegoogle_core.registration.alignment import SHARED_SCALES, Frame
-from shapegoogle_core.registration.exactness import exact_fit, rough_pose
+from shapegoogle_core.registration.exact_fit import exact_fit, rough_pose
 
 KINDS = ("dog", "bird", "horse", "human")
 

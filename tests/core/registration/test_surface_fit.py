@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
 from shapegoogle_core.registration.alignment import Frame
-from shapegoogle_core.registration.fit import Surface, fit, frame_between, mirrored
+from shapegoogle_core.registration.surface_fit import Surface, fit, frame_between, mirrored
 
 
 def sampled(mesh: Mesh, points: int = 200) -> SurfaceSample:
