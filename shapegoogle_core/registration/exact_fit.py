@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""How much of a surface lies exactly on another one, as far as two samples of both can tell.
+"""Share of a surface that lies exactly on another one, from a sample of each.
 
-A part lies on its whole to a hair, on a relative of it only roughly: what `Alignment` measures with
-tolerances of 1 to 5 % of √area does not tell them apart. Two samples never have the same points, and where a
-surface bends, the points of one lie off the tangent planes of the other. But of two points p and q of a
-circle with normals n and m, (p - q) · (n + m) = 0: this distance is exact to the second order (Rusinkiewicz
-2019).
+A part lies exactly on its whole, but only roughly on a relative of the whole. The tolerances of `Alignment`,
+1 to 5 % of √area, do not separate the two. Two samples never have the same points, and where a surface bends,
+the points of one lie off the tangent planes of the other. But for two points p and q of a circle with normals
+n and m, (p - q) · (n + m) = 0: this symmetric distance is exact to second order (Rusinkiewicz 2019).
 """
 
 from __future__ import annotations
@@ -16,17 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.alignment import Frame, PreparedSample, correspondences, motions
-from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
+from shapegoogle_core.registration.correspondences import correspondences, motions
+from shapegoogle_core.registration.frames import Frame
+from shapegoogle_core.registration.gauss_newton import height_derivatives, stepped
+from shapegoogle_core.registration.prepared_sample import PreparedSample
 
-__all__ = ["RoughPose", "exact_fit", "rough_pose"]
+__all__ = ["RoughPose", "fit_exactly", "rough_pose"]
 
-# Lengths are in units of the candidate's √area.
-# A rough pose is looked for from so many groups of correspondences at each scale; by so many of the query's
-# points at this tolerance.
+# All lengths in this module are in units of the candidate's √area.
+# Rough pose: number of groups of correspondences at each scale; number of the query's points, and tolerance.
 _GROUPS = 8
 _POINTS, _TOLERANCE = 64, 0.05
-# Steps of the fit: how many of the query's points, and the tolerance of the distances.
+# Steps of the fit: number of the query's points, tolerance of the distances.
 _STEPS = (
     (120, 0.1),
     (120, 0.06),
@@ -38,24 +38,24 @@ _STEPS = (
     (600, 0.008),
     (600, 0.008),
 )
-# Lying on the other surface means this near.
+# Tolerance of points that lie on the other surface.
 _EXACT = 0.005
-# Points have no counterpart beside this, or if normals differ by more than 45°.
-_ASIDE, _LEAST_COSINE = 0.07, 0.7
-_FEWEST = 16
-_LEAST_SCALE, _LARGEST_SCALE = 0.4, 2.5
+# A point has no counterpart if the nearest point is farther to the side, or if its normal differs by 45°.
+_ASIDE, _SMALLEST_COSINE = 0.07, 0.7
+_FEWEST = 16  # points with a counterpart
+_SMALLEST_SCALE, _LARGEST_SCALE = 0.4, 2.5
 
 
 @dataclass(frozen=True, eq=False)
 class RoughPose:
-    """Where a query lies on a candidate, found in a tenth of the time that `align` takes.
+    """Rough position of a query on a candidate, found much faster than by `align`.
 
     Attributes
     ----------
     covered : float
         Share of the query's points that lie roughly on the candidate, from 0 to 1.
     frame : Frame or None
-        From the query to the candidate; None where there is none.
+        From the query to the candidate; None if no position was found.
     """
 
     covered: float
@@ -63,28 +63,28 @@ class RoughPose:
 
 
 def rough_pose(
-    query: PreparedSample, candidate: PreparedSample, among: Sequence[int] | None = None
+    query: PreparedSample, candidate: PreparedSample, scales_tried: Sequence[int] | None = None
 ) -> RoughPose:
-    """Lay a query over a candidate that may have more than it, fast and roughly.
+    """Align a query fast and roughly with a candidate, of which it may be only a part.
 
     Parameters
     ----------
     query, candidate : PreparedSample
-    among : sequence of int, optional
-        Which of the query's scales are tried; all, if it is not given.
+    scales_tried : sequence of int, optional
+        Indices of the query's scales to try; all by default.
 
     Returns
     -------
     pose : RoughPose
-        The best one by what lies on the candidate of the query; not by the other way round.
+        The one that puts the largest share of the query on the candidate, whatever else the candidate has.
     """
-    tried = range(len(query.scales)) if among is None else among
+    tried = range(len(query.scales)) if scales_tried is None else scales_tried
     best = RoughPose(0.0, None)
     points, normals = query.points[:_POINTS], query.normals[:_POINTS]
     for scale in tried:
-        there, second_order = correspondences(query, candidate, scale)
-        scales, rotations, translations = motions(query, candidate, there, second_order, _GROUPS)
-        possible = (scales > _LEAST_SCALE) & (scales < _LARGEST_SCALE)
+        counterparts, second_order = correspondences(query, candidate, scale)
+        scales, rotations, translations = motions(query, candidate, counterparts, second_order, _GROUPS)
+        possible = (scales > _SMALLEST_SCALE) & (scales < _LARGEST_SCALE)
         if not possible.any():
             continue
         scales, rotations, translations = scales[possible], rotations[possible], translations[possible]
@@ -92,7 +92,7 @@ def rough_pose(
         moved = scales[:, None, None] * (points @ turns) + translations[:, None]
         reach = 2 * _TOLERANCE
         distances, nearest = candidate.tree.query(moved.reshape(-1, 3), distance_upper_bound=reach)
-        # Those without a neighbour have the number after the last one, and count for nothing.
+        # A point without a neighbour gets an infinite distance and the index after the last one.
         nearest = np.minimum(nearest, len(candidate.points) - 1).reshape(moved.shape[:2])
         agreement = np.abs(((normals @ turns) * candidate.normals[nearest]).sum(axis=2))
         near = np.exp(-((np.asarray(distances).reshape(moved.shape[:2]) / _TOLERANCE) ** 2))
@@ -104,25 +104,24 @@ def rough_pose(
     return best
 
 
-def exact_fit(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> tuple[float, Frame]:
-    """Fit a query to a candidate, and tell how much of it lies exactly there.
+def fit_exactly(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> tuple[float, Frame]:
+    """Fit a query to a candidate, and measure the share of it that lies exactly on the candidate.
 
-    Gauss and Newton's method on the distances of the head of this module, robustly weighted, with the scale
-    free.
+    Gauss-Newton iterations on the symmetric distances, with robust weights and a free scale.
 
     Parameters
     ----------
     query, candidate : PreparedSample
     frame : Frame
-        From the query to the candidate, to start from.
+        Initial frame from the query to the candidate.
 
     Returns
     -------
     exact : float
-        Mean over the query's points of exp(-(r/τ)²) with r the distance and τ = 0.005, from 0 to 1. What a
-        candidate has besides does not lower it.
+        Mean over the query's points of exp(-(r/τ)²) with r the symmetric distance and τ = 0.005, from 0 to 1.
+        Parts that only the candidate has do not lower it.
     frame : Frame
-        Where it is so.
+        The fitted frame.
     """
     for count, tolerance in _STEPS:
         arms, heights, normals, paired = _heights(query, candidate, frame, count)
@@ -130,7 +129,7 @@ def exact_fit(query: PreparedSample, candidate: PreparedSample, frame: Frame) ->
         if np.count_nonzero(weights > 0.1) < _FEWEST:
             break
         step = _step(frame, arms, normals, heights, weights)
-        if not _LEAST_SCALE < step.scale < _LARGEST_SCALE:
+        if not _SMALLEST_SCALE < step.scale < _LARGEST_SCALE:
             break
         frame = step
     _, heights, _, paired = _heights(query, candidate, frame, len(query.points))
@@ -140,18 +139,18 @@ def exact_fit(query: PreparedSample, candidate: PreparedSample, frame: Frame) ->
 def _heights(
     query: PreparedSample, candidate: PreparedSample, frame: Frame, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Of the query's first points: where they are, their distances, along what, and 1 for the paired ones."""
-    points = frame.of(query.points[:count])
+    """Return the moved first points, their distances, the directions of these, and 1 for paired points."""
+    points = frame.apply(query.points[:count])
     turned = query.normals[:count] @ frame.rotation.T
     distances, nearest = candidate.tree.query(points)
-    theirs = candidate.normals[nearest]
-    cosines = (turned * theirs).sum(axis=1)
-    # Which side a normal is on means nothing.
-    normals = turned + np.where(cosines < 0, -1.0, 1.0)[:, None] * theirs
+    counterpart_normals = candidate.normals[nearest]
+    cosines = (turned * counterpart_normals).sum(axis=1)
+    # The orientation of a sample's normals is arbitrary.
+    normals = turned + np.where(cosines < 0, -1.0, 1.0)[:, None] * counterpart_normals
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     heights = ((points - candidate.points[nearest]) * normals).sum(axis=1)
     aside = np.sqrt(np.maximum(distances**2 - heights**2, 0))
-    paired = (np.abs(cosines) > _LEAST_COSINE) & (aside < _ASIDE)
+    paired = (np.abs(cosines) > _SMALLEST_COSINE) & (aside < _ASIDE)
     return points, heights, normals, paired.astype(np.float64)
 
 
@@ -162,7 +161,7 @@ def _step(
     arms = points - middle
     columns = height_derivatives(arms, normals)
     squares = columns.T @ (weights[:, None] * columns)
-    # What the surface does not tell, such as a turn of a sphere, stays as it is.
+    # Regularise motions that the surface leaves free, such as the rotation of a sphere.
     squares[np.diag_indices(7)] += 1e-6 * np.trace(squares)
     solution: FloatArray = np.linalg.solve(squares, -columns.T @ (weights * heights)).astype(np.float64)
-    return step_of(frame, middle, solution, 0.9, 1.1)
+    return stepped(frame, middle, solution, 0.9, 1.1)

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.alignment import similarity_transformations
+from shapegoogle_core.registration.frames import similarity_transformations
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Isometry", "functional_map", "spectral_difference"]

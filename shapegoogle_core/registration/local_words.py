@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.alignment import SHARED_SCALES
+from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["LocalSettings", "LocalWords", "fit_local_words"]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Which of many surfaces may have something in common with a query, in an eighth of the time of a rough pose.
+"""Spatial support: a fast test of which surfaces may have something in common with a query.
 
-Of points that look alike most pairs are wrong. Right ones agree with each other on distances, wrong ones
-with few. Half of the pairs that `align` compares are enough to tell where there is something to find, if they
-have to agree closely.
+Most pairs of points that look alike are wrong, but right ones are compatible with each other (see
+`correspondences`), wrong ones with few. Fewer pairs than for an alignment are enough to decide whether one is
+worthwhile, if they have to agree more closely. docs/evidence.md has the measurements behind the constants.
 """
 
 from __future__ import annotations
@@ -13,46 +13,53 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.alignment import PreparedSample, agreeing
+from shapegoogle_core.registration.correspondences import compatibility
+from shapegoogle_core.registration.prepared_sample import PreparedSample
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["supports"]
+__all__ = ["KEYPOINTS", "SUPPORTERS", "TOLERANCE", "supports"]
 
-# Of the query, each with the one of the candidate's that looks most like it. With 64, halves of three of 31
-# kinds of creatures had no more support by their whole than by anything; 128 take twice as long.
-_KEYPOINTS = 96
-# How well two of those pairs must agree, in units of the candidate's √area. Among creatures, 33 of each kind,
-# 0.025 is a little better for parts of another mesh, 0.035 for swollen limbs and holes; 0.05, as in `align`,
-# is worse for both, and much worse for halves that two shapes share.
-_AGREEMENT = 0.03
-# Support is what the leading pair has from so many of the others.
-_SUPPORTERS = 14
-# Candidates that are compared together: their matrices stay in the processor's cache.
-_AT_ONCE = 16
+KEYPOINTS = 96
+"""Number of the query's keypoints that are paired: with fewer, some halves are no longer found."""
+
+TOLERANCE = 0.03
+"""Largest difference of two distances of compatible pairs, in units of the candidate's √area.
+
+Closer than in `align`, which helps most with halves that two shapes share.
+"""
+
+SUPPORTERS = 14
+"""Number of pairs whose support of the leading pair counts."""
 
 
 def supports(
-    query: PreparedSample, candidates: Sequence[SurfaceSample], asked: NDArray[np.bool_]
+    query: PreparedSample,
+    candidates: Sequence[SurfaceSample],
+    compared: NDArray[np.bool_],
+    *,
+    batch_size: int = 16,
 ) -> NDArray[np.float32]:
-    """Count how many correspondences agree with each other, at each of the query's scales.
+    """Measure the spatial support of candidates at each of the query's scales.
 
     Parameters
     ----------
     query : PreparedSample
     candidates : sequence of SurfaceSample
-        With the same number of keypoints each.
-    asked : (n, s) array of bool
-        At which of the query's s scales each of the n candidates is compared with it.
+        All with the same number of keypoints.
+    compared : (n, s) array of bool
+        At which of the query's s scales each of the n candidates is compared.
+    batch_size : int, optional
+        Number of candidates compared together: few, so that their matrices stay in the processor's cache.
 
     Returns
     -------
     supports : (n, s) array of float32
-        From 0 to 1. Of the correspondence that the others support most: which share of all agrees both with
-        it and with one of its strongest supporters, on average. 0 where it was not asked.
+        From 0 to 1: for the pair that the others support most, the share of all pairs that are compatible
+        with it and with one of its strongest supporters, averaged over these. 0 where it was not compared.
     """
-    found = np.zeros(asked.shape, np.float32)
-    for start in range(0, len(candidates), _AT_ONCE):
-        portion = slice(start, start + _AT_ONCE)
+    found = np.zeros(compared.shape, np.float32)
+    for start in range(0, len(candidates), batch_size):
+        portion = slice(start, start + batch_size)
         prepared = [PreparedSample(sample) for sample in candidates[portion]]
         stacked = (
             np.stack([candidate.sample.descriptors for candidate in prepared]),
@@ -60,8 +67,8 @@ def supports(
             np.stack([candidate.key_points for candidate in prepared]),
             np.stack([candidate.key_centers for candidate in prepared]),
         )
-        for scale in np.flatnonzero(asked[portion].any(axis=0)):
-            rows = np.flatnonzero(asked[portion, scale])
+        for scale in np.flatnonzero(compared[portion].any(axis=0)):
+            rows = np.flatnonzero(compared[portion, scale])
             found[start + rows, scale] = _supports_at(query, int(scale), *(array[rows] for array in stacked))
     return found
 
@@ -74,20 +81,20 @@ def _supports_at(
     points: NDArray[np.float32],
     centers: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """Supports of b candidates with k keypoints each: arrays (b, k, ...)."""
-    looks, distances, center_distances = (array[:_KEYPOINTS] for array in query.looks[scale])
-    there = (half_squares[:, None] - looks @ descriptors.transpose(0, 2, 1)).argmin(axis=2)
-    agree = agreeing(
-        there,
-        distances[:, :_KEYPOINTS],
-        center_distances[:, :_KEYPOINTS],
-        np.take_along_axis(points, there[..., None], axis=1),
-        np.take_along_axis(centers, there[..., None], axis=1),
-        _AGREEMENT,
+    """Return the (b,) supports of b candidates with k keypoints each, given as arrays (b, k, ...)."""
+    query_descriptors, distances, center_distances = (array[:KEYPOINTS] for array in query.at_scales[scale])
+    counterparts = (half_squares[:, None] - query_descriptors @ descriptors.transpose(0, 2, 1)).argmin(axis=2)
+    compatible = compatibility(
+        counterparts,
+        distances[:, :KEYPOINTS],
+        center_distances[:, :KEYPOINTS],
+        np.take_along_axis(points, counterparts[..., None], axis=1),
+        np.take_along_axis(centers, counterparts[..., None], axis=1),
+        TOLERANCE,
     )
-    second_order = agree * (agree @ agree)
+    second_order = compatible * (compatible @ compatible)
     leaders = second_order.sum(axis=2).argmax(axis=1)[:, None, None]
     leading = np.take_along_axis(second_order, leaders, axis=1)[:, 0]
-    supporters = min(_SUPPORTERS, leading.shape[1])
+    supporters = min(SUPPORTERS, leading.shape[1])
     strongest = np.partition(leading, -supporters, axis=1)[:, -supporters:]
-    return np.asarray(strongest.mean(axis=1) / len(looks))
+    return np.asarray(strongest.mean(axis=1) / len(query_descriptors))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""How exactly two surfaces lie on one another, once they are aligned: a fit of points to a surface.
+"""Exact fit of a candidate's points to the surface of a query, once the two are aligned.
 
-Aligning compares samples with samples, whose points are never the same ones. Here the points of one shape are
-fitted to the other's faces, so that copies come to rounding errors.
+An alignment compares two samples, which never have the same points. Here the points of one shape are fitted
+to the faces of the other, so that the distances of a copy are rounding errors.
 """
 
 from __future__ import annotations
@@ -14,31 +14,31 @@ from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.registration.alignment import Frame, similarity_transformations
-from shapegoogle_core.registration.gauss_newton import height_derivatives, step_of
+from shapegoogle_core.registration.frames import Frame, similarity_transformations
+from shapegoogle_core.registration.gauss_newton import height_derivatives, stepped
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Fit", "Surface", "TangentPlanes", "fit", "frame_between", "matched", "mirrored"]
+__all__ = ["Fit", "Surface", "TangentPlanes", "fit_numbered", "fit_surface", "frame_between", "mirrored"]
 
-# Lengths are in units of √area of the surface that points are fitted to.
-# So many faces with the nearest centres are asked for the nearest point.
+# All lengths in this module are in units of the query's √area.
+# The nearest point of the surface is searched on the faces with the nearest centres, this many.
 _NEAR_FACES = 6
-# Robust weights exp(-(r/τ)²) of the steps: first what lies near, then what lies on it.
+# Tolerances τ of the robust weights exp(-r²/2τ²), one for each step.
 _TOLERANCES = (0.05, 0.03, 0.02, 0.01, 0.01, 0.005, 0.005, 0.005)
-# A point of the surface is covered by the sample if it is this near to the tangent plane of the sample's
-# nearest point, and if that one is no farther than the sample is wide apart.
+# A point of the query is covered if it is this near to the tangent plane of the candidate's nearest point,
+# and if that point is no farther than the spacing of the sample.
 _HEIGHT, _SPACING = 0.02, 0.08
 
 
 class Surface:
-    """Finds the nearest point of a mesh of even faces, in the units of its sample.
+    """Nearest points of a mesh with faces of similar size, in the units of its sample.
 
     Parameters
     ----------
     mesh : Mesh
         In the coordinates that the sample's centre and unit refer to.
     sample : SurfaceSample
-        Of that mesh.
+        Sample of that mesh.
     """
 
     def __init__(self, mesh: Mesh, sample: SurfaceSample) -> None:
@@ -53,7 +53,7 @@ class Surface:
         self._normals = normals / np.maximum(lengths, np.finfo(float).tiny)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Nearest points of the surface.
+        """Find the nearest points of the surface.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class Surface:
         -------
         nearest : (n, 3) array
         normals : (n, 3) array
-            Of their faces.
+            Normals of the faces on which they lie.
         """
         _, faces = self._tree.query(points, self._count)
         faces = np.asarray(faces).reshape(len(points), -1)
@@ -76,7 +76,7 @@ class Surface:
 
 
 class TangentPlanes:
-    """Stands for a surface of which only a sample is known: the tangent planes at its points.
+    """Nearest points of the tangent planes of a sample, where its mesh is not at hand.
 
     Parameters
     ----------
@@ -88,7 +88,17 @@ class TangentPlanes:
         self._tree = cKDTree(sample.points)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Nearest points of the planes at the nearest points; else as `Surface.nearest`."""
+        """Find the nearest points on the tangent planes at the nearest points of the sample.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+
+        Returns
+        -------
+        nearest, normals : (n, 3) arrays
+            As from `Surface.nearest`.
+        """
         _, places = self._tree.query(points)
         normals = self._normals[places]
         heights = ((points - self._points[places]) * normals).sum(axis=1)
@@ -97,16 +107,16 @@ class TangentPlanes:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A candidate's points where they fit the query's surface best.
+    """Candidate in the position in which its points fit the query's surface best.
 
     Attributes
     ----------
     frame : Frame
         From the candidate's sample to the query's.
     distances : (m,) array
-        Of the candidate's points to the query's surface, in units of the query's √area.
+        Distances of the candidate's points from the query's surface, in units of the query's √area.
     query_covered : float
-        Share of the query's points that lie on the candidate, as far as its sample tells.
+        Share of the query's points that lie on the candidate, measured on the candidate's sample.
     """
 
     frame: Frame
@@ -114,17 +124,17 @@ class Fit:
     query_covered: float
 
     def covered(self, tolerance: float) -> float:
-        """Share of the candidate's points that lie on the query's surface, to a tolerance."""
+        """Return the share of the candidate's points within a distance of the query's surface."""
         return float((self.distances <= tolerance).mean())
 
     @property
     def deviation(self) -> float:
-        """Distance that 95 % of the candidate's points do not exceed."""
+        """95th percentile of the distances."""
         return float(np.quantile(self.distances, 0.95))
 
 
 def frame_between(query: SurfaceSample, candidate: SurfaceSample) -> Frame:
-    """Leave everything in its place: both samples in the coordinates of their files.
+    """Return the frame between two samples whose shapes stay where their files have them.
 
     Parameters
     ----------
@@ -141,7 +151,7 @@ def frame_between(query: SurfaceSample, candidate: SurfaceSample) -> Frame:
 def mirrored(sample: SurfaceSample) -> SurfaceSample:
     """Reflect a sample in the plane x = 0 of its own units.
 
-    Nothing that describes its points tells a shape from its reflection: only they and their normals change.
+    Only points and normals change: descriptors are the same for a shape and its mirror image.
 
     Parameters
     ----------
@@ -155,7 +165,7 @@ def mirrored(sample: SurfaceSample) -> SurfaceSample:
     return replace(sample, points=sample.points * flip, normals=sample.normals * flip)
 
 
-def fit(
+def fit_surface(
     surface: Surface | TangentPlanes,
     query: SurfaceSample,
     candidate: SurfaceSample,
@@ -165,54 +175,54 @@ def fit(
 ) -> Fit:
     """Fit the points of a candidate to the surface of the query.
 
-    Gauss and Newton's method on the distances to tangent planes (Chen and Medioni 1992), with robust weights
-    and the scale free.
+    Gauss-Newton iterations on the distances to tangent planes (Chen and Medioni 1992), with robust weights
+    and a free scale.
 
     Parameters
     ----------
     surface : Surface or TangentPlanes
-        Of the query.
+        Surface of the query.
     query, candidate : SurfaceSample
     frame : Frame
-        To start from, see `Fit`.
+        Initial frame from the candidate to the query.
     steps : bool, optional
-        Without, measure only: the frame stays.
+        False measures the distances without fitting.
 
     Returns
     -------
     fit : Fit
     """
     for tolerance in _TOLERANCES if steps else ():
-        points = frame.of(candidate.points)
+        points = frame.apply(candidate.points)
         nearest, normals = surface.nearest(points)
         frame = _step(frame, points, nearest, normals, tolerance)
-    points = frame.of(candidate.points)
+    points = frame.apply(candidate.points)
     nearest, _ = surface.nearest(points)
     distances = np.linalg.norm(points - nearest, axis=1)
     return Fit(frame, distances, _covered(query.points, points, candidate.normals @ frame.rotation.T))
 
 
-def matched(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
-    """Lay points of the same number over one another.
+def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
+    """Fit the i-th point of a candidate to the i-th point of the query, for all i.
 
-    A copy of a mesh, its vertices in the same order, is sampled at the same places. So this finds moved and
-    scaled copies, and nothing else, at once.
+    A copy of a mesh with its vertices in the same order is sampled at the same places. So this recognises
+    moved and scaled copies at once, and nothing else.
 
     Parameters
     ----------
     query, candidate : SurfaceSample
-        With as many points.
+        With the same number of points.
 
     Returns
     -------
     fit : Fit
-        Distances are those of points of the same number.
+        Its distances are those between points of the same number.
     """
     scales, rotations, translations = similarity_transformations(
         candidate.points[None], query.points[None], np.ones((1, len(query.points)))
     )
     frame = Frame(float(scales[0]), rotations[0], translations[0])
-    distances = np.linalg.norm(frame.of(candidate.points) - query.points, axis=1)
+    distances = np.linalg.norm(frame.apply(candidate.points) - query.points, axis=1)
     return Fit(frame, distances, float((distances <= _HEIGHT).mean()))
 
 
@@ -225,9 +235,9 @@ def _step(
     arms = points - middle
     columns = height_derivatives(arms, normals)
     heights = (offsets * normals).sum(axis=1)
-    # What the surface does not tell, such as a turn of a sphere, stays as it is: the least solution.
+    # The least-norm solution does not move along what the surface leaves free, such as a sphere's rotation.
     solution, *_ = np.linalg.lstsq(weights[:, None] * columns, weights * heights, rcond=1e-6)
-    return step_of(frame, middle, solution, 0.8, 1.25)
+    return stepped(frame, middle, solution, 0.8, 1.25)
 
 
 def _covered(points: FloatArray, sample: FloatArray, normals: FloatArray) -> float:

@@ -25,17 +25,17 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_model import ShapeSignature
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, align
-from shapegoogle_core.registration.alignment import PART_SCALES
+from shapegoogle_core.registration.isometry import functional_map, spectral_difference
+from shapegoogle_core.registration.prepared_sample import PART_SCALES
 from shapegoogle_core.registration.surface_fit import (
     Fit,
     Surface,
     TangentPlanes,
-    fit,
+    fit_numbered,
+    fit_surface,
     frame_between,
-    matched,
     mirrored,
 )
-from shapegoogle_core.registration.isometry import functional_map, spectral_difference
 
 __all__ = ["EXPLAINED", "Compared", "Explainer", "explain_matches", "pose_features"]
 
@@ -179,7 +179,7 @@ class Explainer:
             ("mirrored", mirrored(sample)),
         )
         for kind, candidate in candidates:
-            laid = matched(self._sample, candidate)
+            laid = fit_numbered(self._sample, candidate)
             if laid.deviation <= EXACT:
                 if kind == "moved" and self._is_in_place(laid, sample):
                     kind = "identical"
@@ -192,7 +192,7 @@ class Explainer:
 
     def _is_in_place(self, laid: Fit, sample: SurfaceSample) -> bool:
         """Whether points lie where the files have them, and not only after a motion."""
-        apart = frame_between(self._sample, sample).of(sample.points) - laid.frame.of(sample.points)
+        apart = frame_between(self._sample, sample).apply(sample.points) - laid.frame.apply(sample.points)
         return float(np.abs(apart).max()) <= EXACT
 
     def _in_place(self, sample: SurfaceSample) -> Fit | None:
@@ -200,7 +200,7 @@ class Explainer:
         frame = frame_between(self._sample, sample)
         if abs(frame.scale - 1) > _FAR or np.abs(frame.translation).max() > _FAR:
             return None
-        return fit(self._surface, self._sample, sample, frame, steps=False)
+        return fit_surface(self._surface, self._sample, sample, frame, steps=False)
 
     def _moved_or_scaled(self, kind: EvidenceKind, laid: Fit, sample: SurfaceSample) -> EvidenceKind:
         same_size = abs(self._factor(laid, sample) - 1) <= _SAME_SIZE
@@ -219,7 +219,7 @@ class Explainer:
                 frame, agreement = back.frame, back.agreement
         if agreement < _PROMISING:
             return None
-        return fit(self._surface, self._sample, sample, frame)
+        return fit_surface(self._surface, self._sample, sample, frame)
 
     def _factor(self, laid: Fit, sample: SurfaceSample) -> float:
         """Size of the match relative to the query's, both as their files have them."""

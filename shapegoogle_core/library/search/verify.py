@@ -24,8 +24,9 @@ from shapegoogle_core.library.storage.samples import prepared_matches, stored_su
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample, align
-from shapegoogle_core.registration.alignment import SHARED_SCALES, measure
-from shapegoogle_core.registration.exact_fit import RoughPose, exact_fit, rough_pose
+from shapegoogle_core.registration.alignment import measure
+from shapegoogle_core.registration.exact_fit import RoughPose, fit_exactly, rough_pose
+from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 
 __all__ = ["CERTAIN", "SCREENED", "Examples", "Sharing", "verify"]
 
@@ -223,7 +224,7 @@ def _looked_for(
         frame = pose.frame
         if prepared is not None and frame is not None:
             query = examples.of(match).shared
-            exact, frame = exact_fit(query, prepared, frame)
+            exact, frame = fit_exactly(query, prepared, frame)
             laid[match.shape_id] = _Laid(match, prepared, measure(query, prepared, frame), exact)
     return laid
 
@@ -239,7 +240,7 @@ def _fit_aligned(examples: Examples, laid: Iterable[_Laid]) -> None:
     for _, pair in covering[:_EXACT_ALIGNED]:
         if pair.prepared is not None and pair.alignment is not None:
             query = examples.of(pair.match).prepared
-            pair.exact, _ = exact_fit(query, pair.prepared, pair.alignment.frame)
+            pair.exact, _ = fit_exactly(query, pair.prepared, pair.alignment.frame)
 
 
 def _verified(model: ShapeModel, laid: _Laid) -> Match:

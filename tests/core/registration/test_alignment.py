@@ -16,7 +16,7 @@ from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import Mending, mend
 from shapegoogle_core.registration import PreparedSample, SampleSettings, SurfaceSample, align, sample_surface
-from shapegoogle_core.registration.alignment import similarity_transformations
+from shapegoogle_core.registration.frames import similarity_transformations
 
 
 @pytest.fixture(autouse=True)
@@ -61,8 +61,8 @@ def test_a_moved_surface_is_laid_back(bumpy):
     turn = Rotation.from_euler("xyz", [0.5, 1.2, -2.0]).as_matrix()
     moved = Mesh(3 * bumpy.vertices @ turn.T + 4, bumpy.faces)
     alignment = align(sampled(moved), sampled(bumpy))
-    np.testing.assert_allclose(alignment.rotation, turn.T, atol=0.08)
-    assert alignment.scale == pytest.approx(1, abs=0.02)
+    np.testing.assert_allclose(alignment.frame.rotation, turn.T, atol=0.08)
+    assert alignment.frame.scale == pytest.approx(1, abs=0.02)
     assert alignment.agreement > 0.9
     assert alignment.excess == pytest.approx((alignment.agreement - 0.25) ** 2)
 
@@ -72,7 +72,7 @@ def test_a_damaged_surface_still_fits(bumpy, kind):
     damaged = transform(bumpy, kind, 2, seed=1)
     turn = Rotation.from_euler("zyx", [1.0, 0.3, -0.7]).as_matrix()
     alignment = align(sampled(Mesh(damaged.vertices @ turn.T, damaged.faces)), sampled(bumpy))
-    np.testing.assert_allclose(alignment.rotation, turn.T, atol=0.1)
+    np.testing.assert_allclose(alignment.frame.rotation, turn.T, atol=0.1)
     assert alignment.agreement > 0.6
 
 
@@ -84,7 +84,7 @@ def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy):
     share = part.area / bumpy.area
     assert 0.6 < share < 0.85
     alignment = align(sampled(part), sampled(bumpy))
-    assert alignment.scale == pytest.approx(np.sqrt(share), abs=0.02)
+    assert alignment.frame.scale == pytest.approx(np.sqrt(share), abs=0.02)
     assert alignment.query_covered[1] > 0.8
     assert alignment.candidate_covered[1] == pytest.approx(share * alignment.query_covered[1], abs=0.12)
 

@@ -14,8 +14,9 @@ from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface
-from shapegoogle_core.registration.alignment import SHARED_SCALES, Frame
-from shapegoogle_core.registration.exact_fit import exact_fit, rough_pose
+from shapegoogle_core.registration.exact_fit import fit_exactly, rough_pose
+from shapegoogle_core.registration.frames import Frame
+from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 
 KINDS = ("dog", "bird", "horse", "human")
 
@@ -43,11 +44,11 @@ def test_a_half_lies_exactly_on_its_whole_alone(shapes):
     pose, other = rough_pose(half, whole), rough_pose(half, relative)
     assert pose.frame is not None
     assert pose.covered > 0.5
-    exact, frame = exact_fit(half, whole, pose.frame)
+    exact, frame = fit_exactly(half, whole, pose.frame)
     assert exact > 0.7
     assert frame.scale == pytest.approx(np.sqrt(0.5), rel=0.02)  # both are of unit area
     if other.frame is not None:
-        assert exact_fit(half, relative, other.frame)[0] < exact - 0.15
+        assert fit_exactly(half, relative, other.frame)[0] < exact - 0.15
 
 
 def test_spheres_of_other_points_fit_to_a_thousandth():
@@ -64,7 +65,7 @@ def test_spheres_of_other_points_fit_to_a_thousandth():
         PreparedSample(replace(base.sample, points=radius * points[:600], normals=points[:600]))
         for points in spheres
     )
-    exact, frame = exact_fit(first, second, Frame(1.05, np.eye(3), np.array([0.01, 0.0, 0.02])))
+    exact, frame = fit_exactly(first, second, Frame(1.05, np.eye(3), np.array([0.01, 0.0, 0.02])))
     assert exact > 0.99
     assert frame.scale == pytest.approx(1, abs=2e-3)
     assert np.abs(frame.translation).max() < 2e-3
@@ -72,6 +73,6 @@ def test_spheres_of_other_points_fit_to_a_thousandth():
 
 def test_what_has_nothing_in_common():
     base = prepared(make_creature("dog", 201, vertex_count=1000).rest)
-    exact, frame = exact_fit(base, base, Frame(1.0, np.eye(3), np.array([50.0, 0, 0])))
+    exact, frame = fit_exactly(base, base, Frame(1.0, np.eye(3), np.array([50.0, 0, 0])))
     assert exact == 0
     assert frame.translation[0] == 50

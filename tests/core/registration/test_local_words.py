@@ -20,7 +20,7 @@ from shapegoogle_core.registration import (
     fit_local_words,
     sample_surface,
 )
-from shapegoogle_core.registration.alignment import SHARED_SCALES
+from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 
 SETTINGS = LocalSettings(words=256, bits=128)
 

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
-from shapegoogle_core.registration.alignment import Frame
-from shapegoogle_core.registration.surface_fit import Surface, fit, frame_between, mirrored
+from shapegoogle_core.registration.frames import Frame
+from shapegoogle_core.registration.surface_fit import Surface, fit_surface, frame_between, mirrored
 
 
 def sampled(mesh: Mesh, points: int = 200) -> SurfaceSample:
@@ -51,13 +51,13 @@ def test_a_frame_and_its_inverse(seed, scale):
     turn = Rotation.random(random_state=seed % 2**31).as_matrix()
     frame = Frame(scale, turn, random.normal(size=3))
     points = random.normal(size=(5, 3))
-    np.testing.assert_allclose(frame.inverse().of(frame.of(points)), points, atol=1e-9)
+    np.testing.assert_allclose(frame.inverse().apply(frame.apply(points)), points, atol=1e-9)
 
 
 def test_the_same_file_is_in_its_place(bumpy, sample):
     frame = frame_between(sample, sample)
     assert (frame.scale, frame.translation.tolist()) == (1, [0, 0, 0])
-    assert fit(Surface(bumpy, sample), sample, sample, frame, steps=False).deviation < 1e-9
+    assert fit_surface(Surface(bumpy, sample), sample, sample, frame, steps=False).deviation < 1e-9
 
 
 @pytest.mark.parametrize("scale", [1.0, 2.5])
@@ -72,7 +72,7 @@ def test_a_moved_copy_comes_back_exactly(bumpy, sample, scale):
     # The candidate's units, back through the motion, to the query's.
     shift = (np.array([3, 4, 5]) + scale * turn @ sample.center - candidate.center) / candidate.unit
     exact = Frame(scale * sample.unit / candidate.unit, turn, shift).inverse()
-    found = fit(
+    found = fit_surface(
         Surface(bumpy, sample),
         sample,
         candidate,
@@ -92,7 +92,9 @@ def test_what_is_missing_is_not_covered(bumpy, sample):
     used, corners = np.unique(bumpy.faces[keep], return_inverse=True)
     part = Mesh(bumpy.vertices[used], corners.reshape(-1, 3).astype(np.int32))
     candidate = sampled(part)
-    found = fit(Surface(bumpy, sample), sample, candidate, frame_between(sample, candidate), steps=False)
+    found = fit_surface(
+        Surface(bumpy, sample), sample, candidate, frame_between(sample, candidate), steps=False
+    )
     assert found.deviation < 1e-6
     assert found.query_covered == pytest.approx(part.area / bumpy.area, abs=0.15)  # up to a spacing beyond it
 

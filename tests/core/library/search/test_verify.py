@@ -17,8 +17,8 @@ from shapegoogle_core.library.search import verify as verification
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import Mending
 from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
-from shapegoogle_core.registration.alignment import Frame
 from shapegoogle_core.registration.exact_fit import RoughPose
+from shapegoogle_core.registration.frames import Frame
 
 
 @pytest.fixture(scope="module")
