@@ -1,119 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""Folders of small meshes, a small real model, and the command as users start it."""
+"""The command as users start it, and small libraries to try it on."""
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 
-import numpy as np
 import pytest
 
-from shapegoogle_core.indexing import describe_shape, find_meshes, read_shapes
-from shapegoogle_core.indexing.files import examine
-from shapegoogle_core.library import Library, NewShape
-from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
-from shapegoogle_core.model.describe import ChannelWords
-
-# `misbehaving` must be a module that worker processes can import too; they are given the same path.
-sys.path.insert(0, str(Path(__file__).parent))
-
-
-def build_model(seed: int = 0) -> ShapeModel:
-    """An untrained model: six words, one bag of words and one of pairs, random projection and code."""
-    random = np.random.default_rng(seed)
-    settings = ModelSettings(
-        name="tiny",
-        channels=(ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6),),
-        mending=None,
-        laplacian="cotangent",
-        eigenpairs=20,
-        projected=16,
-        code_bits=64,
-    )
-    size = settings.bag_size
-    return ShapeModel(
-        settings=settings,
-        vocabularies=(ChannelWords(random.uniform(0.2, 1.0, (6, 3)), sigma=0.3),),
-        weights=np.ones(size, np.float32),
-        mean=np.zeros(size, np.float32),
-        projection=random.standard_normal((size, 16)).astype(np.float16),
-        directions=random.standard_normal((64, 16)).astype(np.float32),
-        thresholds=np.zeros(64, np.float32),
-        similarity_half=0.1,
-        similarity_slope=2.0,
-        trained_on="nothing: random numbers for tests",
-    )
+from tests.core.cli.running import Shapegoogle, StartShapegoogle, start
+from tests.core.number_reader import reader  # noqa: F401
+from tests.core.small_libraries import folder, indexed, library, library_file, model, model_file  # noqa: F401
 
 
 @pytest.fixture(scope="session")
-def model() -> ShapeModel:
-    return build_model()
-
-
-@pytest.fixture(scope="session")
-def model_file(model: ShapeModel, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("model") / "tiny.npz"
-    model.save(path)
-    return path
-
-
-@pytest.fixture
-def folder(tmp_path: Path, make_mesh: Callable[..., Path]) -> Path:
-    """Three sound meshes in two folders."""
-    make_mesh(tmp_path / "meshes" / "apple.off", seed=1)
-    make_mesh(tmp_path / "meshes" / "pear.obj", seed=2)
-    make_mesh(tmp_path / "meshes" / "more" / "plum.stl", seed=3)
-    return tmp_path / "meshes"
-
-
-@pytest.fixture
-def indexed(library: Library, folder: Path) -> Library:
-    """A library that knows `folder`, made without the time that worker processes take to start."""
-    for path in find_meshes([folder]):
-        state, (found,) = examine(path), read_shapes(path).shapes
-        described = describe_shape(found, library.model)
-        shape = NewShape(described.signature, path.name, thumbnail=described.thumbnail)
-        library.replace_source(
-            path, size=state.size, mtime_ns=state.mtime_ns, sha256=state.sha256, shapes=[shape]
-        )
-    return library
-
-
-@pytest.fixture
-def library_file(tmp_path: Path) -> Path:
-    return tmp_path / "shapes.sglib"
-
-
-@pytest.fixture
-def library(library_file: Path, model: ShapeModel) -> Iterator[Library]:
-    with Library.open(library_file, model) as opened:
-        yield opened
-
-
-def command_line(*arguments: object) -> list[str]:
-    return [sys.executable, "-m", "shapegoogle_core", *map(str, arguments)]
-
-
-def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
-    """Start the command in a process group of its own, as a terminal does."""
-    return subprocess.Popen(
-        command_line(*arguments),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        encoding="utf-8",
-        env=os.environ | {"OMP_NUM_THREADS": "1", "PYTHONIOENCODING": "utf-8"},
-        start_new_session=True,
-        **options,  # type: ignore[call-overload]
-    )
-
-
-@pytest.fixture(scope="session")
-def shapegoogle() -> Callable[..., subprocess.CompletedProcess[str]]:
+def shapegoogle() -> Shapegoogle:
     """Run the command to its end."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -125,7 +26,7 @@ def shapegoogle() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 
 @pytest.fixture
-def start_shapegoogle() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+def start_shapegoogle() -> Iterator[StartShapegoogle]:
     """Start the command; what still runs at the end of the test is killed."""
     processes: list[subprocess.Popen[str]] = []
 

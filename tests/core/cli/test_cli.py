@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,15 +14,16 @@ import pytest
 
 from shapegoogle_core.cli import main
 from shapegoogle_core.library import Library
+from tests.core.cli.running import Shapegoogle, StartShapegoogle
 
-Run = tuple[int, str, str]
+Command = Callable[..., tuple[int, str, str]]
+"""Runs the command in this process: exit code, stdout, stderr."""
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]):
-    """Run the command in this process: exit code, stdout, stderr."""
+def run(capsys: pytest.CaptureFixture[str]) -> Command:
 
-    def call(*arguments: object) -> Run:
+    def call(*arguments: object) -> tuple[int, str, str]:
         capsys.readouterr()
         try:
             code = main([str(argument) for argument in arguments])
@@ -33,7 +35,7 @@ def run(capsys: pytest.CaptureFixture[str]):
     return call
 
 
-def test_help_and_version(run) -> None:
+def test_help_and_version(run: Command) -> None:
     code, text, _ = run("--help")
     assert code == 0
     for part in ("index", "query", "info", "train", "exit codes:", "examples:"):
@@ -65,13 +67,13 @@ def test_help_and_version(run) -> None:
         ["train", "folder"],
     ],
 )
-def test_wrong_usage(run, arguments: list[str]) -> None:
+def test_wrong_usage(run: Command, arguments: list[str]) -> None:
     code, stdout, stderr = run(*arguments)
     assert (code, stdout) == (2, "")
     assert stderr.startswith("usage: shapegoogle")
 
 
-def test_the_module_is_the_command(shapegoogle) -> None:
+def test_the_module_is_the_command(shapegoogle: Shapegoogle) -> None:
     done = shapegoogle("info", "--library", "nowhere.sglib")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
@@ -79,7 +81,7 @@ def test_the_module_is_the_command(shapegoogle) -> None:
     )
 
 
-def test_index_and_index_again(run, library_file: Path, folder: Path, model_file: Path) -> None:
+def test_index_and_index_again(run: Command, library_file: Path, folder: Path, model_file: Path) -> None:
     arguments = ["index", folder, "--library", library_file, "--jobs", "1"]
     code, stdout, stderr = run(*arguments, "--model", model_file)
     assert (code, stderr) == (0, "")
@@ -89,7 +91,7 @@ def test_index_and_index_again(run, library_file: Path, folder: Path, model_file
     assert run(*arguments) == (0, "nothing to do: 3 files unchanged, 3 shapes\n", "")
 
 
-def test_index_as_json(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_index_as_json(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
     code, stdout, stderr = run("index", folder, folder / "gone.obj", "--library", library_file, "--json")
     assert code == 1
     record = json.loads(stdout)
@@ -108,7 +110,7 @@ def test_index_as_json(run, indexed: Library, library_file: Path, folder: Path) 
     assert stderr.count("gone.obj' does not exist") == 2
 
 
-def test_prune(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_prune(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
     (folder / "apple.off").unlink()
     # Nothing is forgotten unasked.
     code, stdout, _ = run("index", folder, "--library", library_file)
@@ -119,7 +121,9 @@ def test_prune(run, indexed: Library, library_file: Path, folder: Path) -> None:
     assert len(indexed) == 2
 
 
-def test_query_as_json(run, indexed: Library, library_file: Path, folder: Path, tmp_path: Path) -> None:
+def test_query_as_json(
+    run: Command, indexed: Library, library_file: Path, folder: Path, tmp_path: Path
+) -> None:
     queries = [folder / "pear.obj", tmp_path / "gone.obj", folder / "more" / "plum.stl"]
     code, stdout, stderr = run("query", *queries, "--library", library_file, "--json")
     assert code == 1
@@ -141,7 +145,7 @@ def test_query_as_json(run, indexed: Library, library_file: Path, folder: Path, 
     assert str(queries[1]) in stderr
 
 
-def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_query_as_a_table(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
     query = folder / "pear.obj"
     code, stdout, stderr = run("query", query, "--library", library_file, "--top", "2", "--exact")
     assert (code, stderr) == (0, "")
@@ -157,7 +161,9 @@ def test_query_as_a_table(run, indexed: Library, library_file: Path, folder: Pat
     assert [line.split(":")[0] for line in legend] == ["similarity", "distance", "evidence"]
 
 
-def test_meshes_together_are_one_question(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_meshes_together_are_one_question(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
     meshes = [folder / "pear.obj", folder / "apple.off"]
     unlike = folder / "more" / "plum.stl"
     code, stdout, stderr = run(
@@ -179,7 +185,7 @@ def test_meshes_together_are_one_question(run, indexed: Library, library_file: P
 
 
 def test_what_is_not_looked_for_goes_with_every_query(
-    run, indexed: Library, library_file: Path, folder: Path
+    run: Command, indexed: Library, library_file: Path, folder: Path
 ) -> None:
     meshes = [folder / "pear.obj", folder / "apple.off"]
     unlike = folder / "more" / "plum.stl"
@@ -192,7 +198,9 @@ def test_what_is_not_looked_for_goes_with_every_query(
         assert record["matches"][-1]["source"] == str(unlike)
 
 
-def test_examples_that_cannot_be_read(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_examples_that_cannot_be_read(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
     """Without one of its examples it would be another question; each is named."""
     pear, gone, broken = folder / "pear.obj", folder / "gone.obj", folder / "broken.off"
     broken.write_text("OFF\n")
@@ -213,7 +221,7 @@ def test_examples_that_cannot_be_read(run, indexed: Library, library_file: Path,
     assert (code, stdout) == (1, "")
 
 
-def test_query_of_an_empty_library(run, library: Library, library_file: Path, folder: Path) -> None:
+def test_query_of_an_empty_library(run: Command, library: Library, library_file: Path, folder: Path) -> None:
     code, stdout, _ = run("query", folder / "pear.obj", "--library", library_file, "--json")
     assert (code, json.loads(stdout)["matches"]) == (0, [])
     code, stdout, _ = run("query", folder / "pear.obj", "--library", library_file)
@@ -221,7 +229,7 @@ def test_query_of_an_empty_library(run, library: Library, library_file: Path, fo
     assert "the best 0 of 0 shapes" in stdout
 
 
-def test_info(run, indexed: Library, library_file: Path) -> None:
+def test_info(run: Command, indexed: Library, library_file: Path) -> None:
     code, stdout, _ = run("info", "--library", library_file, "--json")
     record = json.loads(stdout)
     assert code == 0
@@ -234,7 +242,7 @@ def test_info(run, indexed: Library, library_file: Path) -> None:
         assert line in lines
 
 
-def test_info_lists_what_failed(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_info_lists_what_failed(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
     (folder / "broken.off").write_text("OFF\n")
     assert run("index", folder, "--library", library_file, "--jobs", "1")[0] == 1
     _, stdout, _ = run("info", "--library", library_file, "--json")
@@ -244,7 +252,7 @@ def test_info_lists_what_failed(run, indexed: Library, library_file: Path, folde
 
 
 def test_files_that_are_gone_are_mentioned_and_kept(
-    run, indexed: Library, library_file: Path, folder: Path
+    run: Command, indexed: Library, library_file: Path, folder: Path
 ) -> None:
     (folder / "pear.obj").unlink()
     _, _, stderr = run("index", folder, "--library", library_file, "--jobs", "1")
@@ -252,7 +260,9 @@ def test_files_that_are_gone_are_mentioned_and_kept(
     assert len(indexed) == 3
 
 
-def test_library_and_model_that_cannot_be_used(run, folder: Path, tmp_path: Path, model_file: Path) -> None:
+def test_library_and_model_that_cannot_be_used(
+    run: Command, folder: Path, tmp_path: Path, model_file: Path
+) -> None:
     text = tmp_path / "notes.txt"
     text.write_text("This is no database, whatever its name may say. " * 50)
     cases = [
@@ -277,7 +287,9 @@ def test_library_and_model_that_cannot_be_used(run, folder: Path, tmp_path: Path
     assert "Traceback" in stderr
 
 
-def test_damaged_model(run, folder: Path, library_file: Path, model_file: Path, tmp_path: Path) -> None:
+def test_damaged_model(
+    run: Command, folder: Path, library_file: Path, model_file: Path, tmp_path: Path
+) -> None:
     damaged = tmp_path / "damaged.npz"
     damaged.write_bytes(model_file.read_bytes()[:-200])
     code, stdout, stderr = run("index", folder, "--library", library_file, "--model", damaged)
@@ -288,7 +300,9 @@ def test_damaged_model(run, folder: Path, library_file: Path, model_file: Path, 
     assert not library_file.exists()
 
 
-def test_another_model_than_the_library_has(run, indexed: Library, library_file: Path, folder: Path) -> None:
+def test_another_model_than_the_library_has(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
     other = folder.parent / "other.npz"
     replace(indexed.model, mean=np.ones_like(indexed.model.mean)).save(other)
     code, _, stderr = run("index", folder, "--library", library_file, "--model", other)
@@ -298,10 +312,12 @@ def test_another_model_than_the_library_has(run, indexed: Library, library_file:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such pipes")
 def test_a_reader_that_stops_reading(
-    start_shapegoogle, indexed: Library, library_file: Path, folder: Path
+    start_shapegoogle: StartShapegoogle, indexed: Library, library_file: Path, folder: Path
 ) -> None:
     """`shapegoogle query … | head -1`."""
     process = start_shapegoogle("query", *[folder / "pear.obj"] * 200, "--library", library_file, "--json")
+    assert process.stdout is not None
+    assert process.stderr is not None
     assert json.loads(process.stdout.readline())["query"] == str(folder / "pear.obj")
     process.stdout.close()
     assert process.stderr.read() == ""
@@ -309,7 +325,7 @@ def test_a_reader_that_stops_reading(
 
 
 def test_pruning_keeps_what_may_be_on_a_drive(
-    run, indexed: Library, library_file: Path, folder: Path, tmp_path: Path
+    run: Command, indexed: Library, library_file: Path, folder: Path, tmp_path: Path
 ) -> None:
     """A folder that is not there, and one that is empty, as a drive that is not plugged in leaves them."""
     (folder / "apple.off").unlink()
@@ -325,7 +341,7 @@ def test_pruning_keeps_what_may_be_on_a_drive(
     assert len(indexed) == 3
 
 
-def test_json_without_any_file(run, tmp_path: Path) -> None:
+def test_json_without_any_file(run: Command, tmp_path: Path) -> None:
     library = tmp_path / "none.sglib"
     code, stdout, _ = run("index", tmp_path / "gone", "--library", library, "--json")
     record = json.loads(stdout)

@@ -1,11 +1,20 @@
 # SPDX-License-Identifier: MIT
 """`shapegoogle duplicates`: a table, or one JSON object for each group."""
 
+from __future__ import annotations
+
 import json
 import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from shapegoogle_core.library import Library
+from tests.core.cli.running import Shapegoogle
 
 
-def test_copies_and_same_shapes_are_listed(shapegoogle, library, folder, make_mesh, model_file):
+def test_copies_and_same_shapes_are_listed(
+    shapegoogle: Shapegoogle, library: Library, folder: Path, make_mesh: Callable[..., Path], model_file: Path
+) -> None:
     shutil.copy(folder / "apple.off", folder / "more" / "apple copy.off")
     make_mesh(folder / "apple.ply", seed=1)
     file = library.path
@@ -27,7 +36,9 @@ def test_copies_and_same_shapes_are_listed(shapegoogle, library, folder, make_me
     assert {member["name"] for member in groups["same"]["members"]} == {"apple.off", "apple.ply"}
 
 
-def test_wrong_usage_and_missing_libraries_end_with_2(shapegoogle, indexed, tmp_path):
+def test_wrong_usage_and_missing_libraries_end_with_2(
+    shapegoogle: Shapegoogle, indexed: Library, tmp_path: Path
+) -> None:
     wrong = shapegoogle("duplicates", "--library", indexed.path, "--min-similarity", "2")
     assert wrong.returncode == 2
     assert "at most 1" in wrong.stderr

@@ -1,180 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Another program that reads files: what it answers; what happens when it crashes, hangs or is not there."""
+"""The command with a program that reads more kinds of files."""
 
 from __future__ import annotations
 
 import json
-import resource
-import sys
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from shapegoogle_core import cli
-from shapegoogle_core.errors import MeshError
-from shapegoogle_core.indexing import (
-    ExternalReader,
-    IndexReport,
-    ReaderOption,
-    end_external_readers,
-    find_meshes,
-    index_files,
-    read_shapes,
-    readable_suffixes,
-)
+from shapegoogle_core.cli import main
+from shapegoogle_core.indexing import ExternalReader
 from shapegoogle_core.library import Library
 from shapegoogle_core.model import ShapeModel
-
-# Reads files of numbers: one shape for each, an octahedron as large as the number. What a word stands for
-# happens instead.
-PROGRAM = """
-import json, os, sys, time
-from array import array
-
-VERTICES = [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, -1]
-FACES = [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]
-print("a banner")
-print("shapegoogle-answer", json.dumps({"ready": True}), flush=True)
-for line in sys.stdin:
-    request = json.loads(line)
-    words = open(request["path"]).read().split()
-    print("reading", request["path"], "warning: noise on the other stream", file=sys.stderr)
-    answer = {"shapes": [], "problems": [], "joined": "joined" in words}
-    answer["up_axis"] = 2
-    with open(request["output"], "wb") as output:
-        for word in words:
-            if word == "crash" or "FAIL" in os.environ:
-                print("something is wrong", flush=True)
-                os._exit(3)
-            elif word == "hang":
-                time.sleep(3600)
-            elif word == "swell":
-                import resource
-                limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-                answer["problems"].append(f"limit {limit} asked {request['memory_limit']}")
-            elif word == "error":
-                answer = {"error": "the program does not like it"}
-            elif word == "problem":
-                answer["problems"].append("'Part' is no good")
-            elif word not in ("joined", "alone"):
-                huge = word == "huge"  # takes its time to be described
-                scale = 1.0 if huge else float(word)
-                copies = 150_000 if huge else 1
-                array("f", VERTICES * copies).tofile(output)
-                for copy in range(copies):
-                    array("i", [6 * copy + corner for corner in FACES]).tofile(output)
-                s = abs(scale)
-                matrix = [scale, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 5, 0, 0, 0, 1]
-                twin = 0 if answer["shapes"] and "alone" not in words else None
-                record = {"name": request["prefix"] + word, "matrix": matrix}
-                record.update(vertices=6 * copies, faces=8 * copies)
-                answer["shapes"].append({**record, "twin_of": twin})
-    print("shapegoogle-answer", json.dumps(answer), flush=True)
-"""
-
-
-@pytest.fixture
-def reader(tmp_path: Path):
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM)
-    yield ExternalReader(
-        suffixes=frozenset({".numbers"}),
-        command=(sys.executable, str(program)),
-        title="the program",
-        offers=(ReaderOption("prefix", ("x", "y"), "what names begin with"),),
-        options=(("prefix", "x"),),
-        time_limit=5.0,
-    )
-    end_external_readers()
-
-
-def write(folder: Path, name: str, text: str) -> Path:
-    folder.mkdir(exist_ok=True)
-    path = folder / f"{name}.numbers"
-    path.write_text(text)
-    return path
-
-
-def test_shapes_of_a_file(reader: ExternalReader, tmp_path: Path) -> None:
-    found = read_shapes(write(tmp_path, "two", "1 3 problem"), reader)
-    assert [shape.object_name for shape in found.shapes] == ["x1", "x3"]
-    assert [shape.twin_of for shape in found.shapes] == [None, 0]
-    assert found.problems == ["'Part' is no good"]
-    low, high = (shape.mesh.vertices for shape in found.shapes)
-    np.testing.assert_allclose(high - [0, 0, 5], 3 * (low - [0, 0, 5]))
-    assert found.shapes[0].mesh.faces.tolist()[0] == [0, 2, 4]
-
-
-def test_a_mirrored_shape_is_not_inside_out(reader: ExternalReader, tmp_path: Path) -> None:
-    (shape,) = read_shapes(write(tmp_path, "mirror", "-1"), reader).shapes
-    corners = shape.mesh.vertices[shape.mesh.faces]
-    volume = np.linalg.det(corners - [0, 0, 5]).sum() / 6
-    assert volume > 0
-
-
-def test_joined_parts(reader: ExternalReader, tmp_path: Path) -> None:
-    (shape,) = read_shapes(write(tmp_path, "parts", "1 2 joined"), reader).shapes
-    assert (shape.object_name, len(shape.mesh.vertices), len(shape.mesh.faces)) == ("", 12, 16)
-    assert shape.mesh.faces.max() == 11
-
-
-def test_a_program_that_crashes_is_started_again(reader: ExternalReader, tmp_path: Path) -> None:
-    message = r"'bad.numbers' crashed the program, which read it \(exit code 3.*something is wrong"
-    with pytest.raises(MeshError, match=message):
-        read_shapes(write(tmp_path, "bad", "crash"), reader)
-    assert len(read_shapes(write(tmp_path, "good", "1"), reader).shapes) == 1
-    with pytest.raises(MeshError, match="the program does not like it"):
-        read_shapes(write(tmp_path, "refused", "error"), reader)
-
-
-def test_a_program_that_hangs_is_killed(reader: ExternalReader, tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match=r"'slow\.numbers' was not read by the program after 5 s"):
-        read_shapes(write(tmp_path, "slow", "hang"), reader)
-    assert len(read_shapes(write(tmp_path, "good", "1"), reader).shapes) == 1
-
-
-def test_a_program_that_is_not_there(tmp_path: Path) -> None:
-    missing = ExternalReader(frozenset({".numbers"}), (str(tmp_path / "none"),), "the program")
-    with pytest.raises(MeshError, match="the program cannot be started"):
-        read_shapes(write(tmp_path, "good", "1"), missing)
-    with pytest.raises(MeshError, match="is not there"):
-        read_shapes(tmp_path / "gone.numbers", missing)
-
-
-def test_without_a_reader(tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match="convert it first"):
-        read_shapes(write(tmp_path, "good", "1"))
-    assert ".numbers" not in readable_suffixes(None)
-
-
-def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None:
-    folder = tmp_path / "files"
-    write(folder, "a", "1 2")
-    write(folder, "copy", "1 2")
-    write(folder, "crash", "crash")
-    write(folder, "empty", "")
-    write(folder, "part", "1 problem")
-
-    report = index(library, folder, reader)
-    assert (report.added, report.shapes) == (3, 5)
-    reasons = {path.name: reason for path, reason in report.failed}
-    assert set(reasons) == {"crash.numbers", "part.numbers"}
-    assert "crashed the program, which read it (exit code 3" in reasons["crash.numbers"]
-    assert reasons["part.numbers"] == "'part.numbers': 1 of 2 objects failed: 'Part' is no good"
-    shapes = {(Path(shape.source).stem, shape.object_name): shape for shape in library.shapes()}
-    assert set(shapes) == {("a", "x1"), ("a", "x2"), ("copy", "x1"), ("copy", "x2"), ("part", "x1")}
-    # A twin has the signature of the first, and its own size.
-    assert shapes["a", "x2"].area == pytest.approx(4 * shapes["a", "x1"].area)
-    assert shapes["copy", "x2"].area == pytest.approx(shapes["a", "x2"].area)
-    first, second = (library.signature(shapes["a", name].shape_id) for name in ("x1", "x2"))
-    np.testing.assert_array_equal(first.bags, second.bags)
-
-    report = index(library, folder, reader)
-    assert (report.added, report.unchanged, len(report.failed)) == (0, 3, 2)
-    assert index(library, folder, reader, reread=True).updated == 2
-    assert index(library, folder, reader, retry=True).unchanged == 3
+from tests.core.number_reader import write_numbers
 
 
 def test_command(
@@ -182,10 +20,10 @@ def test_command(
     model: ShapeModel,
     library_file: Path,
     tmp_path: Path,
-    capsys: pytest.CaptureFixture,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     Library.open(library_file, model).close()
-    path = write(tmp_path / "files", "two", "1 2")
+    path = write_numbers(tmp_path / "files", "two", "1 2")
     arguments = [
         "index",
         str(path.parent),
@@ -196,107 +34,16 @@ def test_command(
         "--events",
         "--json",
     ]
-    assert cli.main([*arguments, "--prefix", "y"], reader=reader) == 0
+    assert main([*arguments, "--prefix", "y"], reader=reader) == 0
     event, summary = map(json.loads, capsys.readouterr().out.splitlines())
     assert event == {"done": 1, "total": 1, "path": str(path), "status": "added", "reason": ""}
     assert (summary["added"], summary["new_shapes"], summary["shapes"]) == (1, 2, 2)
 
     gone = str(tmp_path / "gone.numbers")
     query = ["query", str(path), gone, "--library", str(library_file), "--json", "--top", "1"]
-    assert cli.main(query, reader=reader) == 1
+    assert main(query, reader=reader) == 1
     first, second, third = map(json.loads, capsys.readouterr().out.splitlines())
     assert (first["query"], first["object"], first["matches"][0]["name"]) == (str(path), "x1", "y1")
     assert second["object"] == "x2"
     assert (third["query"], third["matches"]) == (gone, [])
     assert "is not there" in third["error"]
-
-
-def index(library: Library, folder: Path, reader: ExternalReader, **options: object) -> IndexReport:
-    paths = find_meshes([folder], suffixes=readable_suffixes(reader))
-    return index_files(library, paths, jobs=1, reader=reader, **options)  # type: ignore[arg-type]
-
-
-def names(library: Library) -> list[tuple[str, str]]:
-    return sorted((Path(shape.source).stem, shape.object_name) for shape in library.shapes())
-
-
-def test_a_file_of_many_shapes_may_take_longer_than_one_shape(
-    reader: ExternalReader, library: Library, tmp_path: Path
-) -> None:
-    """The limit is for each shape: together they take several times as long."""
-    count = 250
-    text = " ".join(["alone", *map(str, range(1, count + 1))])
-    write(tmp_path / "files", "many", text)
-    report = index(library, tmp_path / "files", reader, time_limit=1.5)
-    assert (report.added, report.shapes, report.failed) == (1, count, [])
-    assert report.seconds > 1.5
-
-
-def test_a_shape_that_takes_too_long_costs_only_itself(
-    reader: ExternalReader, library: Library, tmp_path: Path
-) -> None:
-    write(tmp_path / "files", "some", "alone 1 huge 3")
-    report = index(library, tmp_path / "files", reader, time_limit=2)
-    ((path, reason),) = report.failed
-    assert path.name == "some.numbers"
-    assert reason.startswith("'some.numbers': 1 of 3 objects failed: 'xhuge' was not done after 2 s")
-    assert names(library) == [("some", "x1"), ("some", "x3")]
-
-
-def test_other_options_read_again(reader: ExternalReader, library: Library, tmp_path: Path) -> None:
-    folder = tmp_path / "files"
-    write(folder, "a", "1")
-    other = replace(reader, options=(("prefix", "y"),))
-    assert index(library, folder, reader).added == 1
-    assert index(library, folder, other).updated == 1
-    assert names(library) == [("a", "y1")]
-    write(folder, "copy", "1")
-    assert index(library, folder, other).added == 1
-    assert names(library) == [("a", "y1"), ("copy", "y1")]
-    # Only one of them is read again: the copies are still known as such.
-    report = index(library, folder, reader)
-    assert (report.updated, names(library)) == (2, [("a", "x1"), ("copy", "x1")])
-    assert index(library, folder, reader).unchanged == 2
-
-
-def test_a_failure_keeps_the_shapes_of_the_same_content(
-    reader: ExternalReader, library: Library, tmp_path: Path
-) -> None:
-    folder = tmp_path / "files"
-    path = write(folder, "a", "1 2")
-    index(library, folder, reader)
-    ((_, reason),) = index(library, folder, replace(reader, command=("gone",)), reread=True).failed
-    assert "the program cannot be started" in reason
-    assert reason.endswith("(its shapes of an earlier run were kept)")
-    ((_, reason),) = index(library, folder, replace(reader, environment=(("FAIL", "1"),)), reread=True).failed
-    assert "crashed" in reason
-    assert names(library) == [("a", "x1"), ("a", "x2")]
-    assert index(library, folder, reader).unchanged == 1
-    # Another content is another matter.
-    write(folder, "a", "crash")
-    assert len(index(library, folder, reader).failed) == 1
-    assert (names(library), library.sources()[str(path)].shape_count) == ([], 0)
-
-
-@pytest.mark.parametrize("broken", ["gone", sys.executable])
-def test_a_program_that_cannot_be_started_is_not_the_files_fault(
-    reader: ExternalReader, library: Library, tmp_path: Path, broken: str
-) -> None:
-    write(tmp_path / "files", "a", "1")
-    command = (broken,) if broken == "gone" else (broken, "-c", "raise SystemExit('a library is missing')")
-    ((_, reason),) = index(library, tmp_path / "files", replace(reader, command=command)).failed
-    assert "the program cannot be started" in reason
-    assert broken == "gone" or "a library is missing" in reason
-    # Without being asked to retry.
-    assert index(library, tmp_path / "files", reader).added == 1
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
-def test_the_program_does_not_inherit_the_limit(
-    reader: ExternalReader, library: Library, tmp_path: Path
-) -> None:
-    write(tmp_path / "files", "a", "1 swell")
-    limited = replace(reader, memory_limit=77)
-    ((_, reason),) = index(library, tmp_path / "files", limited, memory_limit=1024).failed
-    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-    assert reason.endswith(f"limit {soft} asked 77")

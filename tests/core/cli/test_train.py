@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,20 +11,22 @@ import pytest
 
 from shapegoogle_core.cli import main
 from shapegoogle_core.mesh import read_mesh
-from shapegoogle_core.model import PRESETS, load_model
+from shapegoogle_core.model import PRESETS, ShapeModel, load_model
 from shapegoogle_core.model.settings import DESCRIPTORS
 
 Capture = pytest.CaptureFixture[str]
 
 
 @pytest.fixture
-def small_preset(model, monkeypatch: pytest.MonkeyPatch) -> str:
+def small_preset(model: ShapeModel, monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.setitem(PRESETS, "small", model.settings)
     return "small"
 
 
 @pytest.mark.filterwarnings("ignore:Number of distinct clusters")
-def test_a_model_is_learnt(small_preset: str, make_mesh, tmp_path: Path, capsys: Capture) -> None:
+def test_a_model_is_learnt(
+    small_preset: str, make_mesh: Callable[..., Path], tmp_path: Path, capsys: Capture
+) -> None:
     folder, output = tmp_path / "shapes", tmp_path / "mine.npz"
     for seed in range(9):
         # Two poses each, as far as this test is concerned: the same twice.
@@ -61,7 +64,9 @@ def test_what_can_be_known_before_training(folder: Path, tmp_path: Path, capsys:
 
 
 @pytest.mark.filterwarnings("ignore:Number of distinct clusters")
-def test_descriptors_are_chosen_by_name(small_preset: str, make_mesh, tmp_path: Path) -> None:
+def test_descriptors_are_chosen_by_name(
+    small_preset: str, make_mesh: Callable[..., Path], tmp_path: Path
+) -> None:
     folder, output = tmp_path / "shapes", tmp_path / "mine.npz"
     for seed in range(8):
         make_mesh(folder / f"shape{seed}.off", seed)

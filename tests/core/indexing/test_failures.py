@@ -7,25 +7,27 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import misbehaving
 import pytest
 
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
 from shapegoogle_core.indexing.workers import Workers
 from shapegoogle_core.library import Library
+from shapegoogle_core.model import ShapeModel
+from tests.core.indexing import misbehaving
 
 SOUND = ["apple.off", "pear.obj", "prints.off", "quince.off"]
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, make_mesh) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, make_mesh: Callable[..., Path]) -> Path:
     folder = tmp_path_factory.mktemp("models")
-    bad = ("hangs", "aborts", "exits", "raises", "changes", "vanishes", "prints")
-    bad += ("swells",) if sys.platform == "linux" else ()
+    bad = ["hangs", "aborts", "exits", "raises", "changes", "vanishes", "prints"]
+    bad += ["swells"] if sys.platform == "linux" else []
     for seed, stem in enumerate((*bad, "apple", "quince")):
         make_mesh(folder / f"{stem}.off", seed=seed)
     make_mesh(folder / "pear.obj", seed=20)
@@ -40,7 +42,7 @@ def outcomes() -> list[FileOutcome]:
 
 
 @pytest.fixture(scope="module")
-def library(folder: Path, model, tmp_path_factory: pytest.TempPathFactory):
+def library(folder: Path, model: ShapeModel, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
     with Library.open(tmp_path_factory.mktemp("library") / "shapes.sglib", model) as library:
         yield library
 
@@ -136,7 +138,9 @@ def test_failures_are_remembered_until_asked_to_retry(library: Library, folder: 
 
 
 @pytest.mark.usefixtures("report")
-def test_a_failed_file_is_tried_again_when_it_changes(library: Library, folder: Path, make_mesh) -> None:
+def test_a_failed_file_is_tried_again_when_it_changes(
+    library: Library, folder: Path, make_mesh: Callable[..., Path]
+) -> None:
     make_mesh(folder / "exits.off", seed=77)
     report = index_files(library, [folder / "exits.off"], jobs=1)
     assert (report.added, report.updated, report.failed) == (1, 0, [])
@@ -166,7 +170,8 @@ def test_a_script_that_only_one_process_can_import(tmp_path: Path, folder: Path)
         "from shapegoogle_core.cli import main\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )
-    command = [sys.executable, script, "index", folder, "--library", tmp_path / "shapes.sglib"]
+    library = str(tmp_path / "shapes.sglib")
+    command = [sys.executable, str(script), "index", str(folder), "--library", library]
     # It must end at all: a process that died early once kept its starter waiting for ever.
     run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert run.returncode == 2

@@ -11,7 +11,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import misbehaving
 import numpy as np
 import pytest
 import trimesh
@@ -19,10 +18,14 @@ import trimesh
 from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
 from shapegoogle_core.library import Library
 from shapegoogle_core.mesh import read_mesh
+from shapegoogle_core.model import ShapeModel
+from tests.core.indexing import misbehaving
+
+Log = Callable[[], list[str]]
 
 
 @pytest.fixture
-def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Log:
     """Names of the files that the workers described since the last call, sorted."""
     file = tmp_path / "described.log"
     monkeypatch.setenv("READ_LOG", str(file))
@@ -48,7 +51,7 @@ def names(library: Library) -> list[str]:
     return sorted(shape.name for shape in library.shapes())
 
 
-def test_a_folder_becomes_a_library(library: Library, folder: Path, model, log) -> None:
+def test_a_folder_becomes_a_library(library: Library, folder: Path, model: ShapeModel, log: Log) -> None:
     outcomes: list[FileOutcome] = []
     report = index(library, folder, progress=outcomes.append)
     assert counts(report) == (3, 0, 0, 0)
@@ -67,20 +70,24 @@ def test_a_folder_becomes_a_library(library: Library, folder: Path, model, log) 
     stored = library.signature(match.shape_id)
     np.testing.assert_array_equal(stored.code, described.code)
     assert (stored.vertex_count, stored.face_count, stored.area) == (162, 320, described.area)
-    assert library.thumbnail(match.shape_id).startswith(b"\x89PNG")
+    thumbnail = library.thumbnail(match.shape_id)
+    assert thumbnail is not None
+    assert thumbnail.startswith(b"\x89PNG")
 
     assert counts(index(library, folder)) == (0, 0, 3, 0)
     assert log() == []
 
 
-def test_a_touched_file_is_not_described_again(indexed: Library, folder: Path, log) -> None:
+def test_a_touched_file_is_not_described_again(indexed: Library, folder: Path, log: Log) -> None:
     os.utime(folder / "apple.off", ns=(1, 1))
     assert counts(index(indexed, folder)) == (0, 0, 3, 0)
     assert log() == []
     assert indexed.sources()[str(folder / "apple.off")].mtime_ns == 1
 
 
-def test_a_changed_file_replaces_its_shape(indexed: Library, folder: Path, make_mesh, log) -> None:
+def test_a_changed_file_replaces_its_shape(
+    indexed: Library, folder: Path, make_mesh: Callable[..., Path], log: Log
+) -> None:
     before = {shape.source: shape for shape in indexed.shapes()}
     make_mesh(folder / "apple.off", seed=9, subdivisions=3)
     assert counts(index(indexed, folder)) == (0, 1, 2, 0)
@@ -92,13 +99,17 @@ def test_a_changed_file_replaces_its_shape(indexed: Library, folder: Path, make_
     assert after[str(folder / "apple.off")].vertex_count == 642
 
 
-def test_only_new_files_are_described(indexed: Library, folder: Path, make_mesh, log) -> None:
+def test_only_new_files_are_described(
+    indexed: Library, folder: Path, make_mesh: Callable[..., Path], log: Log
+) -> None:
     make_mesh(folder / "quince.ply", seed=9)
     assert counts(index(indexed, folder)) == (1, 0, 3, 0)
     assert log() == ["quince.ply"]
 
 
-def test_copies_are_described_once_and_are_shapes_of_their_own(library: Library, folder: Path, log) -> None:
+def test_copies_are_described_once_and_are_shapes_of_their_own(
+    library: Library, folder: Path, log: Log
+) -> None:
     for number in range(8):
         shutil.copy(folder / "apple.off", folder / f"copy{number}.off")
     assert counts(index(library, folder)) == (11, 0, 0, 0)
@@ -108,7 +119,7 @@ def test_copies_are_described_once_and_are_shapes_of_their_own(library: Library,
     assert sorted(match_names) == names(library)
 
 
-def test_a_copy_of_a_known_file_is_not_described(indexed: Library, folder: Path, log) -> None:
+def test_a_copy_of_a_known_file_is_not_described(indexed: Library, folder: Path, log: Log) -> None:
     shutil.copy(folder / "apple.off", folder / "more" / "another.off")
     (folder / "pear.obj").rename(folder / "renamed.obj")
     assert counts(index(indexed, folder)) == (2, 0, 2, 0)
@@ -119,7 +130,9 @@ def test_a_copy_of_a_known_file_is_not_described(indexed: Library, folder: Path,
     assert indexed.thumbnail(ids["apple.off"]) == indexed.thumbnail(ids["another.off"])
 
 
-def test_contents_that_change_places(indexed: Library, folder: Path, make_mesh, log) -> None:
+def test_contents_that_change_places(
+    indexed: Library, folder: Path, make_mesh: Callable[..., Path], log: Log
+) -> None:
     make_mesh(folder / "fig.off", seed=5, subdivisions=1)
     assert counts(index(indexed, folder)) == (1, 0, 3, 0)
     log()
@@ -164,7 +177,7 @@ def write_gltf(path: Path, buffer: str, mesh: trimesh.Trimesh) -> bytes:
     return points + corners
 
 
-def test_a_gltf_changes_with_the_file_beside_it(library: Library, tmp_path: Path, log) -> None:
+def test_a_gltf_changes_with_the_file_beside_it(library: Library, tmp_path: Path, log: Log) -> None:
     sphere = trimesh.creation.icosphere(2)
     folder = tmp_path / "gltf"
     for name in ("one", "two"):
@@ -210,7 +223,7 @@ def test_a_gltf_with_its_coordinates_inside(library: Library, tmp_path: Path) ->
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such file names")
-def test_a_name_that_is_no_utf8(library: Library, tmp_path: Path, make_mesh) -> None:
+def test_a_name_that_is_no_utf8(library: Library, tmp_path: Path, make_mesh: Callable[..., Path]) -> None:
     odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/odd/b\xe4r.off"))
     make_mesh(tmp_path / "odd" / "bear.off").rename(odd)
     assert counts(index(library, odd.parent, read=misbehaving.read)) == (1, 0, 0, 0)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""A program that reads files which the package does not, and the reader that asks it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shapegoogle_core.indexing import ExternalReader, ReaderOption, end_external_readers
+
+# Reads files of numbers: one shape for each, an octahedron as large as the number. What a word stands for
+# happens instead.
+PROGRAM = """
+import json, os, sys, time
+from array import array
+
+VERTICES = [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, -1]
+FACES = [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]
+print("a banner")
+print("shapegoogle-answer", json.dumps({"ready": True}), flush=True)
+for line in sys.stdin:
+    request = json.loads(line)
+    words = open(request["path"]).read().split()
+    print("reading", request["path"], "warning: noise on the other stream", file=sys.stderr)
+    answer = {"shapes": [], "problems": [], "joined": "joined" in words}
+    answer["up_axis"] = 2
+    with open(request["output"], "wb") as output:
+        for word in words:
+            if word == "crash" or "FAIL" in os.environ:
+                print("something is wrong", flush=True)
+                os._exit(3)
+            elif word == "hang":
+                time.sleep(3600)
+            elif word == "swell":
+                import resource
+                limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+                answer["problems"].append(f"limit {limit} asked {request['memory_limit']}")
+            elif word == "error":
+                answer = {"error": "the program does not like it"}
+            elif word == "problem":
+                answer["problems"].append("'Part' is no good")
+            elif word not in ("joined", "alone"):
+                huge = word == "huge"  # takes its time to be described
+                scale = 1.0 if huge else float(word)
+                copies = 150_000 if huge else 1
+                array("f", VERTICES * copies).tofile(output)
+                for copy in range(copies):
+                    array("i", [6 * copy + corner for corner in FACES]).tofile(output)
+                s = abs(scale)
+                matrix = [scale, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 5, 0, 0, 0, 1]
+                twin = 0 if answer["shapes"] and "alone" not in words else None
+                record = {"name": request["prefix"] + word, "matrix": matrix}
+                record.update(vertices=6 * copies, faces=8 * copies)
+                answer["shapes"].append({**record, "twin_of": twin})
+    print("shapegoogle-answer", json.dumps(answer), flush=True)
+"""
+
+
+@pytest.fixture
+def reader(tmp_path: Path) -> Iterator[ExternalReader]:
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    yield ExternalReader(
+        suffixes=frozenset({".numbers"}),
+        command=(sys.executable, str(program)),
+        title="the program",
+        offers=(ReaderOption("prefix", ("x", "y"), "what names begin with"),),
+        options=(("prefix", "x"),),
+        time_limit=5.0,
+    )
+    end_external_readers()
+
+
+def write_numbers(folder: Path, name: str, text: str) -> Path:
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.numbers"
+    path.write_text(text)
+    return path

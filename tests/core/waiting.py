@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+"""Waiting for what runs in other processes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+
+from shapegoogle_core.library import Library
+
+
+def wait_for_sources(library: Library, wanted: int, process: subprocess.Popen[str]) -> None:
+    """Wait until the running command has stored so many files."""
+    while len(library.sources()) < wanted:
+        assert process.poll() is None, "the command ended too early"
+        time.sleep(0.05)
+
+
+def wait_until_gone(group: int) -> None:
+    """Wait until no process is left in a group; a worker that never ends lets this test hang, not pass."""
+    while True:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.05)
