@@ -19,24 +19,23 @@ import time
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-import blenders
-import environment
-import wheels
+from lib import bootstrap, wheels
 
 __all__ = ["build", "main"]
 
-ADDON = environment.ROOT / "blender_addon"
+ADDON = bootstrap.ROOT / "blender_addon"
 MANIFEST = "blender_manifest.toml"
-DIST = environment.ROOT / "dist"
-WHEELS = blenders.CACHE / "wheels"
-STAGES = blenders.CACHE / "extension"
+DIST = bootstrap.ROOT / "dist"
+CACHE = bootstrap.ROOT / ".cache"
+WHEELS = CACHE / "wheels"
+STAGES = CACHE / "extension"
 PIP = (sys.executable, "-m", "pip")
 PIP_OPTIONS = ("--no-input", "--disable-pip-version-check", "--progress-bar=off")
 CORE_FILES = ("pyproject.toml", "README.md", "LICENSE", "shapegoogle_core")
 # Files of the add-on that are packed; what is not named here, such as caches, stays out.
 PACKED = ("*.py", "*.png", "*.svg", "LICENSE", "README.md")
-PYTHONS = tuple(sorted({blender.python for blender in blenders.BLENDERS.values()}))
 ZIP_DATE = (2020, 1, 1, 0, 0, 0)  # any, but always the same
 
 
@@ -58,30 +57,30 @@ def build(platform: str) -> Path:
     SetupError
         If a wheel cannot be had, Blender's tool is nowhere, or it finds a fault.
     """
-    import tomllib  # here, since an older Python must get as far as saying that it is too old
+    import tomllib
 
     manifest = tomllib.loads((ADDON / MANIFEST).read_text(encoding="utf-8"))
     path = DIST / f"{manifest['id']}-{manifest['version']}-{platform.replace('-', '_')}.zip"
     stage = STAGES / platform / "contents"
     fill(stage, platform)
     stamp = {"contents": digest(stage), "path": str(path)}
-    if path.exists() and environment.read_stamp(stage.parent) == {**stamp, "zip": digest(path)}:
+    if path.exists() and bootstrap.read_stamp(stage.parent) == {**stamp, "zip": digest(path)}:
         return path
     tool = extension_tool()
     DIST.mkdir(exist_ok=True)
     packed = stage.parent / path.name
     command = [*tool, "build", "--source-dir", str(stage), "--output-filepath", str(packed)]
-    environment.run(f"Packing {path.name}", command)
+    bootstrap.run(f"Packing {path.name}", command)
     make_reproducible(packed, path)
     packed.unlink()
-    environment.run(f"Checking {path.name}", [*tool, "validate", str(path)])
-    environment.write_stamp(stage.parent, {**stamp, "zip": digest(path)})
+    bootstrap.run(f"Checking {path.name}", [*tool, "validate", str(path)])
+    bootstrap.write_stamp(stage.parent, {**stamp, "zip": digest(path)})
     return path
 
 
 def fill(stage: Path, platform: str) -> None:
     """Lay out the extension as it will be packed: the add-on, its wheels, and the manifest naming both."""
-    wheel_files = {path.name: path for python in PYTHONS for path in downloaded(platform, python)}
+    wheel_files = {path.name: path for python in pythons() for path in downloaded(platform, python)}
     core = core_wheel()
     wheel_files[core.name] = core
     shutil.rmtree(stage, ignore_errors=True)
@@ -137,15 +136,15 @@ def downloaded(platform: str, python: str) -> list[Path]:
     is Blender's.
     """
     folder = WHEELS / f"{platform}-cp{python.replace('.', '')}"
-    pins = blenders.requirements("extension")
-    if environment.read_stamp(folder) != {"pins": pins}:
+    pins = pyproject()["dependency-groups"]["extension"]
+    if bootstrap.read_stamp(folder) != {"pins": pins}:
         shutil.rmtree(folder, ignore_errors=True)
         options = ["--no-deps", *wheels.pip_options(platform, python), f"--dest={folder}"]
-        environment.run(
+        bootstrap.run(
             f"Downloading {len(pins)} packages for {platform}, Python {python}",
             [*PIP, "download", *PIP_OPTIONS, *options, *pins],
         )
-        environment.write_stamp(folder, {"pins": pins})
+        bootstrap.write_stamp(folder, {"pins": pins})
     return sorted(folder.glob("*.whl"))
 
 
@@ -160,7 +159,7 @@ def core_wheel() -> Path:
         copy = Path(temporary) / "core"
         copy.mkdir()
         for name in CORE_FILES:
-            source = environment.ROOT / name
+            source = bootstrap.ROOT / name
             if source.is_dir():
                 shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
             else:
@@ -174,7 +173,7 @@ def core_wheel() -> Path:
             )
             project.write_text(text, encoding="utf-8")
             command = [*PIP, "wheel", *PIP_OPTIONS, "--no-deps", "--wheel-dir", str(folder), str(copy)]
-            environment.run(
+            bootstrap.run(
                 "Building the wheel of the core", command, {**os.environ, "SOURCE_DATE_EPOCH": "1577836800"}
             )
     return next(folder.glob("*.whl"))
@@ -191,25 +190,45 @@ def digest(path: Path) -> str:
     return total.hexdigest()
 
 
+def pyproject() -> dict[str, Any]:
+    """Content of pyproject.toml."""
+    import tomllib  # here, since an older Python must get as far as reporting that it is too old
+
+    return tomllib.loads((bootstrap.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def pythons() -> list[str]:
+    """Versions of Python that supported Blenders ship."""
+    return sorted({blender["python"] for blender in pyproject()["tool"]["shapegoogle"]["blenders"].values()})
+
+
 def extension_tool() -> list[str]:
-    """Start of a command line for Blender's extension tool: of a bpy module, or of a real Blender."""
-    program = Path("scripts", "addons_core", "bl_pkg", "cli", "blender_ext.py")
-    for series in reversed(blenders.BLENDERS):
-        found = sorted(blenders.folder(series).glob(f"**/site-packages/bpy/*/{program.as_posix()}"))
-        if found:
-            return [sys.executable, "-I", str(found[0])]
-    try:
-        return [blenders.find_real_blender().command, "--command", "extension"]
-    except environment.SetupError as error:
-        no_blender = error
-    for series, blender in blenders.BLENDERS.items():
-        if blender.python == environment.python_version():
-            blenders.prepare(series)
-            return extension_tool()
-    raise environment.SetupError(
-        f"Blender's extension tool is needed, from a bpy module (for Python {' or '.join(PYTHONS)}) "
-        f"or from a Blender ({no_blender}); set BLENDER to the path of one"
+    """Start of a command line for Blender's extension tool: of a bpy module, or of a real Blender.
+
+    Raises
+    ------
+    SetupError
+        If there is neither, and no bpy module can be installed.
+    """
+    if tool := _tool_of_bpy():
+        return tool
+    if real := shutil.which(os.environ.get("BLENDER") or "blender"):
+        return [real, "--command", "extension"]
+    bootstrap.run(
+        "Installing Blender's bpy module", bootstrap.nox("--session", "addon-4.5", "--install-only")
     )
+    if tool := _tool_of_bpy():
+        return tool
+    raise bootstrap.SetupError(
+        f"Blender's extension tool is needed, from a bpy module (for Python {' or '.join(pythons())}) or from "
+        "a Blender; set BLENDER to the path of one"
+    )
+
+
+def _tool_of_bpy() -> list[str]:
+    program = "bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py"
+    found = sorted(bootstrap.ROOT.glob(f".nox/addon-*/**/site-packages/{program}"))
+    return [sys.executable, "-I", str(found[-1])] if found else []
 
 
 def parse_arguments(arguments: Sequence[str] | None) -> list[str]:
@@ -225,16 +244,16 @@ def parse_arguments(arguments: Sequence[str] | None) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     platforms = parse_arguments(arguments)
-    environment.enter([])
+    bootstrap.enter([])
     for platform in platforms:
         started = time.monotonic()
         try:
             path = build(platform)
-        except environment.SetupError as error:
+        except bootstrap.SetupError as error:
             print(f"The extension for {platform} cannot be built: {error}", file=sys.stderr)
             return 1
         size = path.stat().st_size / 1e6
-        print(f"{path.relative_to(environment.ROOT)}: {size:.1f} MB, {time.monotonic() - started:.1f} s")
+        print(f"{path.relative_to(bootstrap.ROOT)}: {size:.1f} MB, {time.monotonic() - started:.1f} s")
     return 0
 
 

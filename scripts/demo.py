@@ -18,8 +18,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import blenders
-import environment
+from lib import bootstrap
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -28,14 +27,14 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-FOLDER = environment.ROOT / "demo"
+FOLDER = bootstrap.ROOT / "demo"
 MESHES = FOLDER / "creatures"
 LIBRARY = FOLDER / "creatures.sglib"
 BLENDS = FOLDER / "blend_library"
 BLEND_LIBRARY = FOLDER / "blend_library.sglib"
 PICTURE = FOLDER / "matches.png"
 
-BLENDER_PART = Path(__file__).with_name("demo_blender.py")
+BLENDER_PART = Path(__file__).parent / "lib" / "demo_in_blender.py"
 BLENDER_SERIES = ("4.5", "5.2")  # one for each Python that Blenders ship; the first that can be had is taken
 
 KINDS = (
@@ -108,11 +107,11 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
 
 def run_command(*arguments: str | Path) -> None:
     """Run `shapegoogle` as a user would, and show the command line."""
-    command = [environment.tool("shapegoogle"), *arguments]
-    words = [str(word.relative_to(environment.ROOT) if isinstance(word, Path) else word) for word in command]
+    command = [Path(sys.executable).with_name("shapegoogle"), *arguments]
+    words = [str(word.relative_to(bootstrap.ROOT) if isinstance(word, Path) else word) for word in command]
     print(f"\n$ {' '.join(words)}", flush=True)
     # Same words, same folder: what is shown is what runs.
-    code = subprocess.run([str(command[0]), *words[1:]], cwd=environment.ROOT, check=False).returncode
+    code = subprocess.run([str(command[0]), *words[1:]], cwd=bootstrap.ROOT, check=False).returncode
     if code != 0:
         sys.exit(f"The command above ended with exit code {code}")
 
@@ -149,13 +148,19 @@ def write_picture() -> None:
 
 
 def blender_python() -> Path | None:
-    """Python that has the bpy module; None, after a sentence that says why, if there can be none here."""
+    """Python that has the bpy module; None, after a sentence with the reason, if there is none here."""
     reasons = []
     for series in BLENDER_SERIES:
+        session = f"addon-{series}"
         try:
-            return blenders.prepare(series)
-        except environment.SetupError as error:
+            bootstrap.run(
+                f"Preparing Blender {series} as a Python module",
+                bootstrap.nox("--session", session, "--install-only", "--error-on-missing-interpreters"),
+            )
+        except bootstrap.SetupError as error:
             reasons.append(str(error))
+        else:
+            return bootstrap.python_of(bootstrap.ROOT / ".nox" / session.replace(".", "-"))
     print(f"The part in Blender is left out, since it needs bpy: {'; '.join(reasons)}", flush=True)
     return None
 
@@ -171,7 +176,7 @@ def run_in_blender(python: Path) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args(arguments)
-    environment.enter(["demo"])
+    bootstrap.enter(["demo"])
     python = blender_python()
     # For matrices as small as these, threads cost more than they bring. Read when numpy is imported.
     os.environ.setdefault("OMP_NUM_THREADS", "1")

@@ -14,6 +14,6 @@ from pathlib import Path
 # Worker processes import the file that started them, and must not start all over again.
 if __name__ == "__main__":
     # Blender does not put the folder of a script on the path.
-    runpy.run_path(str(Path(__file__).with_name("addon_package.py")))["run"](
+    runpy.run_path(str(Path(__file__).parent / "lib" / "addon_package.py"))["run"](
         "commands", "index", program="index_library.py"
     )

@@ -12,4 +12,4 @@ from pathlib import Path
 
 if __name__ == "__main__":
     # Blender does not put the folder of a script on the path.
-    runpy.run_path(str(Path(__file__).with_name("addon_package.py")))["run"]("signature.command")
+    runpy.run_path(str(Path(__file__).parent / "lib" / "addon_package.py"))["run"]("signature.command")

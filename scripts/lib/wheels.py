@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import platform
 
-import environment
+from lib.bootstrap import SetupError
 
 __all__ = ["TAGS", "pip_options", "this_platform"]
 
@@ -60,5 +60,5 @@ def this_platform() -> str:
     machine = {"x86_64": "x64", "amd64": "x64", "aarch64": "arm64"}.get(platform.machine().lower())
     name = f"{system}-{machine or platform.machine().lower()}"
     if name not in TAGS:
-        raise environment.SetupError(f"{name} is none of the extension's platforms: {', '.join(TAGS)}")
+        raise SetupError(f"{name} is none of the extension's platforms: {', '.join(TAGS)}")
     return name

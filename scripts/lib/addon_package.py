@@ -123,7 +123,7 @@ def _installed_extension() -> str:
 
 
 def _repository_package() -> str:
-    folder = Path(__file__).resolve().parents[1]
+    folder = Path(__file__).resolve().parents[2]
     if importlib.util.find_spec("shapegoogle_core") is None:
         _give_up(f"{sys.executable} has no shapegoogle_core module; install it with: pip install {folder}")
     if PACKAGE not in sys.modules:
