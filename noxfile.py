@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,7 +96,10 @@ def add_bpy_session(series: str, python: str) -> None:
         session.install("--only-binary=:all:", *pins, *requirements("extension"), *requirements("addon-test"))
         load_bpy(session)
         session.run(
-            "python", "tests/run_in_blender.py", *pytest_options(session, "tests/addon"), env=ENVIRONMENT
+            "python",
+            "tests/run_in_blender.py",
+            *pytest_options(session.posargs, "tests/addon"),
+            env=ENVIRONMENT,
         )
 
     addon.__doc__ = f"Test the add-on on the bpy module of Blender {series}."
@@ -120,7 +124,12 @@ def blender(session: nox.Session) -> None:
         install = ["extension", "install-file", "--repo", "user_default", "--enable", built_zip(session)]
         session.run(real.command, "--command", *install, env=environment, external=True, silent=True)
         command = [real.command, "--background", "--python-exit-code", "1"]
-        command += ["--python", "tests/run_in_blender.py", "--", *pytest_options(session, "tests/addon")]
+        command += [
+            "--python",
+            "tests/run_in_blender.py",
+            "--",
+            *pytest_options(session.posargs, "tests/addon"),
+        ]
         session.run(*command, env=environment, external=True)
 
 
@@ -132,7 +141,7 @@ def extension(session: nox.Session) -> None:
         environment |= variables_of(session, find_real_blender())
     except BlenderMissingError as error:
         session.warn(f"no real Blender: {error}")
-    command = [sys.executable, "-m", "pytest", *pytest_options(session, "tests/extension")]
+    command = [sys.executable, "-m", "pytest", *pytest_options(session.posargs, "tests/extension")]
     session.run(*command, env=environment, external=True)
 
 
@@ -143,7 +152,7 @@ def window(session: nox.Session) -> None:
         session.skip("the window tests need Xvfb (Debian: sudo apt install xvfb xdotool imagemagick)")
     real = real_blender_or_skip(session)
     zip_file = {"SHAPEGOOGLE_EXTENSION": built_zip(session)}
-    command = [sys.executable, "-m", "pytest", *pytest_options(session, "tests/gui")]
+    command = [sys.executable, "-m", "pytest", *pytest_options(session.posargs, "tests/gui")]
     session.run(*command, env=ENVIRONMENT | zip_file | variables_of(session, real), external=True)
 
 
@@ -164,10 +173,10 @@ class RealBlender:
     has_numpy: bool
 
 
-def pytest_options(session: nox.Session, folder: str) -> list[str]:
-    """Options of pytest for a session: those of its command line, and its folder unless tests are named."""
-    named = any(option.startswith("tests/") for option in session.posargs)
-    return ["--quiet", *session.posargs, *([] if named else [folder])]
+def pytest_options(given: Sequence[str], folder: str) -> list[str]:
+    """List the options of pytest for a session: those given, and its folder unless tests are named."""
+    named = any(option.startswith("tests/") for option in given)
+    return ["--quiet", *given, *([] if named else [folder])]
 
 
 def requirements(group: str) -> list[str]:
@@ -244,7 +253,7 @@ def real_blender_or_skip(session: nox.Session) -> RealBlender:
 
 
 def install_modules(session: nox.Session, real: RealBlender) -> Path:
-    """Install the packages of the extension and of its tests for a real Blender into a folder of their own."""
+    """Install the packages of the extension and its tests for a real Blender, into their own folder."""
     numpy = next((known["numpy"] for known in BLENDERS.values() if known["python"] == real.python), None)
     if numpy is None:
         session.skip(f"no numpy is known to fit the Python {real.python} of {real.command}")

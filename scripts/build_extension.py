@@ -220,8 +220,8 @@ def extension_tool() -> list[str]:
     if tool := _tool_of_bpy():
         return tool
     raise bootstrap.SetupError(
-        f"Blender's extension tool is needed, from a bpy module (for Python {' or '.join(pythons())}) or from "
-        "a Blender; set BLENDER to the path of one"
+        f"Blender's extension tool is needed, from a bpy module (Python {' or '.join(pythons())}) or from a "
+        "Blender; set BLENDER to the path of one"
     )
 
 

@@ -34,7 +34,7 @@ BLENDS = FOLDER / "blend_library"
 BLEND_LIBRARY = FOLDER / "blend_library.sglib"
 PICTURE = FOLDER / "matches.png"
 
-BLENDER_PART = Path(__file__).parent / "lib" / "demo_in_blender.py"
+BLENDER_PART = "lib.demo_in_blender"
 BLENDER_SERIES = ("4.5", "5.2")  # one for each Python that Blenders ship; the first that can be had is taken
 
 KINDS = (
@@ -168,8 +168,9 @@ def blender_python() -> Path | None:
 def run_in_blender(python: Path) -> None:
     """Do the same in Blender, with the add-on."""
     print("\nThe same in Blender, with .blend files and the add-on:", flush=True)
-    paths = [BLENDER_PART, BLENDS, BLEND_LIBRARY, PICTURE]
-    code = subprocess.run([str(python), *map(str, paths)], check=False).returncode
+    command = [str(python), "-m", BLENDER_PART, *map(str, (BLENDS, BLEND_LIBRARY, PICTURE))]
+    path = os.pathsep.join([str(bootstrap.ROOT), str(Path(__file__).parent)])
+    code = subprocess.run(command, env={**os.environ, "PYTHONPATH": path}, check=False).returncode
     if code != 0:
         sys.exit(f"The part in Blender ended with exit code {code}")
 

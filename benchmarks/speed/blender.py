@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Measure how long people wait in Blender: for its start, for matches, for painted attributes.
 
-It runs here if this Python has the bpy module, else in the Blender that the environment variable BLENDER
-names or that is on PATH, by way of `in_blender.py`.
+It needs a Python with the bpy module, such as that of the nox session addon-4.5.
 
 start  what enabling the add-on adds to the start of a Blender, each time in a new process
 find   Find Similar with one selected creature, in a library of `SHAPES` made-up shapes with pictures: what
@@ -32,7 +31,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from benchmarks.blender import enable_addon
 from benchmarks.speed.measuring import Options, Row, installed
 from benchmarks.speed.meshes import KIND, SEED
-from benchmarks.speed.reporting import panels, read_rows
+from benchmarks.speed.reporting import panels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,6 +42,9 @@ T = TypeVar("T")
 
 SIZES, REPEATS = (10_000, 100_000), 5
 ROOT = Path(__file__).resolve().parents[2]
+BPY_PYTHON = (
+    "run it with .nox/addon-4-5/bin/python, made by: python -m nox --session addon-4.5 --install-only"
+)
 SHAPES = 1_000
 # Creatures are made with at most so many vertices, and then subdivided.
 LARGEST_CREATURE = 25_000
@@ -81,12 +83,11 @@ def measure(options: Options) -> Iterator[Row]:
 
     Raises
     ------
-    environment.SetupError
-        If there is neither a bpy module nor a Blender.
+    RuntimeError
+        If this Python has no bpy module.
     """
     if not installed("bpy"):
-        yield from measure_in_other_blender(options)
-        return
+        raise RuntimeError(f"{sys.executable} has no bpy module; {BPY_PYTHON}")
     yield measure_start(options.repeats)
     enable_addon()
     with tempfile.TemporaryDirectory(dir=options.folder) as place:
@@ -98,29 +99,6 @@ def measure(options: Options) -> Iterator[Row]:
             yield measure_find(library, options.repeats)
             yield measure_paint(options.repeats)
         module("jobs").stop_all()
-
-
-def measure_in_other_blender(options: Options) -> list[Row]:
-    """Run the script for it in the Blender that there is."""
-    import blenders
-
-    blender = blenders.find_real_blender()
-    # After Blender's own, so that its numpy is used if it has one.
-    paths = f"import sys; sys.path.append({str(blenders.prepare_modules(blender))!r})"
-    with tempfile.TemporaryDirectory(dir=options.folder) as place:
-        command = [blender.command, "--background", "--factory-startup", "--python-exit-code", "1"]
-        command += [
-            "--python-expr",
-            paths,
-            "--python",
-            str(ROOT / "benchmarks" / "speed" / "in_blender.py"),
-            "--",
-            place,
-        ]
-        command += ["--repeats", str(options.repeats), "--sizes", *map(str, options.sizes)]
-        # Whoever asked prints the rows.
-        subprocess.run(command, check=True, stdout=sys.stderr)
-        return read_rows("blender", Path(place))
 
 
 def module(name: str) -> ModuleType:

@@ -103,7 +103,6 @@ def measure(section: str, options: argparse.Namespace) -> None:
 
 def main() -> int:
     options = parse_arguments()
-    sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))  # "blender" finds Blenders with it
     # Before any library that reads it is loaded; threadpoolctl does not reach every one.
     os.environ |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     return run(options)

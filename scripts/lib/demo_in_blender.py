@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The demo's part in Blender: an asset library of rigs, indexed and searched by the add-on, and a picture.
 
-    python scripts/demo_blender.py FOLDER LIBRARY PICTURE
+    python -m lib.demo_in_blender FOLDER LIBRARY PICTURE       (with the repository and scripts on the path)
 
 `demo.py` runs it with a Python that has the `bpy` module. Run again, it only does what has changed.
 """
@@ -26,9 +26,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("picture", metavar="PICTURE", type=Path, help="file for the picture, .png")
     options = parser.parse_args(arguments)
     # Here, not above: worker processes that index import this file too, and bpy cannot be imported in them.
-    import blend_demo
+    from lib import demo_blend
 
-    blend_demo.run(options.folder, options.library, options.picture)
+    demo_blend.run(options.folder, options.library, options.picture)
     return 0
 
 

@@ -10,39 +10,31 @@ import numpy as np
 import pytest
 
 pytest.importorskip("skimage", reason="making creatures needs scikit-image")
-from benchmarks.creatures import make_creature, rigs
+from benchmarks.creatures import blend_library, make_creature, rigs
 from benchmarks.figures import workbench
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-# In the order in which they import one another.
-PARTS = ("blend_library", "addon_package", "blend_demo")
+DEMO = Path(__file__).resolve().parents[2] / "scripts" / "lib" / "demo_blend.py"
 CHOSEN = ("Horse", "Elephant", "Hand")
 
 
 @pytest.fixture(scope="module")
-def scripts():
-    """Modules beside the demo, under the names by which they import one another."""
-    for name in PARTS:
-        spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-        sys.modules[name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[name])
-    yield {name: sys.modules[name] for name in PARTS}
-    for name in PARTS:
-        del sys.modules[name]
+def demo():
+    """The demo's part in Blender; scripts are no package, so it is loaded from its file."""
+    spec = importlib.util.spec_from_file_location("demo_blend", DEMO)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
 
 
 @pytest.fixture(scope="module")
-def blend_library(scripts):
-    return scripts["blend_library"]
-
-
-@pytest.fixture(scope="module")
-def individuals(blend_library):
+def individuals():
     return [individual for individual in blend_library.INDIVIDUALS if individual.name in CHOSEN]
 
 
 @pytest.fixture(scope="module")
-def folder(addon, blend_library, individuals, tmp_path_factory):
+def folder(addon, individuals, tmp_path_factory):
     folder = tmp_path_factory.mktemp("library")
     written = blend_library.write_library(folder, individuals)
     assert written == [folder / individual.path for individual in individuals]
@@ -64,7 +56,7 @@ def world_vertices(item):
 
 
 @pytest.mark.parametrize("kind", ["human", "octopus", "desk lamp", "bird", "centaur"])
-def test_rigs_move_as_the_core_does(scripts, kind):
+def test_rigs_move_as_the_core_does(kind):
     creature = make_creature(kind, 5, vertex_count=1500)
     collection = bpy.context.scene.collection
     skins = rigs.add_creature(creature, "Probe", creature.pose_names, collection)
@@ -77,7 +69,7 @@ def test_rigs_move_as_the_core_does(scripts, kind):
         np.testing.assert_array_equal(faces, expected.faces)
 
 
-def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them(scripts):
+def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them():
     names = rigs.bone_names(make_creature("human", 5, vertex_count=800).skeleton)
     assert len(set(names)) == len(names)
     left = [name for name in names if name.endswith(".L")]
@@ -85,7 +77,7 @@ def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them(scripts):
     assert all(bpy.utils.flip_name(name) in names for name in left)
 
 
-def test_an_unknown_pose_is_refused(scripts):
+def test_an_unknown_pose_is_refused():
     creature = make_creature("dog", 5, vertex_count=800)
     with pytest.raises(ValueError, match="a dog has no pose 'moonwalk'"):
         rigs.take_pose(creature, None, "moonwalk")
@@ -117,7 +109,7 @@ def test_every_file_opens_and_shows_its_figures(folder, individuals):
             right_edge = vertices[:, 0].max()
 
 
-def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, blend_library, individuals):
+def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, individuals):
     lines = (folder / blend_library.CATALOG_FILE).read_text().splitlines()
     catalogs = dict(line.split(":")[:2] for line in lines if ":" in line)
     assert "VERSION 1" in lines
@@ -132,7 +124,7 @@ def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, blend_librar
             assert individual.kind in asset.tags
 
 
-def test_only_what_changed_is_written_again(folder, blend_library, individuals):
+def test_only_what_changed_is_written_again(folder, individuals):
     before = {path: path.read_bytes() for path in folder.rglob("*.blend")}
     assert blend_library.write_library(folder, individuals) == []
     lost = folder / individuals[-1].path
@@ -143,7 +135,7 @@ def test_only_what_changed_is_written_again(folder, blend_library, individuals):
             assert path.read_bytes() == content, f"{path.name} was written without need"
 
 
-def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
+def test_a_picture_shows_the_whole_object_in_its_colours():
     if workbench.missing_library():
         pytest.skip(f"no {workbench.missing_library()}: Workbench cannot render here")
     data = rigs.mesh_data(make_creature("bird", 5, vertex_count=800).rest, "Bird")
@@ -168,7 +160,7 @@ def test_a_picture_shows_the_whole_object_in_its_colours(scripts):
     assert not bystander.hide_render
 
 
-def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(blend_library, individuals, tmp_path):
+def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(individuals, tmp_path):
     (tmp_path / blend_library.STAMP_FILE).write_text('{"animals/ho')
     hand = individuals[-1]
     assert blend_library.write_library(tmp_path, [hand]) == [tmp_path / hand.path]
@@ -176,10 +168,9 @@ def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(blend_librar
 
 
 @pytest.fixture
-def indexed(addon, scripts, folder, tmp_path):
+def indexed(addon, demo, folder, tmp_path):
     """The part of the demo that shows something, with the library indexed and chosen."""
-    demo = scripts["blend_demo"]
-    scripts["blend_library"].start_empty()
+    blend_library.start_empty()
     demo.index_library(addon, folder, tmp_path / "shapes.sglib")
     yield demo
     chosen = bpy.context.preferences.addons[addon.__name__].preferences
@@ -187,7 +178,7 @@ def indexed(addon, scripts, folder, tmp_path):
         chosen.property_unset(name)
 
 
-def test_indexing_leaves_every_file_as_it_is_to_the_byte(folder, addon, scripts, tmp_path, request):
+def test_indexing_leaves_every_file_as_it_is_to_the_byte(folder, addon, tmp_path, request):
     before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
     request.getfixturevalue("indexed")
     assert before == {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
@@ -202,7 +193,7 @@ def test_the_query_finds_the_same_horse_in_all_its_poses(indexed, individuals):
     assert matches[len(poses)].similarity < 0.5 < matches[len(poses) - 1].similarity
 
 
-def test_the_picture_is_drawn_once(indexed, scripts, tmp_path, capsys):
+def test_the_picture_is_drawn_once(indexed, tmp_path, capsys):
     if workbench.missing_library():
         pytest.skip("Workbench cannot render here")
     picture = tmp_path / "picture.png"

@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: MIT
 """The parts of the extension's build that need no network; `tests/extension` looks at what it builds."""
 
+from __future__ import annotations
+
 import os
 import tomllib
 import zipfile
+from pathlib import Path
 
+import build_extension
 import pytest
+from lib import wheels
 
 
-def test_the_manifest_gets_its_wheels_and_platform(build_extension):
+def test_the_manifest_gets_its_wheels_and_platform() -> None:
     text = (build_extension.ADDON / build_extension.MANIFEST).read_text(encoding="utf-8")
     source = tomllib.loads(text)
-    wheels = ["a-1-py3-none-any.whl", "b-2-cp311-cp311-win_amd64.whl"]
-    built = tomllib.loads(build_extension.complete_manifest(text, "windows-x64", wheels))
+    names = ["a-1-py3-none-any.whl", "b-2-cp311-cp311-win_amd64.whl"]
+    built = tomllib.loads(build_extension.complete_manifest(text, "windows-x64", names))
     assert built.pop("platforms") == ["windows-x64"]
-    assert built.pop("wheels") == [f"./wheels/{name}" for name in wheels]
+    assert built.pop("wheels") == [f"./wheels/{name}" for name in names]
     assert built == source, "everything else is as in the repository"
 
 
-def test_a_zip_depends_only_on_what_is_in_it(build_extension, tmp_path):
+def test_a_zip_depends_only_on_what_is_in_it(tmp_path: Path) -> None:
     contents = {"b.py": b"b = 1\n" * 50, "a.whl": os.urandom(100)}
     results = []
     for number, names in enumerate((list(contents), sorted(contents))):
@@ -37,7 +42,7 @@ def test_a_zip_depends_only_on_what_is_in_it(build_extension, tmp_path):
     assert results[0] == results[1]
 
 
-def test_the_hash_of_a_folder_sees_names_and_contents(build_extension, tmp_path):
+def test_the_hash_of_a_folder_sees_names_and_contents(tmp_path: Path) -> None:
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "file").write_text("1")
     first = build_extension.digest(tmp_path)
@@ -47,8 +52,7 @@ def test_the_hash_of_a_folder_sees_names_and_contents(build_extension, tmp_path)
     assert len({first, second, build_extension.digest(tmp_path)}) == 3
 
 
-def test_platforms_are_chosen_on_the_command_line(build_extension, capsys):
-    wheels = build_extension.wheels
+def test_platforms_are_chosen_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert build_extension.parse_arguments([]) == [wheels.this_platform()]
     assert build_extension.parse_arguments(["--all"]) == ["linux-x64", "windows-x64", "macos-arm64"]
     assert build_extension.parse_arguments(["--platform", "macos-arm64"]) == ["macos-arm64"]

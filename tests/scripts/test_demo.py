@@ -1,22 +1,26 @@
 # SPDX-License-Identifier: MIT
 """The demo: its shapes, its files, and the whole of it."""
 
+from __future__ import annotations
+
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import demo
 import numpy as np
 import pytest
 import trimesh
+from lib import bootstrap
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh, read_mesh
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "demo.py"
+SCRIPT = Path(demo.__file__)
 
 
-def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks(demo):
+def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks() -> None:
     creature = make_creature(demo.QUERY_KIND, demo.INDIVIDUAL)
     assert demo.QUERY_KIND in demo.KINDS
     assert set(demo.KINDS) <= set(CREATURE_KINDS)
@@ -27,7 +31,7 @@ def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks(demo
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb"])
-def test_meshes_are_written_once_and_read_back(demo, bumpy_mesh, tmp_path, suffix):
+def test_meshes_are_written_once_and_read_back(bumpy_mesh: Mesh, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / "new" / f"bumpy{suffix}"
     demo.write_mesh(path, bumpy_mesh)
     read = read_mesh(path)
@@ -43,44 +47,49 @@ def test_meshes_are_written_once_and_read_back(demo, bumpy_mesh, tmp_path, suffi
 
 
 @pytest.fixture
-def bumpy_mesh():
+def bumpy_mesh() -> Mesh:
     sphere = trimesh.creation.icosphere(2)
     heights = 1 + 0.2 * np.sin(5 * sphere.vertices[:, :1])
     return Mesh(sphere.vertices * heights, sphere.faces, "bumpy")
 
 
-def test_without_bpy_one_line_says_why_the_part_in_blender_is_left_out(demo, monkeypatch, capsys):
-    def prepare(series):
-        raise demo.environment.SetupError(f"there is no Python for Blender {series}")
+def test_without_bpy_one_line_says_why_the_part_in_blender_is_left_out(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(title: str, command: list[str]) -> None:
+        raise bootstrap.SetupError(f"there is no Python for {command[command.index('--session') + 1]}")
 
-    monkeypatch.setattr(demo.blenders, "prepare", prepare)
+    monkeypatch.setattr(bootstrap, "run", refuse)
     assert demo.blender_python() is None
     (line,) = capsys.readouterr().out.splitlines()
     assert line.startswith("The part in Blender is left out")
-    assert all(f"no Python for Blender {series}" in line for series in demo.BLENDER_SERIES)
+    assert all(f"no Python for addon-{series}" in line for series in demo.BLENDER_SERIES)
 
 
-def test_another_blender_does_where_the_first_cannot_be_had(demo, monkeypatch, capsys):
-    def prepare(series):
-        if series == demo.BLENDER_SERIES[0]:
-            raise demo.environment.SetupError("no such Python")
-        return Path("python-of", series)
+def test_another_blender_does_where_the_first_cannot_be_had(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse_first(title: str, command: list[str]) -> None:
+        if f"addon-{demo.BLENDER_SERIES[0]}" in command:
+            raise bootstrap.SetupError("no such Python")
 
-    monkeypatch.setattr(demo.blenders, "prepare", prepare)
-    assert demo.blender_python() == Path("python-of", demo.BLENDER_SERIES[1])
+    monkeypatch.setattr(bootstrap, "run", refuse_first)
+    second = demo.BLENDER_SERIES[1].replace(".", "-")
+    assert demo.blender_python() == bootstrap.python_of(bootstrap.ROOT / ".nox" / f"addon-{second}")
     assert not capsys.readouterr().out
 
 
-def test_a_failure_in_blender_is_one_of_the_demo(demo, monkeypatch, tmp_path):
-    failing = tmp_path / "failing.py"
-    failing.write_text("import sys; sys.exit(3 if len(sys.argv) == 4 else 0)")
-    monkeypatch.setattr(demo, "BLENDER_PART", failing)
+def test_a_failure_in_blender_is_one_of_the_demo(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    # A module that ends with this code, whatever its arguments are.
+    monkeypatch.setattr(demo, "BLENDER_PART", "failing")
+    (tmp_path / "failing.py").write_text("import sys; sys.exit(3 if len(sys.argv) == 4 else 0)")
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit, match="exit code 3"):
         demo.run_in_blender(Path(sys.executable))
 
 
 @pytest.mark.long
-def test_the_demo_finds_the_horse_again(demo):
+def test_the_demo_finds_the_horse_again() -> None:
     result = subprocess.run([sys.executable, str(SCRIPT)], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
     # The name stands after the evidence and before the path.

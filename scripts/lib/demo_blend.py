@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the demo does in Blender: index and search an asset library with the add-on, and render the answer.
 
-Needs the `bpy` module; `demo_blender.py` runs it.
+Needs the `bpy` module; `demo_in_blender.py` runs it.
 """
 
 from __future__ import annotations
@@ -18,13 +18,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import addon_package
-import blend_library
 import bpy
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from benchmarks.creatures import make_creature, rigs
+from benchmarks.blender import enable_addon
+from benchmarks.creatures import blend_library, make_creature, rigs
 from benchmarks.figures import workbench
 from shapegoogle_core.rendering import contact_sheet
 
@@ -240,7 +239,7 @@ def run(folder: Path, library: Path, picture: Path) -> None:
     """
     write_library(folder)
     blend_library.start_empty()
-    addon = addon_package.load_addon()
+    addon = enable_addon()
     index_library(addon, folder, library)
     query = add_query()
     matches = find_similar(query)
