@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Index a folder of .blend files, search it with posed characters, and time the sidebar's search.
 
-    .venvs/bpy-4.5/bin/python -m benchmarks.experiments.blend_library FOLDER [--poses NAME] [--jobs N]
+    .nox/addon-4-5/bin/python -m benchmarks.experiments.blend_library FOLDER [--poses NAME] [--jobs N]
 
 Needs a Python with bpy. Prints what is in docs/results.md: files indexed and seconds for each; a second run;
 of the best answers to each posed character, the share that is the same character in another pose; the time of

@@ -78,7 +78,7 @@ def real_blender(user_folder: Path) -> Host:
 
 def bpy_module(name: str, folder: Path) -> Host:
     """Blender as a Python module, on a path with nothing but Blender's own packages."""
-    environment = ROOT / ".venvs" / name
+    environment = ROOT / ".nox" / name
     packages = folder / "packages"
     packages.mkdir()
     (site_packages,) = environment.glob("lib/python*/site-packages")
@@ -91,7 +91,7 @@ def bpy_module(name: str, folder: Path) -> Host:
 
 
 def host_names() -> list[str]:
-    names = [path.parent.parent.name for path in sorted((ROOT / ".venvs").glob("bpy-*/bin/python"))]
+    names = [path.parent.parent.name for path in sorted((ROOT / ".nox").glob("addon-*/bin/python"))]
     return [*names, "real"] if os.environ.get("BLENDER") else names
 
 
