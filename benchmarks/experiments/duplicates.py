@@ -29,7 +29,8 @@ import numpy as np
 
 import shapegoogle_core as sg
 from shapegoogle_core.library import NewShape
-from shapegoogle_core.library.duplicates.find import MIN_SIMILARITY, distance_at
+from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
+from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.registration import SurfaceSample
 
 # Variance of direction i, relative to the first: 1 / (1 + i / 4)². On 702 shapes of TOSCA and the Princeton

@@ -18,7 +18,7 @@ from .mesh_data import WorldMesh, differing_data, world_mesh
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
-    from shapegoogle_core.library.duplicates.find import DuplicateGroup
+    from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 
 __all__ = [
     "Group",

@@ -117,7 +117,7 @@ def _group(
     signatures: Sequence[ShapeSignature | str],
     least: float,
 ) -> list[duplicates.Group]:
-    from shapegoogle_core.service.requests import group_similar
+    from shapegoogle_core.library.duplicates.similar import group_similar
 
     # What cannot be described, such as a plane without area, is like nothing.
     described = [

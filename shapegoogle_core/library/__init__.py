@@ -5,8 +5,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library.duplicates.find import DuplicateGroup as DuplicateGroup
-    from shapegoogle_core.library.duplicates.find import DuplicateMember as DuplicateMember
+    from shapegoogle_core.library.duplicates.groups import DuplicateGroup as DuplicateGroup
+    from shapegoogle_core.library.duplicates.groups import DuplicateMember as DuplicateMember
     from shapegoogle_core.library.evidence import Evidence as Evidence
     from shapegoogle_core.library.filter import Filter as Filter
     from shapegoogle_core.library.library import Library as Library
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 # Imported when first used: the command line reads the default settings below this package without numpy.
 _MODULE_OF = {
-    "DuplicateGroup": "duplicates.find",
-    "DuplicateMember": "duplicates.find",
+    "DuplicateGroup": "duplicates.groups",
+    "DuplicateMember": "duplicates.groups",
     "Evidence": "evidence",
     "Filter": "filter",
     "Library": "library",

@@ -12,9 +12,11 @@ from typing import Self
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.duplicates.evidence import EXPLAINED_MEMBERS, by_evidence
-from shapegoogle_core.library.duplicates.find import MIN_SIMILARITY, DuplicateGroup, find_duplicates
+from shapegoogle_core.library.duplicates.find import find_duplicates
+from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
+from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
+from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.missing_files import missing_files
 from shapegoogle_core.library.search.explain import EXPLAINED, explain_matches
@@ -501,14 +503,14 @@ class Library:
         *,
         explained: int = EXPLAINED_MEMBERS,
     ) -> list[DuplicateGroup]:
-        """Find copied files, shapes that are the same, and shapes that are hard to tell apart.
+        """Find copied files, the same shape again, and shapes that are hard to tell apart.
 
         Parameters
         ----------
         min_similarity : float, optional
-            From which similarity to the first of its group a shape is "similar"; above 0, at most 1.
+            Least similarity of a "similar" shape to the first of its group; above 0, at most 1.
         explained : int, optional
-            Of how many members that are no exact copies it is found out what they are; see `by_evidence`.
+            Maximum number of members, other than exact copies, aligned to the first shape of their group.
         progress : callable, optional
             Wraps the loop over the shapes, as tqdm does.
 
@@ -523,4 +525,4 @@ class Library:
             If `min_similarity` is out of range.
         """
         groups = find_duplicates(self._store, self._model, min_similarity, progress)
-        return by_evidence(self._store, self._model, groups, explained)
+        return split_by_evidence(self._store, self._model, groups, explained)

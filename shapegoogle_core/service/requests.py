@@ -11,18 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from shapegoogle_core.errors import LibraryError, MeshError
-from shapegoogle_core.library.duplicates.find import (
-    MIN_SIMILARITY,
-    DuplicateGroup,
-    differing_bits,
-    distance_at,
-    member_positions,
-    vector_distances,
-)
-from shapegoogle_core.library.duplicates.leader_clustering import choose_banding, group_stars
+from shapegoogle_core.library.duplicates.groups import DuplicateGroup
+from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.mesh import Mesh
@@ -37,7 +28,6 @@ __all__ = [
     "describe",
     "describe_meshes",
     "explain",
-    "group_similar",
     "kind_of_match",
     "library_duplicates",
     "query",
@@ -313,46 +303,6 @@ def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> li
         If the library cannot be opened or read.
     """
     return _library(path).duplicates(min_similarity)
-
-
-def group_similar(
-    model: ShapeModel, signatures: Sequence[ShapeSignature], min_similarity: float = MIN_SIMILARITY
-) -> list[list[tuple[int, float]]]:
-    """Group signatures around the first of each group, as `Library.duplicates` groups similar shapes.
-
-    Parameters
-    ----------
-    model : ShapeModel
-        The one that made the signatures.
-    signatures : sequence of ShapeSignature
-    min_similarity : float, optional
-        Above 0, at most 1.
-
-    Returns
-    -------
-    groups : list of list of (int, float)
-        Position of each member and its similarity to the first one, by falling similarity.
-
-    Raises
-    ------
-    ValueError
-        If `min_similarity` is out of range.
-    """
-    limit = distance_at(model, min_similarity)
-    if not signatures:
-        return []
-    vectors = model.comparable(np.stack([signature.bags for signature in signatures]))
-    stars = group_stars(
-        np.stack([signature.code for signature in signatures]),
-        vector_distances(vectors, np.arange(len(vectors)), model.settings.metric),
-        limit,
-        choose_banding(len(vectors), differing_bits(model, limit), model.code_bits),
-    )
-    similarities = model.similarity(stars.distance)
-    return [
-        [(int(position), float(similarities[position])) for position in group]
-        for group in member_positions(stars)
-    ]
 
 
 def warm_up(path: Path) -> int:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Groups around leaders, in near-linear time: which of many shapes lie within a distance of each other.
+"""Leader clustering in near-linear time: groups of shapes within a distance of a leader (Hartigan 1975).
 
 Shapes are taken one after the other. Each joins the nearest leader within the distance, or becomes a leader
-itself. So every member is that near to its own leader, and a chain of small differences cannot glue a library
-into one group, as single linkage would. Which shapes lead depends on the order: the first ones do.
+itself. So every member is within the distance of its own leader, and a chain of small differences cannot join
+a whole library into one group, as single linkage would. The order decides which shapes lead: the first ones.
 
-Only leaders that share a key with a shape are compared with it. A key is a sample of the code's bits; two
-shapes at an angle θ differ in a share θ / π of their bits, so that a key of k bits is equal with probability
-(1 - θ/π)^k, and one of L keys with 1 - (1 - (1 - θ/π)^k)^L (Indyk and Motwani 1998, Charikar 2002).
+A shape is compared only with leaders that share a key with it. A key is a sample of the code's bits; two
+shapes at an angle θ differ in a share θ / π of their bits, so a key of k bits is equal with probability (1 -
+θ/π)^k, and one of L keys with 1 - (1 - (1 - θ/π)^k)^L (Indyk and Motwani 1998, Charikar 2002).
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Banding", "Distances", "Stars", "Wrapper", "choose_banding", "group_stars"]
+__all__ = ["Banding", "Clusters", "Distances", "Wrapper", "choose_banding", "cluster_by_leaders"]
 
-# Share of the pairs at the very limit that at least one key should find; nearer ones are missed less often.
+# Share of the pairs at the very limit that at least one key should find; nearer pairs are missed less often.
 RECALL = 0.99
 MOST_KEYS = 96
 # Codes unpacked to one byte for each bit at once: 64 MB for codes of 256 bits.
@@ -35,21 +35,21 @@ Wrapper = Callable[[Sequence[int]], Iterable[int]]
 
 @dataclass(frozen=True)
 class Banding:
-    """Keys that are looked up for each shape.
+    """Length and number of the keys of each shape.
 
     Attributes
     ----------
     key_bits : int
         k, bits in a key, at most 32.
     keys : int
-        L, how many keys.
+        L, number of keys.
     """
 
     key_bits: int
     keys: int
 
     def recall(self, differing: float) -> float:
-        """Probability that two codes share a key.
+        """Compute the probability that two codes share a key.
 
         Parameters
         ----------
@@ -64,31 +64,54 @@ class Banding:
 
 
 @dataclass(frozen=True, eq=False)
-class Stars:
-    """Which leader each shape belongs to.
+class Clusters:
+    """Leaders of shapes.
 
     Attributes
     ----------
     leader : (n,) array of int64
-        Position of the leader; a leader's own position.
+        Position of each shape's leader; a leader's own position.
     distance : (n,) array of float64
         To the leader; 0 for a leader.
     compared : int
-        How many pairs were compared in full, to judge the keys by.
+        Number of pairs compared in full: the cost of the keys.
     """
 
     leader: NDArray[np.int64]
     distance: FloatArray
     compared: int
 
+    def leaders(self) -> NDArray[np.int64]:
+        """Return the positions of the leaders.
+
+        Returns
+        -------
+        positions : (l,) array of int64
+            In ascending order.
+        """
+        return np.flatnonzero(self.leader == np.arange(len(self.leader)))
+
+    def groups(self) -> list[NDArray[np.int64]]:
+        """List the leaders that have members, with these members.
+
+        Returns
+        -------
+        groups : list of (g,) arrays of int64
+            Positions: the leader first, then by distance.
+        """
+        order = np.lexsort((np.arange(len(self.leader)), self.distance, self.leader))
+        # A leader has distance 0 and the lowest position, so it is the first of its group.
+        starts = np.flatnonzero(np.diff(self.leader[order], prepend=-1))
+        return [group for group in np.split(order, starts[1:]) if len(group) > 1]
+
 
 def choose_banding(count: int, differing: float, code_bits: int) -> Banding:
-    """Choose keys long enough to keep strangers apart and as many as pairs at the limit need.
+    """Choose keys long enough to separate unlike shapes, and enough of them to find pairs at the limit.
 
     Parameters
     ----------
     count : int
-        How many shapes.
+        Number of shapes.
     differing : float
         Share of bits in which the codes of two shapes at the largest distance differ.
     code_bits : int
@@ -97,7 +120,7 @@ def choose_banding(count: int, differing: float, code_bits: int) -> Banding:
     Returns
     -------
     banding : Banding
-        Its recall at `differing` is `RECALL`, or as much as `MOST_KEYS` keys give.
+        Its recall at `differing` is `RECALL`, or what `MOST_KEYS` keys give.
     """
     key_bits = min(max(int(np.ceil(np.log2(max(count, 2)))) + 4, 8), 32, code_bits)
     while True:
@@ -108,14 +131,14 @@ def choose_banding(count: int, differing: float, code_bits: int) -> Banding:
         key_bits -= 1
 
 
-def group_stars(
+def cluster_by_leaders(
     codes: NDArray[np.uint8],
     distances: Distances,
     max_distance: float,
     banding: Banding,
     classes: NDArray[np.int64] | None = None,
     progress: Wrapper = iter,
-) -> Stars:
+) -> Clusters:
     """Group shapes around leaders.
 
     Parameters
@@ -125,7 +148,7 @@ def group_stars(
     distances : callable
         Given the position of a shape and those of others, (c,) array, returns its distances to them, (c,).
     max_distance : float
-        How far a member may be from its leader.
+        Largest distance of a member from its leader.
     banding : Banding
     classes : (n,) array of int, optional
         0 ≤ class < 2³¹. Only shapes of the same class are grouped.
@@ -134,7 +157,7 @@ def group_stars(
 
     Returns
     -------
-    stars : Stars
+    clusters : Clusters
     """
     keys = _keys(codes, banding)
     if classes is not None:
@@ -160,11 +183,11 @@ def group_stars(
                 continue
         for table, key in zip(tables, own, strict=True):
             table[key].append(position)
-    return Stars(leader, distance, compared)
+    return Clusters(leader, distance, compared)
 
 
 def _keys(codes: NDArray[np.uint8], banding: Banding) -> NDArray[np.uint64]:
-    """(L, n) keys; the sampled bits are the same in every run."""
+    """Return the (L, n) keys; the sampled bits are the same in every run."""
     random = np.random.default_rng(0)
     code_bits = 8 * codes.shape[1]
     samples = [random.choice(code_bits, banding.key_bits, replace=False) for _ in range(banding.keys)]

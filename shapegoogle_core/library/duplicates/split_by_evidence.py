@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the members of a group of duplicates are: exact copies apart from other meshes, poses and parts."""
+"""Evidence for groups of duplicates: exact copies are told from other meshes, poses and parts."""
 
 from __future__ import annotations
 
@@ -9,42 +9,39 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.duplicates.find import (
-    DuplicateGroup,
-    DuplicateMember,
-    distance_at,
-    largest_saving_first,
-)
+from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember, largest_saving_first
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
+from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.search.explain import Compared, Explainer
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 
-__all__ = ["EXPLAINED_MEMBERS", "by_evidence"]
+__all__ = ["split_by_evidence"]
 
-# Groups of which samples are in memory at once.
+# Groups whose samples are in memory at once.
 _PAGE = 200
 
 
-def by_evidence(
+def split_by_evidence(
     store: Store, model: ShapeModel, groups: Sequence[DuplicateGroup], explained: int = EXPLAINED_MEMBERS
 ) -> list[DuplicateGroup]:
-    """Split groups by what geometry says of their members.
+    """Split groups by the evidence of their members.
 
-    Copies of a mesh with its vertices in the same order are told at once, so all members are asked for that.
-    Laying others over the first takes longer; it is done in the order of the savings, and for those that are
-    left the group says "same" or "similar" as before.
+    Copies of a mesh with its vertices in the same order are recognised at once, so all members are checked
+    for that. Aligning other members takes longer; it is done in the order of the savings, up to a maximum
+    number, and the rest of the members stay "same" or "similar".
 
     Parameters
     ----------
     store : Store
     model : ShapeModel
+        The model that described the shapes.
     groups : sequence of DuplicateGroup
         From `find_duplicates`.
     explained : int, optional
-        How many members are laid over the first of their groups.
+        Maximum number of members aligned to the first shape of their group.
 
     Returns
     -------
@@ -53,13 +50,13 @@ def by_evidence(
         the same first member; groups of copied files stay as they are.
     """
     split = [group for group in groups if group.kind == "copies"]
-    asked = [group for group in groups if group.kind != "copies"]
+    uncertain = [group for group in groups if group.kind != "copies"]
     if model.settings.sample is None:
-        return largest_saving_first([*split, *asked])
+        return largest_saving_first([*split, *uncertain])
     left = explained
     with threadpool_limits(1, user_api="blas"):
-        for start in range(0, len(asked), _PAGE):
-            page = asked[start : start + _PAGE]
+        for start in range(0, len(uncertain), _PAGE):
+            page = uncertain[start : start + _PAGE]
             wanted = [member.shape_id for group in page for member in group.members]
             records = {record.shape_id: record for record in store.shapes(wanted)}
             for group in page:
@@ -73,7 +70,7 @@ def by_evidence(
 def _compared(
     store: Store, model: ShapeModel, group: DuplicateGroup, records: dict[int, ShapeRecord]
 ) -> dict[int, Compared]:
-    """Read what is compared of the members of a group, but for those that were removed meanwhile."""
+    """Read samples and counts of the members of a group, without members that were removed meanwhile."""
     samples = store.samples([member.shape_id for member in group.members])
     known = {}
     for shape_id, data in samples.items():
@@ -87,7 +84,7 @@ def _compared(
 def _split(
     model: ShapeModel, group: DuplicateGroup, known: dict[int, Compared], left: int
 ) -> tuple[list[DuplicateGroup], int]:
-    """Split a group, and count the members that were laid over the first one for it."""
+    """Split a group, and count the members that were aligned to the first one."""
     first = group.members[0]
     if first.shape_id not in known:
         return [group], 0

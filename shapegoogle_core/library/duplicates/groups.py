@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""`DuplicateGroup`: shapes or files of which one would be enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+__all__ = ["DuplicateGroup", "DuplicateMember", "largest_saving_first"]
+
+
+@dataclass(frozen=True)
+class DuplicateMember:
+    """A shape, or a file, of a group.
+
+    Attributes
+    ----------
+    name, source, object_name : str
+        As in `Match`. In a group of copies the file stands for all of its shapes; `name` is the file's.
+    shape_id : int
+        In a group of copies, id of the file's first shape.
+    similarity : float
+        To the first member; 1 for itself.
+    scale : float
+        Linear size relative to the first member, from the areas; 1 if an area is 0.
+    """
+
+    name: str
+    source: str
+    object_name: str
+    shape_id: int
+    similarity: float
+    scale: float
+
+    def to_json(self) -> dict[str, object]:
+        """Convert to an element of "members" in `DuplicateGroup.to_json`.
+
+        Returns
+        -------
+        record : dict
+        """
+        return {
+            "name": self.name,
+            "source": self.source,
+            "object_name": self.object_name,
+            "shape_id": self.shape_id,
+            "similarity": round(self.similarity, 6),
+            "scale": round(self.scale, 6),
+        }
+
+
+@dataclass(frozen=True)
+class DuplicateGroup:
+    """Shapes or files of which one would be enough.
+
+    Attributes
+    ----------
+    kind : str
+        "copies": files that are equal byte for byte. "same": the same bag but for rounding, and the same
+        number of vertices and faces; position, size and mirroring may differ. "similar": at least the
+        requested similarity to the first member. Where surfaces were compared, the kind of evidence takes the
+        place of "same" and "similar"; see `Evidence.kind`, with the first member as the query.
+    members : tuple of DuplicateMember
+        The first one represents the group: the others are compared with it, and follow by falling similarity.
+    similarity : float
+        Lowest similarity of the members.
+    saved_faces : int
+        Number of faces of all members but the first.
+    saved_bytes : int
+        Size of all files but the first in a group of copies; 0 for other kinds, which may be parts of files.
+
+    Examples
+    --------
+    >>> from shapegoogle_core import DuplicateGroup, DuplicateMember
+    >>> first = DuplicateMember("bolt", "kit.blend", "bolt", 1, similarity=1.0, scale=1.0)
+    >>> second = DuplicateMember("bolt.001", "kit.blend", "bolt.001", 2, similarity=0.999, scale=2.0)
+    >>> group = DuplicateGroup("scaled", (first, second), similarity=0.999, saved_faces=300)
+    >>> group.to_json()["saving"]
+    {'faces': 300, 'bytes': 0}
+    """
+
+    kind: str
+    members: tuple[DuplicateMember, ...]
+    similarity: float
+    saved_faces: int
+    saved_bytes: int = 0
+
+    def to_json(self) -> dict[str, object]:
+        """Convert to the object that ``shapegoogle duplicates --json`` prints.
+
+        Returns
+        -------
+        record : dict
+            ``kind``, ``similarity``, ``saving`` (``faces``, ``bytes``) and ``members``, each with ``name``,
+            ``source``, ``object_name``, ``shape_id``, ``similarity`` and ``scale``.
+        """
+        return {
+            "kind": self.kind,
+            "similarity": round(self.similarity, 6),
+            "saving": {"faces": self.saved_faces, "bytes": self.saved_bytes},
+            "members": [member.to_json() for member in self.members],
+        }
+
+
+def largest_saving_first(groups: Iterable[DuplicateGroup]) -> list[DuplicateGroup]:
+    """Sort groups by the faces of all members but the first, then by the bytes.
+
+    Parameters
+    ----------
+    groups : iterable of DuplicateGroup
+
+    Returns
+    -------
+    ordered : list of DuplicateGroup
+    """
+    return sorted(
+        groups,
+        key=lambda group: (-group.saved_faces, -group.saved_bytes, group.kind, group.members[0].shape_id),
+    )

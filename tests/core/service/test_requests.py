@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""Requests of a user interface to its worker process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shapegoogle_core.library import Library
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.service.requests import describe_meshes, library_duplicates
+
+SignatureMaker = Callable[..., ShapeSignature]
+
+
+def test_a_mesh_that_cannot_be_described_costs_only_itself(model: ShapeModel, meshes: list[Mesh]) -> None:
+    (good, bad) = describe_meshes(model, [meshes[0], Mesh(np.zeros((4, 3)), name="a speck")])
+    assert isinstance(good, ShapeSignature)
+    assert isinstance(bad, str)
+    assert "a speck" in bad
+
+
+def test_a_library_by_its_path(
+    path: Path, model: ShapeModel, make_signature: SignatureMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Library.open(path, model) as library:
+        for name in "ab":
+            library.add_signature(make_signature(1), name)
+    opened: list[Path] = []
+    original = Library.open
+
+    def counted(path: Path, *, read_only: bool) -> Library:
+        opened.append(path)
+        return original(path, read_only=read_only)
+
+    monkeypatch.setattr(Library, "open", counted)
+    assert [[member.name for member in group.members] for group in library_duplicates(path)] == [["a", "b"]]
+    assert [[member.name for member in group.members] for group in library_duplicates(path)] == [["a", "b"]]
+    assert len(opened) == 1
+
+
+def test_the_model_by_its_place(path: Path, model: ShapeModel, meshes: list[Mesh], tmp_path: Path) -> None:
+    Library.open(path, model).close()
+    model.save(tmp_path / "model.npz")
+    expected = model.describe(meshes[0])
+    for place in (path, str(tmp_path / "model.npz")):
+        (signature,) = describe_meshes(place, meshes[:1])
+        assert isinstance(signature, ShapeSignature)
+        np.testing.assert_array_equal(signature.bags, expected.bags)
