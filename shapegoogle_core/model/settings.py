@@ -288,7 +288,7 @@ def _octaves(first: float, last: float) -> tuple[float, ...]:
 _ALL_BAGS = ("area", "plain", "pairs")
 
 PRESETS: dict[str, ModelSettings] = {
-    # Chosen on procedural creatures and CC0 models that were not trained on (docs/results.md).
+    # Chosen on procedural creatures and CC0 models that were not trained on (docs/measurements/libraries.md).
     "default": ModelSettings(
         name="default",
         channels=(
