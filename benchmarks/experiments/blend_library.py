@@ -5,8 +5,8 @@
 
 Needs a Python with bpy. Prints the figures of docs/measurements/libraries.md: files indexed and seconds for
 each; a second run; of the best answers to each posed character, the share that is the same character in
-another pose; the time of Find Similar for an object of 10,000 vertices in a library of 1,000 shapes. FOLDER is
-only read.
+another pose; the time of Find Similar for an object of 10,000 vertices in a library of 1,000 shapes. FOLDER
+is only read.
 """
 
 from __future__ import annotations
