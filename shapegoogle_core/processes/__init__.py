@@ -1,2 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Running work in other processes."""
+"""The one way to run work in other processes.
+
+`launching` starts and ends processes in an orderly way; `pool` runs many tasks with limits of time and
+memory; `worker` keeps one process that runs task after task, for a program with a window; `program` asks or
+watches another program by lines of text; `progress` shows the progress of a loop.
+"""

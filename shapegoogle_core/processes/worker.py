@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""One process that computes for a program with a window.
+"""One persistent process that computes for a program with a window.
 
-Not of `multiprocessing`: that runs the main script again in every process it starts, and a user's script in
-Blender begins with ``import bpy``, which only Blender has, and goes on to do things that must not be done
-twice. Tasks and results are pickled, between a process and the one it has started itself, never from a file.
+It is no process of `multiprocessing`, which runs the main script again in every process it starts: a user's
+script in Blender begins with ``import bpy``, which only Blender has, and continues with actions that must not
+happen twice. Tasks and results are pickled, between a process and the one that it has started, never from a
+file.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.processes.launching import NO_WINDOW, THREAD_VARIABLES, divert_output
+from shapegoogle_core.processes.launching import divert_output, launch, single_threaded
 
 __all__ = ["Task", "Worker", "serve"]
 
 T = TypeVar("T")
 
-# The worker finds its modules where this process does: Blender's extensions bring paths of their own.
+# The worker searches modules where this process does: Blender's extensions add paths of their own.
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from shapegoogle_core.processes.worker import serve; serve()"
@@ -35,7 +36,13 @@ _START = (
 
 
 class Task(Future[T]):
-    """What a task will result in; one that is cancelled while it runs takes its process along."""
+    """Future result of a task; cancelling it while it runs ends its process.
+
+    Attributes
+    ----------
+    abandoned : bool
+        Whether it was cancelled while it ran.
+    """
 
     def __init__(self, worker: Worker) -> None:
         super().__init__()
@@ -43,7 +50,13 @@ class Task(Future[T]):
         self.abandoned = False
 
     def cancel(self) -> bool:
-        """Stop the task, also if it runs already; False if it is done."""
+        """Stop the task, even if it runs already.
+
+        Returns
+        -------
+        cancelled : bool
+            False if the task is done.
+        """
         if super().cancel():
             return True
         return self._worker.abandon(self)
@@ -53,9 +66,17 @@ _Entry = tuple[Task[Any], Callable[..., Any], tuple[object, ...]]
 
 
 class Worker:
-    """A process of the core, started at the first task; tasks run one after the other.
+    """A process that runs one task after the other, started at the first task.
 
-    A process that dies costs the task it was at; the next one starts another process.
+    If the process dies, its task fails, and the next task starts another process.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.processes.worker import Worker
+    >>> worker = Worker()
+    >>> worker.submit(abs, -3).result()
+    3
+    >>> worker.stop()
     """
 
     def __init__(self) -> None:
@@ -72,20 +93,20 @@ class Worker:
         return self._thread is not None
 
     def submit(self, function: Callable[..., T], *arguments: object) -> Task[T]:
-        """Hand in a task.
+        """Submit a task.
 
         Parameters
         ----------
         function : callable
-            That the process can import by its name: one of the core.
+            One that the process can import by its name, as all of this package.
         *arguments : object
             Picklable.
 
         Returns
         -------
         task : Task
-            Its result is what the function returns; its exception what it raises, or a `ShapeGoogleError`
-            if the process dies.
+            With the result of the function, or the exception that it raised, or a `ShapeGoogleError` if the
+            process dies.
         """
         task: Task[T] = Task(self)
         if self._thread is None:
@@ -95,13 +116,23 @@ class Worker:
         return task
 
     def kill(self) -> None:
-        """End the process, whatever it is doing."""
+        """Kill the process, whatever it is doing."""
         process = self._process
         if process is not None:
             process.kill()
 
     def abandon(self, task: Task[Any]) -> bool:
-        """End the process if it is at this task; False if the task is done."""
+        """Kill the process if it runs this task.
+
+        Parameters
+        ----------
+        task : Task
+
+        Returns
+        -------
+        abandoned : bool
+            False if the task is done.
+        """
         with self._lock:
             if self._current is not task:
                 return False
@@ -110,7 +141,7 @@ class Worker:
             return True
 
     def stop(self) -> None:
-        """End the process, give up all tasks, and wait until that is done."""
+        """End the process, cancel all tasks, and wait until that is done."""
         if self._thread is None:
             return
         waiting = []
@@ -121,7 +152,7 @@ class Worker:
                 entry[0].cancel()
         self._tasks.put(None)
         while self._thread.is_alive():
-            # Again and again: it may be about to start the process for a task that it has taken already.
+            # Repeatedly: the thread may be about to start the process for a task that it has taken already.
             self.kill()
             self._thread.join(0.1)
         self._thread = None
@@ -135,7 +166,7 @@ class Worker:
                 self._current = task
             try:
                 succeeded, result = self._ask(task, function, arguments)
-            except Exception as error:  # whatever it was must reach the one who waits
+            except Exception as error:  # every error must reach the one who waits for the task
                 succeeded, result = False, error
             with self._lock:
                 self._current = None
@@ -165,8 +196,8 @@ class Worker:
         except (OSError, EOFError, pickle.UnpicklingError) as error:
             self._end()
             raise ShapeGoogleError(
-                f"the process that computes has ended unexpectedly (exit code {process.returncode}), perhaps "
-                "for want of memory; try again with a simpler shape"
+                f"the process that computes has ended unexpectedly (exit code {process.returncode}), "
+                "possibly out of memory; try again with a simpler shape"
             ) from error
 
     def _running(self) -> subprocess.Popen[bytes]:
@@ -174,13 +205,8 @@ class Worker:
             self._end()
         if self._process is None:
             try:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-c", _START, json.dumps(sys.path)],
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    creationflags=NO_WINDOW,
-                    env={**dict.fromkeys(THREAD_VARIABLES, "1"), **os.environ},
-                )
+                with single_threaded():
+                    self._process = launch([sys.executable, "-c", _START, json.dumps(sys.path)])
             except OSError as error:
                 raise ShapeGoogleError(
                     f"Python cannot be started at {sys.executable!r} ({error.strerror or error}); install "
@@ -195,14 +221,14 @@ class Worker:
             process.wait()
             for stream in (process.stdin, process.stdout):
                 if stream is not None:
-                    # Closing may want to write what a dead process will not read.
+                    # Closing may try to write to a process that is dead.
                     with suppress(BrokenPipeError):
                         stream.close()
 
 
 def serve() -> None:
-    """Do one task after the other, from standard input to standard output, until the input is closed."""
-    # What a library prints must not end up among the answers.
+    """Run tasks from standard input one after the other until it is closed; answer on standard output."""
+    # Output of libraries must not end up among the answers.
     answers = os.fdopen(divert_output(), "wb")
     while True:
         try:
@@ -217,7 +243,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[object, ...]) -> byte
     try:
         return pickle.dumps((True, function(*arguments)), protocol=pickle.HIGHEST_PROTOCOL)
     except Exception as error:
-        # An exception of a library may not survive the way; its text does.
+        # An exception of a library may not be picklable; its text is.
         known = isinstance(error, ShapeGoogleError)
         sent = error if known else ShapeGoogleError(f"unexpected {type(error).__name__}: {error}")
         return pickle.dumps((False, sent), protocol=pickle.HIGHEST_PROTOCOL)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Tasks for the tests of the pool, importable by its processes."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+
+def misbehave(what: str) -> str:
+    """Do what the word says; other words are returned."""
+    match what:
+        case "hang":
+            time.sleep(3600)
+        case "abort":
+            os.abort()
+        case "exit":
+            os._exit(3)
+        case "swell":
+            np.ones(2**31)
+        case "raise":
+            raise LookupError("an unexpected error")
+        case "print":
+            print("output of a library")
+    return what
+
+
+def where_temporary_files_go() -> str:
+    return tempfile.gettempdir()
+
+
+def prepare(log: Path) -> int:
+    """Note that a process has started; returns its number."""
+    with log.open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    return os.getpid()
+
+
+def add_to_start(started: int, number: int) -> tuple[bool, int]:
+    """Return whether `prepare` ran in this process, and the number."""
+    return started == os.getpid(), number
+
+
+def refuse() -> None:
+    """Fail to prepare a process."""
+    raise ValueError("cannot be prepared")
+
+
+def log_and_return(log: Path, word: str) -> str:
+    with log.open("a") as file:
+        file.write(f"{word}\n")
+    return word
