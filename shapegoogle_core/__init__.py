@@ -67,8 +67,8 @@ if TYPE_CHECKING:
     from shapegoogle_core.model.vertex_signatures import vertex_keypoints as vertex_keypoints
     from shapegoogle_core.model.vertex_signatures import vertex_spectrum as vertex_spectrum
     from shapegoogle_core.model.vertex_signatures import vertex_words as vertex_words
-    from shapegoogle_core.preprocessing import Mending as Mending
-    from shapegoogle_core.preprocessing import mend as mend
+    from shapegoogle_core.preprocessing import PreprocessingSettings as PreprocessingSettings
+    from shapegoogle_core.preprocessing import preprocess as preprocess
     from shapegoogle_core.spectral import Spectrum as Spectrum
     from shapegoogle_core.spectral import compute_spectrum as compute_spectrum
     from shapegoogle_core.spectral import heat_kernel as heat_kernel
@@ -115,7 +115,7 @@ _MODULES = {
         "vertex_spectrum",
         "vertex_words",
     ),
-    "preprocessing": ("Mending", "mend"),
+    "preprocessing": ("PreprocessingSettings", "preprocess"),
     "spectral": ("Spectrum", "compute_spectrum", "heat_kernel"),
     "words": (
         "InverseDocumentFrequency",

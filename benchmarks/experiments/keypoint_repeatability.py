@@ -142,7 +142,7 @@ def found_points(
     Parameters
     ----------
     settings : ModelSettings
-        Only mending, area, Laplacian and eigenpairs matter.
+        Only preprocessing, area, Laplacian and eigenpairs matter.
     mesh : Mesh
     detectors : mapping of str to mapping, optional
         Names of `DETECTORS` and parameters of each; left out, all as they are.

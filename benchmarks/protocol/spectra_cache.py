@@ -256,9 +256,9 @@ def code_digest(parts: tuple[str, ...]) -> str:
 
 
 def preparation_of(settings: ModelSettings) -> list[object]:
-    """List what a prepared spectrum depends on among a model's settings: mending, area, operator, pairs."""
-    mending = None if settings.mending is None else vars(settings.mending)
-    return [mending, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
+    """List the settings that a prepared spectrum depends on: preprocessing, area, operator, pairs."""
+    preprocessing = None if settings.preprocessing is None else vars(settings.preprocessing)
+    return [preprocessing, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
 
 
 def cached_shape(
@@ -273,7 +273,7 @@ def cached_shape(
     ----------
     store : BenchmarkCache
     settings : ModelSettings
-        Only their mending, area, Laplacian and number of eigenpairs matter.
+        Only their preprocessing, area, Laplacian and number of eigenpairs matter.
     shape_key : str
         Digest of what the mesh is made from.
     mesh : callable

@@ -31,7 +31,7 @@ from benchmarks.speed.reporting import panels
 from shapegoogle_core.model import describe as describing
 from shapegoogle_core.model import shape_model as model
 from shapegoogle_core.model.settings import DESCRIPTORS
-from shapegoogle_core.preprocessing import preprocess as mending
+from shapegoogle_core.preprocessing import steps
 from shapegoogle_core.processes.launching import single_threaded
 from shapegoogle_core.registration import LocalWords
 
@@ -42,7 +42,7 @@ __all__ = ["REPEATS", "SIZES", "STAGES", "draw", "measure"]
 
 STAGES = (
     "reading",
-    "mending",
+    "preprocessing",
     "simplifying",
     "smoothing",
     "spectrum",
@@ -57,9 +57,9 @@ STAGES = (
 # What belongs to which stage. Time inside an inner one does not count for the outer one.
 WATCHED: tuple[tuple[Any, str, str], ...] = (
     (sg, "read_mesh", "reading"),
-    (describing, "prepare_placed", "mending"),
-    (mending, "resample", "simplifying"),
-    (mending, "smooth", "smoothing"),
+    (describing, "prepare_placed", "preprocessing"),
+    (steps, "resample", "simplifying"),
+    (steps, "smooth", "smoothing"),
     (describing, "compute_spectrum", "spectrum"),
     (describing, "soft_words", "words"),
     (model, "shape_bags", "bags"),

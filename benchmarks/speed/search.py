@@ -133,7 +133,12 @@ def small_model() -> sg.ShapeModel:
     random = np.random.default_rng(0)
     channel = ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6)
     settings = ModelSettings(
-        name="small", channels=(channel,), mending=None, laplacian="cotangent", projected=16, code_bits=256
+        name="small",
+        channels=(channel,),
+        preprocessing=None,
+        laplacian="cotangent",
+        projected=16,
+        code_bits=256,
     )
     return sg.ShapeModel(
         settings=settings,

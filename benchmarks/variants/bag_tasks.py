@@ -44,7 +44,7 @@ class Preparation:
     ----------
     name : str
     settings : ModelSettings
-        Only its mending, area, Laplacian and number of eigenpairs matter.
+        Only its preprocessing, area, Laplacian and number of eigenpairs matter.
     """
 
     name: str

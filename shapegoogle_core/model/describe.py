@@ -14,7 +14,7 @@ from shapegoogle_core.laplacian import POINT_CLOUD, build_operator
 from shapegoogle_core.mesh import Mesh, check_cloud, check_surface
 from shapegoogle_core.mesh.mesh import FloatArray, used_vertices
 from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
-from shapegoogle_core.preprocessing import mend, mend_cloud, repair
+from shapegoogle_core.preprocessing import preprocess, repair
 from shapegoogle_core.spectral import Spectrum, compute_spectrum
 from shapegoogle_core.words import bag_of_features, hard_words, soft_words, spatially_sensitive_bag
 
@@ -121,24 +121,28 @@ def prepare_placed(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
     origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
     centered = Mesh((vertices - origin) / size, faces, mesh.name)
-    mended = repair(centered) if settings.mending is None else mend(centered, settings.mending)
-    area = mended.area
+    repaired = _preprocessed(settings, centered)
+    area = repaired.area
     if not area > 0:
         raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
     scale = float(np.sqrt(settings.area / area))
-    return Mesh(mended.vertices * scale, mended.faces, mesh.name), Placement(origin, scale / size)
+    return Mesh(repaired.vertices * scale, repaired.faces, mesh.name), Placement(origin, scale / size)
 
 
 def _prepare_cloud(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
-    """Mend points without faces and scale the surface that they stand on to the working area."""
+    """Preprocess points without faces and scale the surface that they stand on to the working area."""
     check_cloud(mesh)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
     centered = Mesh((mesh.vertices - origin) / size, name=mesh.name)
-    mended = repair(centered) if settings.mending is None else mend_cloud(centered, settings.mending)
-    area = build_operator(mended, POINT_CLOUD).lumped_mass.sum()
+    repaired = _preprocessed(settings, centered)
+    area = build_operator(repaired, POINT_CLOUD).lumped_mass.sum()
     scale = float(np.sqrt(settings.area / area))
-    return Mesh(mended.vertices * scale, name=mesh.name), Placement(origin, scale / size)
+    return Mesh(repaired.vertices * scale, name=mesh.name), Placement(origin, scale / size)
+
+
+def _preprocessed(settings: ModelSettings, mesh: Mesh) -> Mesh:
+    return repair(mesh) if settings.preprocessing is None else preprocess(mesh, settings.preprocessing)
 
 
 @dataclass(frozen=True, eq=False)

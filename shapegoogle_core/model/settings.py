@@ -15,7 +15,7 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS
 from shapegoogle_core.mesh.mesh import Mesh
-from shapegoogle_core.preprocessing import Mending
+from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration.local_words import LocalSettings
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectral import Spectrum
@@ -116,8 +116,8 @@ class ModelSettings:
         Of the preset, shown to users.
     channels : tuple of ChannelSettings
         Their bags stand side by side.
-    mending : Mending or None
-        How a mesh is mended and brought to the working resolution; None: only repaired.
+    preprocessing : PreprocessingSettings or None
+        Preprocessing of a mesh; None: it is only repaired.
     area : float
         Every shape is scaled to this area first, in squared units: the search forgets the size.
     laplacian : str
@@ -152,7 +152,7 @@ class ModelSettings:
 
     name: str
     channels: tuple[ChannelSettings, ...]
-    mending: Mending | None = field(default_factory=Mending)
+    preprocessing: PreprocessingSettings | None = field(default_factory=PreprocessingSettings)
     area: float = 1.0
     laplacian: str = "robust"
     boundary: str = "neumann"
@@ -228,9 +228,10 @@ class ModelSettings:
         -------
         values : dict
             Without `sample`, `local` and `detector` where they are None, and without `boundary` where it is
-            "neumann": models from before these existed keep their identifier.
+            "neumann": models from before these existed keep their identifier. For the same reason the key
+            of `preprocessing` is its former name, "mending".
         """
-        values = asdict(self)
+        values = {"mending" if key == "preprocessing" else key: value for key, value in asdict(self).items()}
         later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]
         later += [(channel, "detector", None) for channel in values["channels"]]
         for choices, name, before in later:
@@ -256,15 +257,18 @@ class ModelSettings:
             If something is missing, unknown or out of range.
         """
         try:
-            unknown = set(values) - {entry.name for entry in fields(cls)}
+            known = dict(values)
+            if "mending" in known:
+                known["preprocessing"] = known.pop("mending")
+            if known["preprocessing"] is not None:
+                known["preprocessing"] = PreprocessingSettings(**known["preprocessing"])
+            unknown = set(known) - {entry.name for entry in fields(cls)}
             if unknown:
                 raise ModelError(f"unknown settings {', '.join(sorted(unknown))}; update Shape Google")
-            known = dict(values)
             known["channels"] = tuple(
                 ChannelSettings(**{**channel, "bags": tuple(channel["bags"])})
                 for channel in known["channels"]
             )
-            known["mending"] = None if known["mending"] is None else Mending(**known["mending"])
             if known.get("sample") is not None:
                 known["sample"] = SampleSettings(**known["sample"])
             if known.get("local") is not None:
@@ -321,7 +325,7 @@ PRESETS: dict[str, ModelSettings] = {
                 pair_time=1024.0,
             ),
         ),
-        mending=None,
+        preprocessing=None,
         area=PAPER_AREA,
         laplacian="cotangent",
         eigenpairs=200,

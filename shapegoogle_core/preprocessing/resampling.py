@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
 from shapegoogle_core.preprocessing.repair import repair
+from shapegoogle_core.preprocessing.thinning import thin
 
 __all__ = ["resample", "simplify", "subdivide"]
 
@@ -42,7 +43,7 @@ def resample(mesh: Mesh, floor: int = 1000, budget: int = 5000) -> Mesh:
     Parameters
     ----------
     mesh : Mesh
-        Repaired.
+        Repaired. A point cloud is only thinned to the budget; see `thin`.
     floor : int, optional
         Fewest vertices wanted; see `subdivide`.
     budget : int, optional
@@ -53,6 +54,8 @@ def resample(mesh: Mesh, floor: int = 1000, budget: int = 5000) -> Mesh:
     resampled : Mesh
         With `budget` vertices at most.
     """
+    if mesh.is_point_cloud:
+        return Mesh(thin(mesh.vertices, budget), name=mesh.name)
     if len(mesh.vertices) < floor:
         mesh = subdivide(mesh, floor)
     if len(mesh.vertices) > budget:

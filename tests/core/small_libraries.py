@@ -22,7 +22,7 @@ def build_model(seed: int = 0) -> ShapeModel:
     settings = ModelSettings(
         name="tiny",
         channels=(ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6),),
-        mending=None,
+        preprocessing=None,
         laplacian="cotangent",
         eigenpairs=20,
         projected=16,

@@ -54,7 +54,6 @@ PENDING = frozenset(
         "LibraryError",
         "Match",
         "Match.rank_key",
-        "Mending",
         "Mesh",
         "Mesh.is_point_cloud",
         "MeshError",
@@ -109,7 +108,6 @@ PENDING = frozenset(
         "load_model",
         "log_heat_kernel_signature",
         "match_vertices",
-        "mend",
         "mesh_hog",
         "read_mesh",
         "scale_invariant_hks",
@@ -212,8 +210,8 @@ def sections_of(text: str) -> dict[str, str]:
     titles = [
         index for index, (line, below) in enumerate(pairwise(lines)) if line and below == "-" * len(line)
     ]
-    ends = [*titles[1:], len(lines)]
-    return {lines[start]: "\n".join(lines[start + 2 : end]) for start, end in zip(titles, ends, strict=True)}
+    starts = [*titles, len(lines)]
+    return {lines[start]: "\n".join(lines[start + 2 : end]) for start, end in pairwise(starts)}
 
 
 def entries_of(section: str) -> dict[str, str]:

@@ -24,7 +24,7 @@ def build_model(seed: int = 0, *, metric: str = "cosine", code_bits: int = 72) -
     settings = ModelSettings(
         name="tiny",
         channels=(channel,),
-        mending=None,
+        preprocessing=None,
         laplacian="cotangent",
         eigenpairs=20,
         projected=16,

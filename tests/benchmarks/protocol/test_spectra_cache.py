@@ -125,5 +125,5 @@ def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:
 def test_only_the_preparation_decides_on_a_spectrum() -> None:
     default = PRESETS["default"]
     assert preparation_of(default) == preparation_of(replace(default, code_bits=64, name="other"))
-    for change in ({"mending": None}, {"area": 2.0}, {"laplacian": "cotangent"}, {"eigenpairs": 50}):
+    for change in ({"preprocessing": None}, {"area": 2.0}, {"laplacian": "cotangent"}, {"eigenpairs": 50}):
         assert preparation_of(default) != preparation_of(replace(default, **change))

@@ -27,7 +27,9 @@ from tests.benchmarks.conftest import relevant_columns
 
 PREPARATION = Preparation(
     "small",
-    ModelSettings("small", PRESETS["paper"].channels, mending=None, laplacian="cotangent", eigenpairs=30),
+    ModelSettings(
+        "small", PRESETS["paper"].channels, preprocessing=None, laplacian="cotangent", eigenpairs=30
+    ),
 )
 DESCRIPTOR = Descriptor("HKS", "hks", {"times": [0.01, 0.02, 0.04, 0.08]}, 0.02)
 

@@ -46,7 +46,7 @@ def test_paper_preset_has_the_authors_parameters():
     assert (paper.eigenpairs, paper.laplacian, paper.area) == (200, "cotangent", 40_000)
     assert channel.parameters["times"] == (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
     assert (channel.words, channel.sigma_factor, channel.pair_time) == (48, 2.0, 1024.0)
-    assert paper.mending is None
+    assert paper.preprocessing is None
     assert paper.metric == "l1"
 
 

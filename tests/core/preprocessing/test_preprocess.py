@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Mending as a whole: on shapes with known faults, and on real files."""
+"""Preprocessing as a whole: on shapes with known faults, and on real files."""
 
 from __future__ import annotations
 
 from dataclasses import FrozenInstanceError
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ import trimesh
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, read_mesh, unique_edges
-from shapegoogle_core.preprocessing import Mending, mend
+from shapegoogle_core.preprocessing import PreprocessingSettings, preprocess
 
 BALL = trimesh.creation.icosphere(subdivisions=5)
 
@@ -29,56 +31,93 @@ def noisy(mesh: Mesh, strength: float) -> Mesh:
     return Mesh(mesh.vertices + strength * edge * noise, mesh.faces, mesh.name)
 
 
-def test_defaults():
-    assert Mending() == Mending(close_holes=0.45, floor=1000, budget=5000, smoothing=3e-4)
+def test_defaults() -> None:
+    assert PreprocessingSettings() == PreprocessingSettings(
+        close_holes=0.45, floor=1000, budget=5000, smoothing=3e-4
+    )
     with pytest.raises(FrozenInstanceError):
-        Mending().floor = 7
+        PreprocessingSettings().floor = 7  # type: ignore[misc]
 
 
-def test_resolution_and_noise_hardly_matter():
-    """Area within 2 % of the mended clean shape for a soup, noise, holes and fewer vertices."""
+def test_resolution_and_noise_hardly_matter() -> None:
+    """Area within 2 % of the preprocessed clean shape for a soup, noise, holes and fewer vertices."""
     clean = bumpy_ball()
-    expected = mend(clean, Mending())
+    expected = preprocess(clean, PreprocessingSettings())
     soup = Mesh(clean.vertices[clean.faces].reshape(-1, 3), np.arange(3 * len(clean.faces)).reshape(-1, 3))
     holes = ~np.isin(clean.faces, np.random.default_rng(0).choice(len(clean.vertices), 300)).any(axis=1)
-    coarse = mend(clean, Mending(budget=1500, smoothing=0))
+    coarse = preprocess(clean, PreprocessingSettings(budget=1500, smoothing=0))
     for variant in (soup, noisy(clean, 0.3), Mesh(clean.vertices, clean.faces[holes]), coarse):
-        mended = mend(variant, Mending())
-        assert 1000 <= len(mended.vertices) <= 5000
-        assert (unique_edges(mended)[1] == 2).all()
-        assert mended.area == pytest.approx(expected.area, rel=0.02)
+        after = preprocess(variant, PreprocessingSettings())
+        assert 1000 <= len(after.vertices) <= 5000
+        assert (unique_edges(after)[1] == 2).all()
+        assert after.area == pytest.approx(expected.area, rel=0.02)
     assert noisy(clean, 0.3).area > 1.2 * clean.area
 
 
-def test_nothing_asked_for_nothing_done():
+def test_nothing_asked_for_nothing_done() -> None:
     clean = bumpy_ball()
-    assert mend(clean, Mending(close_holes=0, floor=0, budget=20_000, smoothing=0)) is clean
+    assert (
+        preprocess(clean, PreprocessingSettings(close_holes=0, floor=0, budget=20_000, smoothing=0)) is clean
+    )
 
 
-def test_no_surface_before_or_after_repair():
-    with pytest.raises(MeshError, match="'cloud' has no faces"):
-        mend(Mesh(BALL.vertices, name="cloud"), Mending())
+def test_no_surface_before_or_after_repair() -> None:
+    with pytest.raises(MeshError, match="'points' has no faces and 9 points"):
+        preprocess(Mesh(BALL.vertices[:9], name="points"))
     crumbs = (np.random.default_rng(0).uniform(0, 1, (1000, 1, 3)) + np.zeros((3, 1))).reshape(-1, 3)
     crumbs[0] += 1e-4
     with pytest.raises(MeshError, match="'crumbs'"):
-        mend(Mesh(crumbs, np.arange(3000).reshape(-1, 3), "crumbs"), Mending())
+        preprocess(Mesh(crumbs, np.arange(3000).reshape(-1, 3), "crumbs"), PreprocessingSettings())
+
+
+def test_a_point_cloud_is_welded_thinned_and_smoothed() -> None:
+    noise = np.random.default_rng(0).normal(size=BALL.vertices.shape)
+    points = np.repeat(BALL.vertices + 0.02 * noise, 2, axis=0)
+    after = preprocess(Mesh(points, name="cloud"), PreprocessingSettings(budget=2000))
+    assert after.is_point_cloud
+    assert after.name == "cloud"
+    assert 1800 < len(after.vertices) <= 2000
+    assert np.linalg.norm(after.vertices, axis=1).std() < 0.01
+    untouched = PreprocessingSettings(budget=20_000, smoothing=0)
+    assert np.array_equal(preprocess(Mesh(points), untouched).vertices, points[::2])
+
+
+def test_points_that_crowd_in_few_places_are_refused() -> None:
+    places = np.repeat(np.random.default_rng(0).normal(size=(5, 3)), 100, axis=0)
+    crowd = places + 4e-6 * np.random.default_rng(1).normal(size=places.shape)
+    with pytest.raises(MeshError, match=r"'crowd' has no faces and \d points"):
+        preprocess(Mesh(crowd, name="crowd"), PreprocessingSettings(budget=20))
+
+
+def test_any_kind_of_mesh_is_taken() -> None:
+    expected = preprocess(bumpy_ball())
+    for shape in ((bumpy_ball().vertices, BALL.faces), trimesh.Trimesh(bumpy_ball().vertices, BALL.faces)):
+        assert np.array_equal(preprocess(shape).vertices, expected.vertices)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"close_holes": -0.1}, {"close_holes": 2.0}, {"budget": 3}, {"smoothing": np.inf}]
+)
+def test_settings_out_of_range(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="preprocessing out of range"):
+        PreprocessingSettings(**wrong)
 
 
 @pytest.mark.parametrize("shape", [trimesh.creation.box(), trimesh.creation.cylinder(0.01, 1, sections=6)])
-def test_low_poly_props_reach_the_floor(shape):
-    mended = mend(Mesh(shape.vertices, shape.faces), Mending())
-    assert len(mended.vertices) >= 1000
-    assert (unique_edges(mended)[1] == 2).all()
+def test_low_poly_props_reach_the_floor(shape: trimesh.Trimesh) -> None:
+    after = preprocess(Mesh(shape.vertices, shape.faces), PreprocessingSettings())
+    assert len(after.vertices) >= 1000
+    assert (unique_edges(after)[1] == 2).all()
 
 
 @pytest.mark.real_data
 @pytest.mark.parametrize("pattern", ["psb/m1[0-2]*.ply", "tosca/*0.ply", "tosca_remeshed/*_01.ply"])
-def test_real_meshes(pattern, data_folder):
-    """Polygon soup, open boundaries, thousands of parts: all are mended, and something is left of each."""
+def test_real_meshes(pattern: str, data_folder: Path) -> None:
+    """Polygon soup, open boundaries, thousands of parts: something is left of each."""
     paths = sorted(data_folder.glob(pattern))
     assert paths
     for path in paths[:20]:
         mesh = read_mesh(path)
-        mended = mend(mesh, Mending())
-        assert len(mended.vertices) >= 1000, path.name
-        assert mended.area > 0.2 * mesh.area, path.name
+        after = preprocess(mesh, PreprocessingSettings())
+        assert len(after.vertices) >= 1000, path.name
+        assert after.area > 0.2 * mesh.area, path.name

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.preprocessing import Mending, mend
+from shapegoogle_core.preprocessing import PreprocessingSettings, preprocess
 from shapegoogle_core.registration import PreparedSample, SampleSettings, SurfaceSample, align, sample_surface
 from shapegoogle_core.registration.frames import similarity_transformations
 
@@ -27,7 +27,7 @@ def one_thread() -> Iterator[None]:
 
 
 def sampled(mesh: Mesh) -> PreparedSample:
-    mesh = mend(mesh, Mending(budget=2000))
+    mesh = preprocess(mesh, PreprocessingSettings(budget=2000))
     return PreparedSample(sample_surface(mesh, compute_spectrum(mesh, k=60), SampleSettings(400, 128)))
 
 

@@ -17,7 +17,7 @@ from shapegoogle_core.library.search import search
 from shapegoogle_core.library.search import verify as verification
 from shapegoogle_core.library.search.query import FARTHEST, Question, pool_distances
 from shapegoogle_core.library.storage.bag_precision import round_bags
-from shapegoogle_core.preprocessing import Mending
+from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration import SampleSettings
 
 SHAPES = 60
@@ -168,7 +168,9 @@ def test_what_cannot_be_asked(filled, model, make_signature, other_model):
 @pytest.fixture(scope="module")
 def verifying(make_model):
     model = make_model()
-    settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
+    settings = replace(
+        model.settings, sample=SampleSettings(300, 96), preprocessing=PreprocessingSettings(budget=1500)
+    )
     return replace(model, settings=settings, agreement_gain=8.0, similarity_half=1e-6)
 
 

@@ -15,7 +15,7 @@ from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.search import search
 from shapegoogle_core.library.search import verify as verification
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.preprocessing import Mending
+from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
 from shapegoogle_core.registration.exact_fit import RoughPose
 from shapegoogle_core.registration.frames import Frame
@@ -25,7 +25,9 @@ from shapegoogle_core.registration.frames import Frame
 def verifying(make_model):
     """An untrained model: its bags know little, so that geometry must decide."""
     model = make_model()
-    settings = replace(model.settings, sample=SampleSettings(300, 96), mending=Mending(budget=1500))
+    settings = replace(
+        model.settings, sample=SampleSettings(300, 96), preprocessing=PreprocessingSettings(budget=1500)
+    )
     return replace(model, settings=settings, agreement_gain=30.0, similarity_half=1e-6)
 
 

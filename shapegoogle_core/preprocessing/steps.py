@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""The steps of preprocessing, in their order: what every shape passes through before it is described."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from shapegoogle_core.mesh.checks import check_cloud, check_surface
+from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
+from shapegoogle_core.preprocessing.holes import close_holes
+from shapegoogle_core.preprocessing.repair import repair
+from shapegoogle_core.preprocessing.resampling import resample
+from shapegoogle_core.preprocessing.smoothing import smooth
+
+__all__ = ["PreprocessingSettings", "preprocess"]
+
+
+@dataclass(frozen=True)
+class PreprocessingSettings:
+    """Settings of `preprocess`.
+
+    Parameters
+    ----------
+    close_holes : float
+        Largest width of a hole that is closed, as a share of the bounding-box diagonal, from 0 to 1; 0 closes
+        none. Not used for point clouds.
+    floor : int
+        Fewest vertices: a coarser surface is subdivided. Not used for point clouds.
+    budget : int
+        Most vertices, 4 at least: a finer surface or point cloud is simplified.
+    smoothing : float
+        Time of the smoothing step as a share of the area (see `smooth`); 0 leaves the surface as it is.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> sg.PreprocessingSettings(budget=2000)
+    PreprocessingSettings(close_holes=0.45, floor=1000, budget=2000, smoothing=0.0003)
+    """
+
+    close_holes: float = 0.45
+    floor: int = 1000
+    budget: int = 5000
+    smoothing: float = 3e-4
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.close_holes <= 1 and 0 <= self.smoothing < math.inf and self.budget >= 4):
+            raise ValueError(f"preprocessing out of range: {self}")
+
+
+_DEFAULT = PreprocessingSettings()
+
+
+def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Mesh:
+    """Repair a shape, close its holes, bring it to a working resolution and smooth it.
+
+    Parameters
+    ----------
+    mesh : MeshLike
+        A surface or a point cloud, as read from a file. The points of a cloud are welded, thinned and
+        smoothed; they have no holes.
+    settings : PreprocessingSettings, optional
+        Settings of the steps; by default those of the shipped model.
+
+    Returns
+    -------
+    preprocessed : Mesh
+        With `budget` vertices at most.
+
+    Raises
+    ------
+    MeshError
+        If the shape cannot be described, before or after repair (see `check_surface` and `check_cloud`), or
+        a point cloud has no Laplacian to be smoothed with.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> sg.preprocess(trimesh.creation.icosphere(subdivisions=5), sg.PreprocessingSettings(budget=2000))
+    Mesh('mesh', 2000 vertices, 3996 faces)
+    """
+    mesh = as_mesh(mesh)
+    is_cloud = mesh.is_point_cloud
+    check = check_cloud if is_cloud else check_surface
+    check(mesh)
+    mesh = repair(mesh)
+    if not is_cloud:
+        check(mesh)  # repair drops faces without area, which may be all
+        mesh = close_holes(mesh, settings.close_holes)
+    mesh = resample(mesh, settings.floor, settings.budget)
+    if is_cloud:
+        check(mesh)  # points that crowd in few places become few points
+    return smooth(mesh, settings.smoothing)
