@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""The file of a model: a numpy .npz archive whose entry `header` is JSON; nothing is pickled."""
+"""The file of a model: a numpy .npz archive whose entry `header` is JSON; nothing is pickled.
+
+Files keep the names that they always had, also where the code has better ones now, so that models and their
+identifiers stay valid.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 from collections.abc import Iterator, Mapping
@@ -20,17 +25,17 @@ from shapegoogle_core.model.describe import ChannelWords
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.registration import LocalWords
 
-__all__ = ["arrays_of", "damage_refused", "pack", "read_file", "unpack"]
+__all__ = ["arrays_of", "damage_refused", "identifier_of", "pack", "read_file", "unpack"]
 
 FORMAT = 1
-"""Version of the model file; a file with a higher one is refused."""
+"""Version of the model file; files of higher versions are refused."""
 
 SHIPPED = ("default", "paper")
-"""Models inside the package, made by `python -m benchmarks train`."""
+"""Names of the models inside the package, made by `python -m benchmarks train`."""
 
 Arrays = dict[str, NDArray[np.generic]]
 Fields = Mapping[str, Any]
-"""Of a `ShapeModel`, by their names."""
+"""Fields of a `ShapeModel` by their names."""
 
 _LEARNT = ("weights", "mean", "projection", "directions", "thresholds")
 _NUMBERS_AND_TEXT = (
@@ -44,7 +49,17 @@ _NUMBERS_AND_TEXT = (
 
 
 def arrays_of(model: Fields) -> Arrays:
-    """Name all arrays of a model as they stand in its file."""
+    """Return all arrays of a model by their names in its file.
+
+    Parameters
+    ----------
+    model : mapping
+        Its fields.
+
+    Returns
+    -------
+    arrays : dict
+    """
     arrays: Arrays = {name: model[name] for name in _LEARNT}
     arrays["sigmas"] = np.array([words.sigma for words in model["vocabularies"]])
     for index, words in enumerate(model["vocabularies"]):
@@ -56,19 +71,46 @@ def arrays_of(model: Fields) -> Arrays:
     return arrays
 
 
-def pack(model: Fields) -> bytes:
+def identifier_of(settings: Mapping[str, Any], arrays: Arrays, agreement_gain: float) -> str:
+    """Hash everything that ranks matches.
+
+    Parameters
+    ----------
+    settings : mapping
+        From `ModelSettings.to_dict`.
+    arrays : dict
+        From `arrays_of`.
+    agreement_gain : float
+        0 for models from before it existed, which keep their identifier.
+
+    Returns
+    -------
+    identifier : str
+        16 hexadecimal digits.
+    """
+    digest = hashlib.sha256(json.dumps(settings, sort_keys=True).encode())
+    for name, array in sorted(arrays.items()):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    if agreement_gain:
+        digest.update(repr(agreement_gain).encode())
+    return digest.hexdigest()[:16]
+
+
+def pack(model: Fields, identifier: str) -> bytes:
     """Write a model into an archive.
 
     Parameters
     ----------
     model : mapping
         Its fields.
+    identifier : str
 
     Returns
     -------
     data : bytes
     """
-    header = {"format": FORMAT, "settings": model["settings"].to_dict()}
+    header = {"format": FORMAT, "settings": model["settings"].to_dict(), "identifier": identifier}
     header |= {name: model[name] for name in _NUMBERS_AND_TEXT}
     text = np.array(json.dumps(header, sort_keys=True))
     buffer = io.BytesIO()
@@ -76,23 +118,24 @@ def pack(model: Fields) -> bytes:
     return buffer.getvalue()
 
 
-def unpack(data: bytes, origin: str) -> Fields:
+def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
     """Read the fields of a model from an archive.
 
     Parameters
     ----------
     data : bytes
     origin : str
-        What errors call the model.
+        Name of the model in error messages.
 
     Returns
     -------
     fields : mapping
+    identifier : str
 
     Raises
     ------
     ModelError
-        If it is of a newer version. A damaged archive fails in any way; see `damage_refused`.
+        If the archive has a newer format. A damaged archive raises any exception; see `damage_refused`.
     """
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
@@ -103,7 +146,7 @@ def unpack(data: bytes, origin: str) -> Fields:
             f"can read (up to {FORMAT}); update Shape Google"
         )
     settings = ModelSettings.from_dict(header["settings"])
-    return {
+    model = {
         "settings": settings,
         "vocabularies": tuple(
             ChannelWords(arrays[f"centers_{index}"].astype(np.float64), float(sigma))
@@ -123,33 +166,55 @@ def unpack(data: bytes, origin: str) -> Fields:
         "verified_slope": float(header.get("verified_slope", 1.0)),
         "local_words": None if settings.local is None else _local_words(arrays),
     }
+    return model, header.get("identifier") or _earlier_identifier(model, header["settings"], arrays)
 
 
 def _local_words(arrays: Arrays) -> LocalWords:
     return LocalWords(
         centers=arrays["local_centers"].astype(np.float32),
         weights=arrays["local_weights"].astype(np.float32),
-        mean=arrays["local_mean"].astype(np.float32),
-        directions=arrays["local_directions"].astype(np.int8),
     )
+
+
+def _earlier_identifier(model: Fields, settings: Mapping[str, Any], arrays: Arrays) -> str:
+    """Identify a model whose file does not state its identifier.
+
+    Earlier local words had codes of their own. They are no longer read, but the identifier depends on them.
+    """
+    described = model["settings"].to_dict()
+    if model["local_words"] is not None:
+        described["local"] |= settings["local"]
+    earlier = {name: arrays[name] for name in ("local_mean", "local_directions") if name in arrays}
+    return identifier_of(described, arrays_of(model) | earlier, model["agreement_gain"])
 
 
 @contextmanager
 def damage_refused(origin: str) -> Iterator[None]:
-    """Turn whatever goes wrong with an archive inside the block into a `ModelError` that names it."""
+    """Turn any exception of reading an archive inside the block into a `ModelError` that names it.
+
+    Parameters
+    ----------
+    origin : str
+        Name of the model in error messages.
+
+    Raises
+    ------
+    ModelError
+        If the block raises anything.
+    """
     try:
         yield
     except ModelError:
         raise
     except Exception as error:
-        # Damaged archives make zipfile, zlib, numpy and json fail in every way.
+        # Depending on where it is damaged, an archive makes zipfile, zlib, numpy or json fail.
         raise ModelError(
             f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
         ) from error
 
 
 def read_file(path: str | Path | None) -> tuple[bytes, str]:
-    """Read a model's archive.
+    """Read the archive of a model.
 
     Parameters
     ----------
@@ -160,12 +225,12 @@ def read_file(path: str | Path | None) -> tuple[bytes, str]:
     -------
     data : bytes
     origin : str
-        What errors call the model.
+        Name of the model in error messages.
 
     Raises
     ------
     ModelError
-        If there is no such file.
+        If the file cannot be read.
     """
     key = "default" if path is None else str(path)
     if key in SHIPPED:

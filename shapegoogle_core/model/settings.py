@@ -272,7 +272,8 @@ class ModelSettings:
             if known.get("sample") is not None:
                 known["sample"] = SampleSettings(**known["sample"])
             if known.get("local") is not None:
-                known["local"] = LocalSettings(**known["local"])
+                # Earlier models also have "bits", of codes that are no longer used.
+                known["local"] = LocalSettings(words=known["local"]["words"])
             return cls(**known)
         except (KeyError, TypeError, ValueError) as error:
             raise ModelError(f"the settings of the model are damaged ({error!r})") from error

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -18,7 +16,14 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.describe import ChannelWords, FloatBags, channel_words, shape_bags, working_shape
-from shapegoogle_core.model.model_file import arrays_of, damage_refused, pack, read_file, unpack
+from shapegoogle_core.model.model_file import (
+    arrays_of,
+    damage_refused,
+    identifier_of,
+    pack,
+    read_file,
+    unpack,
+)
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.signature import ShapeSignature, WordMap
 from shapegoogle_core.registration import LocalWords, sample_surface
@@ -99,9 +104,8 @@ class ShapeModel:
             raise ModelError("the model's calibration of similarities is damaged")
         if not 0 <= self.agreement_gain < np.inf:
             raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
-        local = self.settings.local
-        wanted = None if local is None else (local.bits, local.words)
-        if wanted != (None if self.local_words is None else self.local_words.directions.shape):
+        local = None if self.settings.local is None else self.settings.local.words
+        if local != (None if self.local_words is None else len(self.local_words.weights)):
             raise ModelError("the model's local words are damaged: they are not of the size in its settings")
 
     def __repr__(self) -> str:
@@ -124,14 +128,8 @@ class ShapeModel:
 
     @cached_property
     def identifier(self) -> str:
-        """16 hex digits: a hash of all that ranks matches. Signatures are comparable iff these are equal."""
-        digest = hashlib.sha256(json.dumps(self.settings.to_dict(), sort_keys=True).encode())
-        for name, array in sorted(arrays_of(self._fields()).items()):
-            digest.update(name.encode())
-            digest.update(np.ascontiguousarray(array).tobytes())
-        if self.agreement_gain:  # models from before it existed keep their identifier
-            digest.update(repr(self.agreement_gain).encode())
-        return digest.hexdigest()[:16]
+        """16 hexadecimal digits, equal only for models whose signatures can be compared."""
+        return identifier_of(self.settings.to_dict(), arrays_of(self._fields()), self.agreement_gain)
 
     def describe(self, mesh: Mesh, *, keep_surface: bool = False) -> ShapeSignature:
         """Compute the signature of a shape.
@@ -334,7 +332,7 @@ class ShapeModel:
 
     def to_bytes(self) -> bytes:
         """Serialise: a numpy .npz archive whose entry `header` is JSON; nothing is pickled."""
-        return pack(self._fields())
+        return pack(self._fields(), self.identifier)
 
     @classmethod
     def from_bytes(cls, data: bytes, origin: str = "the model") -> ShapeModel:
@@ -356,7 +354,11 @@ class ShapeModel:
             If the data is no model, damaged, or of a newer version.
         """
         with damage_refused(origin):
-            return cls(**unpack(data, origin))
+            entries, identifier = unpack(data, origin)
+            model = cls(**entries)
+        # In the place of the cached property, so that a changed copy of the model gets one of its own.
+        vars(model)["identifier"] = identifier
+        return model
 
     def save(self, path: str | Path) -> None:
         """Write the model to a file, by convention `.npz`.

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Whether one shape is a pose of another: a functional map between their lowest eigenfunctions.
+"""Isometry test: is one shape a pose of another, judged by a functional map between their eigenfunctions.
 
-A bend that stretches nothing keeps the Laplacian, so the map between both shapes' eigenfunctions is a
-rotation that keeps their order (Ovsjanikov et al. 2012). It is found by refining a rough guess of few
-eigenfunctions with more and more of them (ZoomOut, Melzi et al. 2019), here on the points of two samples.
+A deformation that does not stretch the surface keeps the Laplacian, so the map between the eigenfunctions of
+both shapes is a rotation that keeps their order (Ovsjanikov et al. 2012). It is found by refining an initial
+guess on few eigenfunctions with more and more of them (ZoomOut, Melzi et al. 2019), here on the points of two
+samples.
 """
 
 from __future__ import annotations
@@ -19,32 +20,32 @@ from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Isometry", "functional_map", "spectral_difference"]
 
-# Signs of so many eigenfunctions are guessed, in all ways.
+# All combinations of signs of this number of eigenfunctions are initial guesses.
 _GUESSED = 4
-_STEP = 2
-# Smaller ones are those of parts that hang together by nothing.
-_LEAST_EIGENVALUE = 1e-3
-# What a point looks like tells which guess is right.
+_STEP = 2  # eigenfunctions added in each refinement
+# Smaller eigenvalues belong to disconnected components.
+_SMALLEST_EIGENVALUE = 1e-3
+# Number of columns of the descriptors, the heat kernel signatures, that decide which guess is right.
 _HEAT_COLUMNS = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Isometry:
-    """The best map found from one sample's points to another's, and how far it is from an isometry.
+    """Best map found between the keypoints of two samples, and its deviation from an isometry.
 
     Attributes
     ----------
     counterparts : (k,) array of int
-        For each keypoint of the first sample one of the second's.
+        Keypoint of the second sample for each one of the first.
     spectral_difference : float
         Root mean square of log(λ/μ) over the lowest eigenvalues λ and μ of both, each times its area.
     orthogonality : float
-        ‖CᵀC - I‖ / √k with C the functional map: 0 if the map keeps areas.
+        ‖CᵀC - I‖ / √k with C the functional map: 0 if the map preserves areas.
     commutativity : float
-        ‖C M - Λ C‖ / ‖Λ C‖ with the eigenvalues on the diagonals of Λ and M: 0 if it keeps lengths.
+        ‖C M - Λ C‖ / ‖Λ C‖ with the eigenvalues on the diagonals of Λ and M: 0 if it preserves lengths.
     displacement : float
-        Root mean square distance of counterparts in space, in units of √area, once one shape is moved onto
-        the other as well as can be: how far the pose differs.
+        Difference of the poses: root mean square distance of counterparts in space, in units of √area, after
+        the best similarity transformation of one shape onto the other.
     """
 
     counterparts: NDArray[np.intp]
@@ -55,7 +56,7 @@ class Isometry:
 
 
 def functional_map(first: SurfaceSample, second: SurfaceSample) -> Isometry:
-    """Find the map between two samples that is most nearly an isometry.
+    """Find the map between two samples that comes nearest to an isometry.
 
     Parameters
     ----------
@@ -67,21 +68,21 @@ def functional_map(first: SurfaceSample, second: SurfaceSample) -> Isometry:
     """
     size = min(len(first.eigenvalues), len(second.eigenvalues))
     here, there = first.modes[:, :size], second.modes[:, :size]
-    looks = first.descriptors[:, :_HEAT_COLUMNS], second.descriptors[:, :_HEAT_COLUMNS]
+    heat = first.descriptors[:, :_HEAT_COLUMNS], second.descriptors[:, :_HEAT_COLUMNS]
     guessed = min(_GUESSED, size)
     counts = range(guessed, size + 1, _STEP)
-    # Keypoints stand for equal areas, so these are nearly the transposed.
+    # Keypoints represent equal areas, so the inverses are nearly the transposed matrices.
     inverses = [np.linalg.pinv(here[:, :count]).astype(np.float32) for count in counts]
     best: tuple[float, NDArray[np.intp]] | None = None
     for signs in product((1, -1), repeat=guessed):
-        # At first the descriptors help: eigenfunctions of nearly the same frequency may have changed places.
-        start = np.concatenate([here[:, :guessed] * np.array(signs, np.float32), looks[0]], axis=1)
-        target = np.concatenate([there[:, :guessed], looks[1]], axis=1)
+        # Eigenfunctions of nearly the same frequency may be swapped, so the descriptors help at first.
+        start = np.concatenate([here[:, :guessed] * np.array(signs, np.float32), heat[0]], axis=1)
+        target = np.concatenate([there[:, :guessed], heat[1]], axis=1)
         counterparts = _nearest(start, target)
         for count, inverse in zip(counts, inverses, strict=True):
             image = inverse @ there[counterparts, :count]
             counterparts = _nearest(here[:, :count] @ image, there[:, :count])
-        misfit = float(np.abs(looks[0] - looks[1][counterparts]).mean()) + _orthogonality(image)
+        misfit = float(np.abs(heat[0] - heat[1][counterparts]).mean()) + _orthogonality(image)
         if best is None or misfit < best[0]:
             best = misfit, counterparts
     assert best is not None
@@ -100,11 +101,11 @@ def spectral_difference(first: SurfaceSample, second: SurfaceSample) -> float:
     Returns
     -------
     difference : float
-        See `Isometry`; 0 for shapes that have none in common.
+        See `Isometry`; 0 if the shapes have no positive eigenvalues to compare.
     """
     size = min(len(first.eigenvalues), len(second.eigenvalues))
     values, others = first.eigenvalues[:size], second.eigenvalues[:size]
-    positive = (values > _LEAST_EIGENVALUE) & (others > _LEAST_EIGENVALUE)
+    positive = (values > _SMALLEST_EIGENVALUE) & (others > _SMALLEST_EIGENVALUE)
     ratios = np.log(values[positive] / others[positive])
     return float(np.sqrt((ratios**2).mean())) if len(ratios) else 0.0
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""An index of parts: which words there are around a surface's keypoints, a bit for each.
+"""Local words, an index of parts: which words occur at a surface's keypoints, one bit for each.
 
-Bags of heat kernels see the whole shape: where a third of it is gone, their code is far from the whole's. The
-descriptors at the keypoints of a sample see only what is around them (a third of √area at most), so that most
-of those of a part are those of its whole as well. They are told by words of their own, many more than the
-heat kernels have, for a word has to be rare to say which shape it comes from.
+Bags of heat kernel signatures depend on the whole shape: when a third of it is missing, their code is far
+from that of the whole. The descriptors at the keypoints of a sample depend only on their neighbourhood (at
+most a third of √area), so that a part has most of them in common with its whole. They have a vocabulary of
+their own, much larger than that of the heat kernels, because only rare words identify a shape.
 
-A shape that has the words of the query may have any others too: a whole has more than its part. So no two
-codes are compared, but the query's words are looked up in those of each shape.
+A shape that has the words of the query may have others as well, as a whole has more than its part. So codes
+are not compared with each other; the words of the query are looked up in the code of each shape.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["LocalSettings", "LocalWords", "fit_local_words"]
 
-# Each keypoint counts for so many of its nearest words: which of them is the nearest hangs on chance.
+# A training shape has the nearest words of its keypoints, this many of each: which of them is the very
+# nearest depends on noise.
 _NEAREST = 3
-# What the words and the directions are learnt from, at most.
-_TRAINING_DESCRIPTORS, _TRAINING_BAGS = 300_000, 4_000
+# Maximum numbers of descriptors and of samples that words and weights are learnt from.
+_TRAINING_DESCRIPTORS, _TRAINING_SAMPLES = 300_000, 4_000
 
 
 @dataclass(frozen=True)
@@ -39,22 +39,24 @@ class LocalSettings:
     Attributes
     ----------
     words : int
-        V, the size of its vocabulary.
-    bits : int
-        Length of the codes that libraries of format 4 had, a multiple of 8; see `LocalWords`.
+        Size V of the vocabulary, a multiple of 8.
+
+    Raises
+    ------
+    ValueError
+        If the number of words is not a positive multiple of 8.
     """
 
     words: int = 2048
-    bits: int = 512
 
     def __post_init__(self) -> None:
-        if self.words < 8 or self.words % 8 or self.bits < 8 or self.bits % 8:
-            raise ValueError(f"local words need a multiple of 8 words and of 8 bits: {self}")
+        if self.words < 8 or self.words % 8:
+            raise ValueError(f"local words need a vocabulary of a positive multiple of 8, not {self.words}")
 
 
 @dataclass(frozen=True, eq=False)
 class LocalWords:
-    """What is learnt of the index of parts.
+    """Vocabulary of the index of parts.
 
     Attributes
     ----------
@@ -62,48 +64,26 @@ class LocalWords:
         The words, in the unit of `SurfaceSample.descriptors`.
     weights : (V,) array of float32
         Inverse document frequencies (paper, equation 17).
-    mean, directions : (V,) array of float32, (s, V) array of int8
-        Of the codes of libraries of format 4, which are compared no more. They are part of what models are
-        told apart by.
     """
 
     centers: NDArray[np.float32]
     weights: NDArray[np.float32]
-    mean: NDArray[np.float32]
-    directions: NDArray[np.int8]
 
     def __post_init__(self) -> None:
-        words, bits = len(self.centers), len(self.directions)
-        expected = {"centers": 2, "weights": (words,), "mean": (words,), "directions": (bits, words)}
-        for name, shape in expected.items():
-            array = getattr(self, name)
-            right = array.ndim == shape if isinstance(shape, int) else array.shape == shape
-            if not (right and np.isfinite(array).all()):
+        usable = {
+            "centers": self.centers.ndim == 2,
+            "weights": self.weights.shape == (len(self.centers),),
+        }
+        for name, right_shape in usable.items():
+            if not (right_shape and np.isfinite(getattr(self, name)).all()):
                 raise ModelError(f"the model's local words are damaged: {name}")
 
     @cached_property
     def _squares(self) -> NDArray[np.float32]:
         return np.asarray(np.einsum("ij,ij->i", self.centers, self.centers))
 
-    def bag(self, descriptors: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Weighted bag of the words around some keypoints.
-
-        Parameters
-        ----------
-        descriptors : (k, d) array
-
-        Returns
-        -------
-        bag : (V,) array of float32
-            f_i = w_i √n_i, of unit length; n_i keypoints have word i among their nearest three.
-        """
-        nearest = np.argpartition(self._distances(descriptors), _NEAREST - 1, axis=1)[:, :_NEAREST]
-        counts = np.bincount(nearest.ravel(), minlength=len(self.centers))
-        bag = np.sqrt(counts).astype(np.float32) * self.weights
-        return np.asarray(bag / max(float(np.linalg.norm(bag)), 1e-30), np.float32)
-
     def code(self, sample: SurfaceSample) -> NDArray[np.uint8]:
-        """Tell which words a surface has.
+        """Encode which words a surface has.
 
         Parameters
         ----------
@@ -112,12 +92,13 @@ class LocalWords:
         Returns
         -------
         code : (V/8,) array of uint8
-            A bit for each word: whether it is the nearest one of a keypoint. Packed as by `numpy.packbits`.
+            One bit for each word: whether it is the nearest one of any keypoint. Packed as by
+            `numpy.packbits`.
         """
         return np.packbits(self._counts(sample.descriptors) > 0)
 
     def query_weights(self, sample: SurfaceSample) -> NDArray[np.float32]:
-        """Weigh the words of what is looked for, at all sizes that it may have beside its match.
+        """Weigh the words of a query at each of `SHARED_SCALES`.
 
         Parameters
         ----------
@@ -126,17 +107,33 @@ class LocalWords:
         Returns
         -------
         weights : (scales, V) array of float32
-            n_i w_i; n_i keypoints have word i as their nearest one. A part and its whole are both brought to
-            unit area, so that the part is larger than it should be: see `SurfaceSample.descriptors_at`.
+            n_i w_i, where word i is the nearest one of n_i keypoints. A part and its whole both have unit
+            area, so that the part is larger than in its whole: see `SurfaceSample.descriptors_at`.
         """
         counts = [self._counts(sample.descriptors_at(scale)) for scale in SHARED_SCALES]
         return np.array(counts, np.float32) * self.weights
+
+    def nearest(self, descriptors: NDArray[np.float32], count: int) -> NDArray[np.intp]:
+        """Find the nearest words of each descriptor.
+
+        Parameters
+        ----------
+        descriptors : (k, d) array of float32
+        count : int
+            Number of words for each descriptor.
+
+        Returns
+        -------
+        words : (k, count) array of int
+            In no particular order.
+        """
+        return np.asarray(np.argpartition(self._distances(descriptors), count - 1, axis=1)[:, :count])
 
     def _counts(self, descriptors: NDArray[np.float32]) -> NDArray[np.intp]:
         return np.bincount(self._distances(descriptors).argmin(axis=1), minlength=len(self.centers))
 
     def _distances(self, descriptors: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Squares of the distances to all words, less something that is the same for all."""
+        """Return squared distances to all words, each less the squared length of the descriptor."""
         return np.asarray(self._squares - 2 * np.asarray(descriptors, np.float32) @ self.centers.T)
 
 
@@ -146,9 +143,9 @@ def fit_local_words(samples: Sequence[SurfaceSample], settings: LocalSettings, s
     Parameters
     ----------
     samples : sequence of SurfaceSample
-        Of all versions of all training shapes.
+        Samples of all versions of all training shapes.
     settings : LocalSettings
-    seed : int
+    seed : int, optional
 
     Returns
     -------
@@ -159,10 +156,10 @@ def fit_local_words(samples: Sequence[SurfaceSample], settings: LocalSettings, s
     ModelError
         If there are fewer descriptors than words.
     """
-    # These import scikit-learn: half a second that only training needs.
+    # scikit-learn takes half a second to import, and only training needs it.
     from sklearn.cluster import MiniBatchKMeans
 
-    from shapegoogle_core.words import InverseDocumentFrequency, rotated_components
+    from shapegoogle_core.words import InverseDocumentFrequency
 
     random = np.random.default_rng(seed)
     descriptors = np.concatenate([sample.descriptors for sample in samples])
@@ -175,18 +172,11 @@ def fit_local_words(samples: Sequence[SurfaceSample], settings: LocalSettings, s
         descriptors = descriptors[random.choice(len(descriptors), _TRAINING_DESCRIPTORS, replace=False)]
     kmeans = MiniBatchKMeans(settings.words, n_init=1, batch_size=4096, max_iter=30, random_state=seed)
     centers = kmeans.fit(descriptors).cluster_centers_.astype(np.float32)
-    uniform = LocalWords(
-        centers,
-        np.ones(settings.words, np.float32),
-        np.zeros(settings.words, np.float32),
-        np.zeros((settings.bits, settings.words), np.int8),
-    )
-    if len(samples) > _TRAINING_BAGS:
-        samples = [samples[index] for index in random.choice(len(samples), _TRAINING_BAGS, replace=False)]
-    bags = np.array([uniform.bag(sample.descriptors) for sample in samples])
-    weights = InverseDocumentFrequency().fit(bags).weights_.astype(np.float32)
-    bags *= weights
-    bags /= np.maximum(np.linalg.norm(bags, axis=1, keepdims=True), 1e-30)
-    directions: FloatArray = rotated_components(bags.astype(np.float64), settings.bits, seed)
-    directions *= 127 / np.abs(directions).max(axis=1, keepdims=True)
-    return LocalWords(centers, weights, bags.mean(axis=0), np.rint(directions).astype(np.int8))
+    words = LocalWords(centers, np.ones(settings.words, np.float32))
+    if len(samples) > _TRAINING_SAMPLES:
+        samples = [samples[index] for index in random.choice(len(samples), _TRAINING_SAMPLES, replace=False)]
+    occurrences = np.zeros((len(samples), settings.words))
+    for row, sample in zip(occurrences, samples, strict=True):
+        row[words.nearest(sample.descriptors, _NEAREST)] = 1
+    weights = InverseDocumentFrequency().fit(occurrences).weights_.astype(np.float32)
+    return LocalWords(centers, weights)

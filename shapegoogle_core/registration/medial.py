@@ -10,30 +10,30 @@ from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["medial_radii"]
 
-# Radii halve quickly; after so many steps they have settled.
+# Radii shrink quickly and converge within this number of steps.
 _STEPS = 12
-_SETTLED = 1e-3
-# Points close by are a little in front of or behind the tangent plane by chance, which would make the ball
-# tiny. A point that is seen from the centre within 40° of p is not taken for the other side.
-_LEAST_CHORD = 2 * np.sin(np.radians(40) / 2)
+_CONVERGED = 1e-3
+# Because of noise, points near p lie a little in front of or behind its tangent plane and would make the ball
+# tiny. A point that is seen from the centre within 40° of p does not count as the other side.
+_SMALLEST_CHORD = 2 * np.sin(np.radians(40) / 2)
 
 
 def medial_radii(points: FloatArray, normals: FloatArray, cloud: FloatArray, largest: float) -> FloatArray:
-    """Radii of the balls that touch a surface at some points and hold no other point of it.
+    """Compute the radii of the balls that touch a surface at given points and hold no other point of it.
 
-    Shrinking balls (Ma, Bae, Choi 2012): a ball that touches at p, with its centre at p - r n, is made
-    smaller until it no longer holds any point of the cloud. Of the two balls, on either side of the surface,
-    the smaller one is taken: the normals of many meshes point to either side, and solids are mostly thinner
-    than what lies between them.
+    Shrinking balls (Ma, Bae and Choi 2012): a ball that touches the surface at p, with its centre at p - r n,
+    shrinks until it no longer holds any point of the cloud. The smaller one of the two balls, one on either
+    side of the surface, is used: the normals of many meshes are not oriented, and solids are mostly thinner
+    than the gaps between them.
 
     Parameters
     ----------
     points, normals : (k, 3) arrays
-        Normals of unit length.
+        The normals have unit length.
     cloud : (n, 3) array
         Points that cover the surface densely.
     largest : float
-        Radius to start from, in the unit of the points: what is flat, or open, has this one.
+        Initial radius, in the unit of the points, which is kept where the surface is flat or open.
 
     Returns
     -------
@@ -51,19 +51,19 @@ def _shrunk(
     points: FloatArray, normals: FloatArray, cloud: FloatArray, tree: cKDTree, largest: float
 ) -> FloatArray:
     radii = np.full(len(points), largest)
-    open_ = np.arange(len(points))
+    shrinking = np.arange(len(points))
     for _ in range(_STEPS):
-        centers = points[open_] - radii[open_, None] * normals[open_]
+        centers = points[shrinking] - radii[shrinking, None] * normals[shrinking]
         distances, nearest = tree.query(centers)
-        offsets = points[open_] - cloud[nearest]
+        offsets = points[shrinking] - cloud[nearest]
         # The ball through p and the point found, tangent at p, has radius ‖p - q‖² / (2 n·(p - q)).
-        depths = 2 * (offsets * normals[open_]).sum(axis=1)
+        depths = 2 * (offsets * normals[shrinking]).sum(axis=1)
         squares = (offsets**2).sum(axis=1)
-        inside = (distances < radii[open_] * (1 - _SETTLED)) & (depths > 0)
-        smaller = np.divide(squares, depths, out=np.full(len(open_), np.inf), where=inside)
-        inside &= squares > (_LEAST_CHORD * smaller) ** 2
-        open_ = open_[inside]
-        radii[open_] = np.minimum(radii[open_], smaller[inside])
-        if len(open_) == 0:
+        inside = (distances < radii[shrinking] * (1 - _CONVERGED)) & (depths > 0)
+        smaller = np.divide(squares, depths, out=np.full(len(shrinking), np.inf), where=inside)
+        inside &= squares > (_SMALLEST_CHORD * smaller) ** 2
+        shrinking = shrinking[inside]
+        radii[shrinking] = np.minimum(radii[shrinking], smaller[inside])
+        if len(shrinking) == 0:
             break
     return radii

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A few hundred oriented points that stand for a surface, and what it looks like around some of them."""
+"""A few hundred oriented points that represent a surface, with descriptors of some of them."""
 
 from __future__ import annotations
 
@@ -18,42 +18,48 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_normals
 from shapegoogle_core.registration.medial import medial_radii
 from shapegoogle_core.spectral import Spectrum
 
-__all__ = ["SampleSettings", "SurfaceSample", "sample_surface"]
+__all__ = ["SampleSettings", "SurfaceSample", "farthest_points", "sample_surface"]
 
-# The sample is picked from so many random points.
+# Number of random points that the sample is chosen from.
 _CLOUD = 4000
-# Heat kernel signatures: times as a share of the area, two octaves apart; short ones see little of a cut.
+# Heat kernel signatures: times as a share of the area, two octaves apart. They are short, because at short
+# times a descriptor sees little of a cut.
 _TIMES = 4.0 ** np.arange(1, 6) / 40_000
 _OCTAVES_APART = 2
 # Spin images of the surface and of the medial axis: radius as a share of √area, and bins.
 _SURFACE_RADIUS, _AXIS_RADIUS, _BINS = 0.3, 0.35, (4, 3)
-# Between the three kinds of descriptors, so that distances of each count alike.
+# Weights of the three kinds of descriptors, so that each contributes equally to distances.
 _HEAT_WEIGHT, _SURFACE_WEIGHT, _AXIS_WEIGHT = 0.9, 5.0, 3.5
-# Balls smaller than this are noise; one of almost the largest radius touches nothing on the other side.
+# Smaller balls are noise; a ball of almost the largest radius touches nothing on the other side.
 _SMALLEST_RADIUS, _OPEN_RADIUS = 0.02, 0.45
-_LEAST_COSINE = np.cos(np.radians(45))
-# No medial ball is larger than this share of √area.
+_SMALLEST_COSINE = np.cos(np.radians(45))
+# Largest radius of a medial ball, as a share of √area.
 _LARGEST_RADIUS = 0.5
-# Of stored numbers; descriptors are within ±12.
+# Units of stored numbers; descriptors are within ±12.
 _NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 12 / 127
-# Eigenfunctions at the keypoints, times √area; ±8 are the tips of the thinnest limbs.
+# Number of eigenfunctions; their values at the keypoints, times √area, reach ±8 at the tips of thin limbs.
 _MODES, _MODE_UNIT = 24, 8 / 127
 _DESCRIPTOR_SIZE = len(_TIMES) + 2 * _BINS[0] * _BINS[1]
 _MOST_POINTS = 65_535
-# Points, keypoints, numbers of a descriptor, modes; unit of the coordinates; centre and unit of the sample.
+# Numbers of points, keypoints, values of a descriptor, modes; unit of the coordinates; centre and unit.
 _HEADER = struct.Struct("<4Hf4d")
 
 
 @dataclass(frozen=True)
 class SampleSettings:
-    """How many points stand for a surface.
+    """Size of the samples.
 
     Attributes
     ----------
     points : int
-        m, all points, evenly spread.
+        Number m of points, evenly spread.
     keypoints : int
-        k ≤ m of them, evenly spread too, have a descriptor.
+        Number k ≤ m of the points that have a descriptor, evenly spread too.
+
+    Raises
+    ------
+    ValueError
+        If these are not 8 ≤ keypoints ≤ points ≤ 65,535.
     """
 
     points: int = 600
@@ -71,21 +77,21 @@ class SurfaceSample:
     Attributes
     ----------
     points : (m, 3) array
-        In units of √area; any first part of them is evenly spread.
+        In units of √area. The first n of them are evenly spread too, for every n.
     normals : (m, 3) array
-        Of unit length; which side they are on means nothing.
+        Of unit length and arbitrary orientation.
     radii : (m,) array
-        Of the ball that touches there and holds no other point, see `medial_radii`.
+        Radius of the ball that touches the surface there and holds no other point, see `medial_radii`.
     descriptors : (k, d) array of float32
-        Of the first k points: logarithms of the heat kernel signature, and roots of the spin images of the
-        surface and of the medial axis.
+        Descriptors of the first k points: logarithms of the heat kernel signature, and square roots of the
+        spin images of the surface and of the medial axis.
     eigenvalues : (e,) array
-        The lowest of the Laplacian, without the first, times the area: they have no unit.
+        Lowest eigenvalues of the Laplacian without the first one, times the area, so dimensionless.
     modes : (k, e) array of float32
         Their eigenfunctions at the first k points, times √area.
     center : (3,) array
     unit : float
-        The points are at center + unit · points in the coordinates of the mesh.
+        The points lie at center + unit · points in the coordinates of the mesh.
     """
 
     points: FloatArray
@@ -99,22 +105,22 @@ class SurfaceSample:
 
     @property
     def centers(self) -> FloatArray:
-        """(m, 3) points of the medial axis: the centres of those balls."""
+        """(m, 3) points of the medial axis: the centres of the medial balls."""
         centers: FloatArray = self.points - self.radii[:, None] * self.normals
         return centers
 
     def descriptors_at(self, scale: float, keypoints: int | None = None) -> NDArray[np.float32]:
-        """Descriptors that the surface would have if it were larger.
+        """Compute the descriptors that the surface would have at another size.
 
-        When a part and its whole are both scaled to unit area, the part is too large; what is not swollen of
-        a swollen surface is too small. Descriptors have a size of their own, so they must be told.
+        When a part and its whole are both scaled to unit area, the part is too large, and whatever is not
+        swollen of a swollen surface is too small. Descriptors depend on the size.
 
         Parameters
         ----------
         scale : float
-            How many times larger, from 0.5 to 2.
+            Factor of all lengths, from 0.5 to 2.
         keypoints : int, optional
-            Of so many of the first points; without it, of all that have descriptors.
+            Number of the first keypoints to describe; all by default.
 
         Returns
         -------
@@ -132,7 +138,7 @@ class SurfaceSample:
         return np.concatenate([heat, spin], axis=1).astype(np.float32)
 
     def moved_back(self, origin: FloatArray, scale: float) -> Self:
-        """Return the same sample as one of the mesh that x ↦ scale · (x - origin) moved.
+        """Return the sample in the coordinates that its mesh had before x ↦ scale · (x - origin).
 
         Parameters
         ----------
@@ -146,7 +152,12 @@ class SurfaceSample:
         return replace(self, center=origin + self.center / scale, unit=self.unit / scale)
 
     def to_bytes(self) -> bytes:
-        """Serialise in 10 bytes for each point, and one for each number of a descriptor and of a mode."""
+        """Serialise with 10 bytes for each point, and one for each value of a descriptor and of a mode.
+
+        Returns
+        -------
+        data : bytes
+        """
         unit = np.float32(max(np.abs(self.points).max(), 1e-6) / 32767)
         counts = (len(self.points), *self.descriptors.shape, len(self.eigenvalues))
         header = _HEADER.pack(*counts, unit, *self.center, self.unit)
@@ -174,12 +185,12 @@ class SurfaceSample:
         Returns
         -------
         sample : SurfaceSample
-            Coordinates to 1/65,000 of the extent.
+            Its coordinates are exact to 1/65,000 of the extent.
 
         Raises
         ------
         ValueError
-            If the data is no sample.
+            If the data is not a sample.
         """
         if len(data) < _HEADER.size:
             raise ValueError(f"a surface sample has at least {_HEADER.size} bytes")
@@ -211,20 +222,20 @@ class SurfaceSample:
 
 
 def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> SurfaceSample:
-    """Spread points evenly over a surface and describe the surroundings of some.
+    """Spread points evenly over a surface and describe the neighbourhood of some of them.
 
     Parameters
     ----------
     mesh : Mesh
-        Of positive area; or points without faces, about as dense everywhere.
+        Of positive area; or points without faces, of similar density everywhere.
     spectrum : Spectrum
-        Of that mesh.
+        Spectrum of that mesh.
     settings : SampleSettings
 
     Returns
     -------
     sample : SurfaceSample
-        The same one whenever it is asked for. Of fewer points, if there are fewer.
+        Deterministic. It has fewer points than `settings` asks for if a point cloud has fewer.
     """
     random = np.random.default_rng(0)
     unit = math.sqrt(spectrum.area if mesh.is_point_cloud else mesh.area)
@@ -256,17 +267,17 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
 
 
 def _interpolated(values: FloatArray, vertices: NDArray[np.int64], weights: FloatArray) -> FloatArray:
-    """Weighted sums of the values at a few vertices for each point."""
+    """Return the weighted sum of the values at a few vertices for each point."""
     return np.asarray((values[vertices] * weights).sum(axis=1))
 
 
 def _spin_images(
     points: FloatArray, normals: FloatArray, radii: FloatArray, keypoints: int, area: float
 ) -> FloatArray:
-    """Roots of spin images of the first few points, and of their balls' centres among all centres.
+    """Return square roots of spin images of the first points, and of their ball centres among all centres.
 
-    A tube has an area of 2π r for each length of its axis. So each centre counts with its point's area
-    divided by r: what swells keeps the length of its axis.
+    A tube has an area of 2π r for each unit of length of its axis. So each centre counts with the area of its
+    point divided by r: a limb that swells keeps the length of its axis.
     """
     share = np.full(len(points), area / len(points))
     closed = np.abs(radii) < _OPEN_RADIUS * math.sqrt(area)
@@ -281,12 +292,12 @@ def _spin_images(
 def _random_points(
     mesh: Mesh, count: int, random: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, NDArray[np.int64], FloatArray]:
-    """Random points, as dense everywhere: positions, normals, faces, barycentric coordinates."""
+    """Draw uniformly distributed points: positions, normals, faces, barycentric coordinates."""
     a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
     normals = np.cross(b - a, c - a)
     doubled = np.linalg.norm(normals, axis=1)
     total = np.cumsum(doubled)
-    # One in each of as many slices of equal area: no crowds and no gaps by chance.
+    # Stratified: one point in each of `count` slices of equal area, to avoid clusters and gaps.
     place = (np.arange(count) + random.random(count)) / count * total[-1]
     face = np.minimum(np.searchsorted(total, place, side="right"), len(doubled) - 1)
     root, other = np.sqrt(random.random(count)), random.random(count)
@@ -295,13 +306,13 @@ def _random_points(
     flat = normals[face] / doubled[face, None]
     smooth = (corners[:, :, None] * vertex_normals(mesh)[mesh.faces[face]]).sum(axis=1)
     smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), np.finfo(float).tiny)
-    # At a crease, and where faces are turned against each other, the face's own normal is the better one.
-    fits = (smooth * flat).sum(axis=1, keepdims=True) > _LEAST_COSINE
+    # At a crease, and where neighbouring faces have opposite orientation, the face's own normal is better.
+    fits = (smooth * flat).sum(axis=1, keepdims=True) > _SMALLEST_COSINE
     return points, np.where(fits, smooth, flat), face, corners
 
 
 def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:
-    """Pick points one after the other, each as far as possible from those picked before.
+    """Choose points one by one, each the farthest from all chosen before (Gonzalez 1985).
 
     Parameters
     ----------
@@ -312,7 +323,7 @@ def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:
     Returns
     -------
     chosen : (count,) array of int
-        Indices of points; the first one is the farthest from the origin.
+        Indices of points. The first one is the farthest from the origin.
     """
     x, y, z = np.ascontiguousarray(points.T, np.float32)
     chosen = np.empty(count, np.int64)

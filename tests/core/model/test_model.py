@@ -6,7 +6,6 @@ from __future__ import annotations
 import io
 import json
 from dataclasses import replace
-from importlib import resources
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from hypothesis import strategies as st
 
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import PRESETS, ShapeModel, load_model
+from shapegoogle_core.model import ShapeModel, load_model
 
 # Relative L1 change of the bags that each invariance may cost, with the default model.
 RIGID_BOUND = 1e-3
@@ -156,19 +155,6 @@ def test_what_has_no_surface_is_refused_by_name(vertices, faces, message, model)
     assert "broken.obj" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["default", "paper"])
-def test_shipped_models_are_small_and_round_trip(name):
-    shipped = resources.files("shapegoogle_core") / "model" / "shipped" / f"{name}.npz"
-    assert len(shipped.read_bytes()) <= 4_000_000
-    model = load_model(name)
-    current = json.loads(json.dumps(PRESETS[name].to_dict()))
-    assert json.loads(json.dumps(model.settings.to_dict())) == current, "train the shipped models again"
-    assert model.name == name
-    again = ShapeModel.from_bytes(model.to_bytes())
-    assert again.identifier == model.identifier
-    assert len(model.identifier) == 16
-
-
 def test_saved_model_describes_alike(tmp_path, bumpy, model):
     model.save(tmp_path / "mine.npz")
     loaded = load_model(tmp_path / "mine.npz")
@@ -265,13 +251,6 @@ def test_what_an_agreement_counts_is_part_of_the_identity(model):
 def test_a_damaged_gain_is_refused(model, gain):
     with pytest.raises(ModelError, match="agreement_gain"):
         replace(model, agreement_gain=gain)
-
-
-def test_models_from_before_there_were_samples_keep_their_identifier():
-    """The first default model, whose libraries are out there, has neither `sample` nor a gain."""
-    paper = load_model("paper")
-    assert "sample" not in paper.settings.to_dict()
-    assert paper.identifier == "219c13ef2a931c4c"
 
 
 def test_agreement_lowers_the_distance(model):

@@ -152,7 +152,7 @@ def test_a_model_without_samples_still_answers(path, make_model, shapes_in_it):
 
 @pytest.fixture(scope="module")
 def indexing(verifying, shapes_in_it):
-    local = LocalSettings(words=256, bits=128)
+    local = LocalSettings(words=256)
     words = fit_local_words([verifying.describe(mesh).sample for mesh in shapes_in_it], local)
     return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
 
