@@ -1,46 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""`python -m benchmarks`: measure the search as the paper does, and write a report."""
+"""Entry point of `python -m benchmarks`."""
 
-from __future__ import annotations
-
-import argparse
+import os
 import sys
-from collections.abc import Sequence
 
-from benchmarks import command
-from shapegoogle_core.cli.exit_codes import UNUSABLE
-from shapegoogle_core.cli.text import say
-from shapegoogle_core.errors import ShapeGoogleError
-
-__all__ = ["main"]
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Those of the command line when left out.
-
-    Returns
-    -------
-    exit_code : int
-    """
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks",
-        description="Measure the search on collections of meshes, as the paper does.",
-        epilog=command.DETAILS,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.add_options(parser)
-    options = parser.parse_args(arguments)
-    try:
-        return command.benchmark(options)
-    except ShapeGoogleError as error:
-        say(f"python -m benchmarks: {error}")
-        return UNUSABLE
-
+from benchmarks.command import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    code = main()
+    if "bpy" in sys.modules:
+        # The bpy modules of Blender 4.2 and 4.5 can crash while Python shuts down.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)

@@ -1,194 +1,163 @@
 # SPDX-License-Identifier: MIT
-"""`python -m benchmarks`: measure the search as the paper does, and write a report."""
+"""The command `python -m benchmarks SUBCOMMAND …`."""
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import importlib.util
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
-from shapegoogle_core.cli.arguments import number_from
-from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from benchmarks.errors import BenchmarkError
+from shapegoogle_core.cli.exit_codes import INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.text import say
-from shapegoogle_core.errors import BenchmarkError
+from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.processes.launching import orderly_end
 
-if TYPE_CHECKING:
-    from benchmarks.protocol.collection import Collection, LabelledCollection
+__all__ = ["COMMANDS", "Command", "check_packages", "main"]
 
-__all__ = ["DETAILS", "add_options", "add_run_options", "benchmark", "measure"]
+PROGRAM = "python -m benchmarks"
 
-DETAILS = """\
-A re-creation of the protocol of SHREC 2010, robust large-scale retrieval: which null shape is a query a
-version of, among many others? For each variant of the search it gives the mean average precision by class
-of transformation and strength, ROC curves with the equal error rate, and for labelled collections nearest
-neighbour, first and second tier and discounted cumulative gain.
-
---nulls      the shapes to be found, one mesh file for each
---negatives  shapes that nobody looks for
---queries    versions of the null shapes, named <null>.<transformation>.<strength>.<suffix>, as
-             0001.isometry.3.off. Of ten classes of transformations queries are made of the null shapes where
-             this folder has none; other poses (isometry) cannot be made.
---labelled   one sub-folder for each class; every shape asks for the others of its class
---variants   models: the models of --model alone, which takes minutes for hundreds of shapes;
-             all: also the paper's descriptors, bags, vocabularies and codes, other descriptors and baselines,
-             learnt from procedural creatures (and from --train), which takes some hours the first time;
-             or names of rows with * and ?, such as "HKS*48 words". In one bag of 48 words by area on mended
-             meshes ("*, by area · 48 words · mended") stand HKS, SI-HKS, log HKS, WKS, GPS, volumetric HKS,
-             geodesic histogram, spin image, shape context and mesh HOG. One vector for a whole shape are
-             Shape-DNA, diffusion distances, GPS distances, D2 distribution and moments
-
-What was computed is kept in --cache: a run that was ended goes on where it was, a second one is quick.
-For a thousand shapes that is some megabytes for the models and 8 GB for all variants; delete it at any time.
-
-examples:
-  python -m benchmarks --nulls nulls --negatives psb --queries poses --output report
-  python -m benchmarks --nulls nulls --negatives psb --model mine.npz --compare report/benchmark.json
+DESCRIPTION = """\
+Measure Shape Google, draw the figures of its documentation and train its shipped models.
+Run it from the root of the repository, in an environment with the extra "benchmark":
+    pip install -e '.[benchmark]'
 """
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command.
+@dataclass(frozen=True)
+class Command:
+    """A subcommand.
 
-    Parameters
+    Attributes
     ----------
-    parser : argparse.ArgumentParser
+    name : str
+    module : str
+        Module that has `add_options(parser)` and `run(options)`, which returns the exit code. It is imported
+        only when the subcommand is chosen; its docstring is the help text.
+    summary : str
+        One line for the list of subcommands.
+    needs : tuple of str
+        Modules that must be importable.
     """
-    parser.add_argument("--nulls", required=True, metavar="FOLDER", help="shapes to be found")
-    parser.add_argument("--negatives", metavar="FOLDER", help="unrelated shapes")
-    parser.add_argument("--queries", metavar="FOLDER", help="versions of the null shapes")
-    parser.add_argument("--no-generate", action="store_true", help="ask only the queries of --queries")
-    parser.add_argument(
-        "--labelled",
-        action="append",
-        default=[],
-        metavar="FOLDER",
-        help="collection with a sub-folder for each class; may be given more than once",
-    )
-    add_run_options(parser)
+
+    name: str
+    module: str
+    summary: str
+    needs: tuple[str, ...] = ("skimage",)
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that do not say what the collection is.
+COMMANDS = (
+    Command(
+        "retrieval",
+        "benchmarks.experiments.retrieval",
+        "find the null shape of transformed and re-posed queries, as in the paper; writes a report",
+        ("jinja2", "joblib", "matplotlib", "platformdirs", "skimage"),
+    ),
+    Command("evidence", "benchmarks.experiments.evidence", "how often the evidence of a match is right"),
+    Command("parts", "benchmarks.experiments.parts", "find whole shapes by parts of them"),
+    Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
+    Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),
+    Command("duplicates", "benchmarks.experiments.duplicates", "recall and time of the duplicate search"),
+    Command("point-clouds", "benchmarks.experiments.point_clouds", "find meshes by scans of them"),
+    Command(
+        "small-times",
+        "benchmarks.experiments.small_times",
+        "error and time of heat kernels at small times",
+        ("matplotlib", "skimage"),
+    ),
+    Command(
+        "blend-library",
+        "benchmarks.experiments.blend_library",
+        "index and search a folder of .blend files (needs bpy)",
+        ("bpy",),
+    ),
+    Command(
+        "speed",
+        "benchmarks.speed.command",
+        "times of spectra, signatures, search, indexing and the add-on",
+    ),
+    Command(
+        "figures",
+        "benchmarks.figures.command",
+        "draw a figure of the documentation",
+    ),
+    Command("train", "benchmarks.training.models", "train the shipped models"),
+    Command("development-set", "benchmarks.training.development_set", "write shapes to develop on"),
+    Command(
+        "blend-meshes",
+        "benchmarks.training.blend_meshes",
+        "export meshes of .blend files as .ply (needs bpy)",
+        ("bpy",),
+    ),
+)
+"""All subcommands, in the order of the help text."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a subcommand.
 
     Parameters
     ----------
-    parser : argparse.ArgumentParser
-    """
-    parser.add_argument(
-        "--model",
-        nargs="+",
-        default=["paper", "default"],
-        metavar="NAME",
-        help="model files or shipped models; the report looks closely at the last one (paper default)",
-    )
-    parser.add_argument(
-        "--variants", default="models", metavar="NAMES", help="all, models, or names of rows (%(default)s)"
-    )
-    parser.add_argument("--train", metavar="FOLDER", help="more shapes that the variants learn from")
-    parser.add_argument(
-        "--cache", metavar="FOLDER", help="what is kept between runs (default: in the user's cache folder)"
-    )
-    parser.add_argument(
-        "--output", default="benchmark", metavar="FOLDER", help="benchmark.json and index.html (%(default)s)"
-    )
-    parser.add_argument("--compare", metavar="JSON", help="benchmark.json of an earlier run to compare with")
-    parser.add_argument(
-        "--jobs", type=number_from(1), metavar="N", help="worker processes (default: one for each processor)"
-    )
-    parser.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="of all random choices (%(default)s)"
-    )
-
-
-def benchmark(options: argparse.Namespace) -> int:
-    """Measure the search on folders of meshes.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As from `add_options`.
+    arguments : sequence of str, optional
+        Command line without the program's name; the default is that of this process.
 
     Returns
     -------
     exit_code : int
+        0 everything done, 1 some inputs failed, 2 wrong usage, unusable input or missing packages, 130
+        interrupted.
     """
-    _check_extra()
-    from benchmarks.protocol.collection import read_collection, read_labelled
-
-    collection = read_collection(
-        options.nulls,
-        options.negatives,
-        options.queries,
-        seed=options.seed,
-        generate=not options.no_generate,
-    )
-    labelled = [read_labelled(folder) for folder in options.labelled]
-    return measure(collection, labelled, options, Path(options.output))
-
-
-def measure(
-    collection: Collection, labelled: Sequence[LabelledCollection], options: argparse.Namespace, output: Path
-) -> int:
-    """Measure the search on a collection, write the report and print the main table.
-
-    Parameters
-    ----------
-    collection : Collection
-    labelled : sequence of LabelledCollection
-    options : argparse.Namespace
-        As from `add_run_options`.
-    output : Path
-        Folder of the report.
-
-    Returns
-    -------
-    exit_code : int
-    """
-    _check_extra()
-    from benchmarks.protocol.protocol import run_benchmark
-    from benchmarks.protocol.results import load_result, save_result
-    from benchmarks.protocol.spectra_cache import BenchmarkCache
-    from benchmarks.protocol.tables import text_table
-    from benchmarks.report import write_report
-    from benchmarks.variants.variants import choose_variants
-    from shapegoogle_core.indexing import default_jobs
-
-    # What can be known now had better not be said after an hour.
-    compare_with = None if options.compare is None else load_result(Path(options.compare))
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    chosen = next((argument for argument in given if not argument.startswith("-")), None)
     try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BenchmarkError(f"cannot make the folder '{output}': {error.strerror or error}") from error
-    cache = BenchmarkCache(Path(options.cache) if options.cache else default_cache())
-    jobs = options.jobs or default_jobs()
-    variants = choose_variants(options.variants, options.model, train=options.train, seed=options.seed)
-    result = run_benchmark(collection, labelled, variants, cache, jobs=jobs, seed=options.seed)
-    save_result(result, output / "benchmark.json")
-    page = write_report(result, collection, output, compare_with)
-    print(text_table(result))
-    print(f"\nreport: {page}")
-    for problem in result.problems:
-        say(f"{problem.kind}: {problem.shape}: {problem.reason}")
-    return SOME_FAILED if any(problem.kind == "failed" for problem in result.problems) else DONE
+        options = _parser(chosen).parse_args(given)
+        with orderly_end():
+            code: int = options.run(options)
+    except ShapeGoogleError as error:
+        say(f"{PROGRAM} {chosen}: {error}")
+        return UNUSABLE
+    except KeyboardInterrupt:
+        say(f"{PROGRAM} {chosen}: interrupted")
+        return INTERRUPTED
+    return code
 
 
-def default_cache() -> Path:
-    """Return the folder for what is kept between runs, in the user's cache folder."""
-    import platformdirs
+def check_packages(modules: Iterable[str]) -> None:
+    """Raise an error that says how to install the modules that are missing.
 
-    return Path(platformdirs.user_cache_dir("shapegoogle", appauthor=False)) / "benchmark"
+    Parameters
+    ----------
+    modules : iterable of str
 
-
-def _check_extra() -> None:
-    missing = [
-        name
-        for name in ("jinja2", "matplotlib", "platformdirs", "skimage")
-        if importlib.util.find_spec(name) is None
-    ]
-    if missing:
+    Raises
+    ------
+    BenchmarkError
+        If one of them cannot be imported.
+    """
+    missing = [name for name in modules if importlib.util.find_spec(name) is None]
+    if "bpy" in missing:
         raise BenchmarkError(
-            f"the benchmark needs {', '.join(missing)}; install it with: "
-            "pip install 'shapegoogle-core[benchmark]'"
+            f"{sys.executable} has no module bpy; run it with a Python that has Blender as a module: "
+            "pip install bpy"
         )
+    if missing:
+        raise BenchmarkError(f"needs {', '.join(missing)}; install with: pip install -e '.[benchmark]'")
+
+
+def _parser(chosen: str | None) -> argparse.ArgumentParser:
+    """Build the parser; only the chosen subcommand gets its options, for which its module is imported."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=DESCRIPTION, formatter_class=raw)
+    subparsers = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
+    for command in COMMANDS:
+        subparser = subparsers.add_parser(command.name, help=command.summary, formatter_class=raw)
+        if command.name == chosen:
+            check_packages(command.needs)
+            module = importlib.import_module(command.module)
+            subparser.description = module.__doc__
+            module.add_options(subparser)
+            subparser.set_defaults(run=module.run)
+    return parser

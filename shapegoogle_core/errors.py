@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What can go wrong, one class for each kind of input."""
 
-__all__ = ["BenchmarkError", "LibraryError", "MeshError", "ModelError", "ShapeGoogleError"]
+__all__ = ["LibraryError", "MeshError", "ModelError", "ShapeGoogleError"]
 
 
 class ShapeGoogleError(Exception):
@@ -21,7 +21,3 @@ class LibraryError(ShapeGoogleError):
 
 class ModelError(ShapeGoogleError):
     """A model cannot be loaded, or does not fit what it is asked to do."""
-
-
-class BenchmarkError(ShapeGoogleError):
-    """A benchmark's collection, or a result of an earlier run, cannot be used."""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Index a folder of .blend files, search it with posed characters, and time the sidebar's search.
+"""Index a folder of .blend files, query it with posed characters, and time the sidebar's search.
 
-    .nox/addon-4-5/bin/python -m benchmarks.experiments.blend_library FOLDER [--poses NAME] [--jobs N]
+    python -m benchmarks blend-library FOLDER [--poses NAME] [--jobs N]
 
-Needs a Python with bpy. Prints the figures of docs/measurements/libraries.md: files indexed and seconds for
-each; a second run; of the best answers to each posed character, the share that is the same character in
-another pose; the time of Find Similar for an object of 10,000 vertices in a library of 1,000 shapes. FOLDER
-is only read.
+Needs a Python with the module bpy. Prints the figures of docs/measurements/libraries.md: files indexed and
+seconds for each; a second run; the share of the best matches of each posed character that are the same
+character in another pose; the time of Find Similar for an object of 10,000 vertices in a library of 1,000
+shapes. FOLDER is only read.
 """
 
 from __future__ import annotations
@@ -19,21 +19,24 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-__all__ = ["main"]
+from benchmarks.blender import enable_addon
+from shapegoogle_core import Library
+from shapegoogle_core.cli.arguments import number_from
+
+__all__ = ["add_options", "index", "poses", "run", "search"]
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 SHAPES, VERTICES, REPEATS = 1_000, 10_000, 5
-# The same persons under two names; hair is no person.
+# The woman has two prefixes; hairstyles are not persons.
 WOMAN, NO_PERSON = re.compile("^(Female|Woman)_"), "Hairstyle"
 
 
-def run(script: str, *arguments: str | Path) -> tuple[int, str, str, float]:
-    """Run one of the scripts of this repository; returns exit code, output, errors and seconds."""
+def run_script(script: str, *arguments: str | Path) -> tuple[int, str, str, float]:
+    """Run one of the scripts of this repository; return exit code, output, errors and seconds."""
     started = time.monotonic()
     command = [sys.executable, str(SCRIPTS / f"{script}.py"), *map(str, arguments)]
     result = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=False)
@@ -41,9 +44,19 @@ def run(script: str, *arguments: str | Path) -> tuple[int, str, str, float]:
 
 
 def index(folder: Path, library: Path, jobs: int) -> None:
+    """Index a folder twice and print the times.
+
+    Parameters
+    ----------
+    folder : Path
+    library : Path
+        File that is written.
+    jobs : int
+        Worker processes.
+    """
     files = len(list(folder.rglob("*.blend")))
     arguments = (folder, "--library", library, "--jobs", str(jobs))
-    code, output, errors, seconds = run("index_library", *arguments)
+    code, output, errors, seconds = run_script("index_library", *arguments)
     print(
         f"index: exit code {code}, {seconds:.1f} s, {seconds / max(files, 1):.3f} s for each of {files} files"
     )
@@ -52,47 +65,58 @@ def index(folder: Path, library: Path, jobs: int) -> None:
         "".join(f"  {line}\n" for line in errors.splitlines() if "failed" in line or "skipped" in line),
         end="",
     )
-    code, output, _, seconds = run("index_library", *arguments)
+    code, output, _, seconds = run_script("index_library", *arguments)
     print(f"again: exit code {code}, {seconds:.1f} s\n  {output.strip()}")
 
 
-def person(path: str) -> str:
+def _person(path: str) -> str:
     return "woman" if WOMAN.match(Path(path).name) else "man"
 
 
 def poses(folder: Path, name: str, library: Path) -> None:
-    """Ask with each pose, and count which of the best answers are the same person."""
+    """Query with each pose, and count the best matches that are the same person.
+
+    Parameters
+    ----------
+    folder : Path
+    name : str
+        Folder in it with the poses.
+    library : Path
+    """
     files = sorted(path for path in (folder / name).glob("*.blend") if NO_PERSON not in path.name)
     if not files:
         print(f"poses: no .blend files in {folder / name}")
         return
-    count = {who: sum(person(path.name) == who for path in files) - 1 for who in ("man", "woman")}
-    code, output, _, _ = run(
+    count = {who: sum(_person(path.name) == who for path in files) - 1 for who in ("man", "woman")}
+    code, output, _, _ = run_script(
         "query_library", *files, "--library", library, "--json", "--top", str(max(count.values()) + 1)
     )
     right = total = 0
     for record in map(json.loads, output.splitlines()):
         query = Path(record["query"])
         others = [match["source"] for match in record["matches"] if Path(match["source"]) != query.resolve()]
-        best = others[: count[person(query.name)]]
+        best = others[: count[_person(query.name)]]
         found = [Path(path).resolve() in {file.resolve() for file in files} for path in best]
         hits = sum(
-            known and person(path) == person(query.name) for known, path in zip(found, best, strict=True)
+            known and _person(path) == _person(query.name) for known, path in zip(found, best, strict=True)
         )
         right, total = right + hits, total + len(best)
         if hits < len(best):
             print(f"  {query.name}: {hits} of {len(best)}")
     print(
-        f"poses: exit code {code}, {right} of {total} best answers are the same person ({right / total:.1%})"
+        f"poses: exit code {code}, {right} of {total} best matches are the same person ({right / total:.1%})"
     )
 
 
 def search(library_file: Path) -> None:
-    """Time Find Similar as the sidebar asks, in one Blender: the first time and later times."""
-    import bpy
+    """Time Find Similar in one Blender: the first call and later calls.
 
-    from benchmarks.blender import enable_addon
-    from shapegoogle_core import Library
+    Parameters
+    ----------
+    library_file : Path
+        Its shapes fill a larger library.
+    """
+    import bpy
 
     addon = enable_addon()
     with tempfile.TemporaryDirectory() as folder:
@@ -105,7 +129,7 @@ def search(library_file: Path) -> None:
             with Library.open(larger, known.model) as library:
                 for number in range(SHAPES):
                     signature, name, thumbnail = signatures[number % len(signatures)]
-                    # Never twice the same, as in a real library.
+                    # All different, as in a real library.
                     bags = signature.bags * (1 + 0.01 * (number // len(signatures)))
                     library.add_signature(
                         replace(signature, bags=bags), f"{name} {number}", "", "", thumbnail
@@ -113,7 +137,7 @@ def search(library_file: Path) -> None:
         bpy.context.preferences.addons[addon.__name__].preferences.library = str(larger)
         seconds: list[float] = []
         for number in range(REPEATS + 1):
-            add_object(bpy, 0.01 * number)
+            _add_object(bpy, 0.01 * number)
             started = time.monotonic()
             bpy.ops.shape_google.find_similar()
             seconds.append(time.monotonic() - started)
@@ -124,18 +148,23 @@ def search(library_file: Path) -> None:
         )
 
 
-def add_object(bpy: Any, bump: float) -> None:
-    """Add an object of `VERTICES` vertices, each time another one."""
+def _add_object(bpy: Any, bump: float) -> None:
+    """Add an object of `VERTICES` vertices; its shape depends on `bump`."""
     rows = round((VERTICES / 2) ** 0.5)
     bpy.ops.mesh.primitive_torus_add(
         major_segments=2 * rows, minor_segments=rows, minor_radius=0.4 + bump, major_radius=1.0
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
     parser.add_argument(
-        "folder", metavar="FOLDER", type=Path, help="with .blend files, also in folders below"
+        "folder", metavar="FOLDER", type=Path, help="searched for .blend files, with its sub-folders"
     )
     parser.add_argument(
         "--poses",
@@ -143,15 +172,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default="posed_characters",
         help="folder in it with two persons in several poses (%(default)s)",
     )
-    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="worker processes (%(default)s)")
-    options = parser.parse_args(arguments)
+    parser.add_argument(
+        "--jobs", metavar="N", type=number_from(1), default=2, help="worker processes (%(default)s)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Index, query and time.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder, "shapes.sglib")
         index(options.folder, library, options.jobs)
         poses(options.folder, options.poses, library)
         search(library)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Measure how well the vertices of re-posed, re-meshed shapes are matched.
+"""Measure the errors of matched vertices between re-posed, re-meshed shapes.
 
-    python3 -m benchmarks.experiments.correspondence [--data FOLDER] [--blend-meshes FOLDER] [--json]
+    python -m benchmarks correspondence [--data FOLDER] [--blend-meshes FOLDER] [--json]
 
 Four sets of pairs; the first shape of each is matched to the second:
 
-creatures   procedural ones in two poses, of seeds that nothing was learnt or chosen from; the second
+creatures   procedural creatures in two poses, of seeds that nothing was learnt or chosen from; the second
             is subdivided or simplified. Vertex i is the same point of the body in every pose.
-characters  with --blend-meshes, the posed characters of the .blend library as export_blend_meshes.py writes
-            them: meshes that have their vertices in common. The second is subdivided and then simplified.
-tosca same  with --data, a pose of TOSCA and the same pose meshed by others. The truth is what is nearest.
-tosca loop  three poses of a class, matched around a circle: how far off one comes back, for want of a truth.
+characters  with --blend-meshes, the posed characters of the .blend library as exported by
+            `python -m benchmarks blend-meshes`: meshes with common vertices. The second is subdivided and
+            then simplified.
+tosca same  with --data, a pose of TOSCA and the same pose meshed by others. The truth is the nearest point.
+tosca loop  three poses of a class, matched in a circle. There is no ground truth, so the error is the
+            distance between a point and the point to which the circle leads back.
 
 Errors are geodesic distances on the second shape as shares of its √area, the measure of the Princeton
 protocol (Kim, Lipman, Funkhouser 2011). A pair counts as flipped if the match is nearer to the mirror image
-of the truth, where the shape has one, than to the truth. Exit code 0, or 2 for wrong usage.
+of the truth, where the shape has one, than to the truth.
 """
 
 from __future__ import annotations
@@ -28,49 +30,63 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import KDTree
 
-    from shapegoogle_core import Mesh
+import shapegoogle_core as sg
+from benchmarks.creatures import CREATURE_KINDS, make_creature
+from shapegoogle_core import Mesh, MeshError
+from shapegoogle_core.correspondence.surface import distance_graph
+from shapegoogle_core.mesh.prolongation import nearest_faces, prolongation
+from shapegoogle_core.preprocessing import repair
+from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 
-    Array = NDArray[np.float64]
+__all__ = ["add_options", "run"]
+
+Array = NDArray[np.float64]
 
 CREATURE_VERTICES = 6000
 SIZES = {"subdivided": 9000, "simplified": 3000}
 SAMPLES = 1000
-# A shape is its own mirror image if it comes this close to it, as a share of √area.
+# Largest mean distance, as a share of √area, between a shape and its mirror image if it is symmetric.
 MIRRORED = 0.02
-# Meshes have vertices in common if so many of the faces are the same ones: quadrangles are cut either way.
+# Least share of equal faces of meshes with common vertices: quadrilaterals may be cut along either diagonal.
 SAME_FACES = 0.95
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two shapes and what is true about them."""
+    """Two shapes and the true correspondence.
+
+    Attributes
+    ----------
+    group, name : str
+    first, second : Mesh
+    truth : (n, 3) array or None
+        Points of the second shape for the vertices of the first.
+    mirrored : (n, 3) array or None
+        Mirror images of these points, where the second shape is symmetric.
+    """
 
     group: str
     name: str
     first: Mesh
     second: Mesh
-    truth: Array | None  # (n, 3) points of the second shape for the vertices of the first
+    truth: Array | None
     mirrored: Array | None
 
 
 def remeshed(mesh: Mesh, vertices: int) -> Mesh:
-    """Mesh a shape anew, with about so many vertices."""
-    from shapegoogle_core.preprocessing.resampling import simplify, subdivide
-
+    """Subdivide or simplify a mesh to about this number of vertices."""
     return subdivide(mesh, vertices) if vertices > len(mesh.vertices) else simplify(mesh, vertices)
 
 
 def mirror(rest: Mesh) -> NDArray[np.int64] | None:
-    """Vertex opposite to each, of a shape in a symmetric pose; None if it is not its own mirror image."""
-    import numpy as np
-    from scipy.spatial import KDTree
-
+    """Find the mirror image of each vertex of a shape in a symmetric pose; None if it is not symmetric."""
     best: tuple[float, Any] = (np.inf, None)
     for axis in range(3):
         turned = rest.vertices.copy()
@@ -85,10 +101,7 @@ def mirror(rest: Mesh) -> NDArray[np.int64] | None:
 
 
 def creatures(seeds: list[int]) -> Iterator[Pair]:
-    """Creatures in two random poses, the second one meshed anew."""
-    from benchmarks.creatures import CREATURE_KINDS, make_creature
-    from shapegoogle_core import MeshError
-
+    """Make creatures in two random poses, the second re-meshed."""
     for kind in CREATURE_KINDS:
         for seed in seeds:
             try:
@@ -110,9 +123,7 @@ def creatures(seeds: list[int]) -> Iterator[Pair]:
 
 
 def characters(folder: Path) -> Iterator[Pair]:
-    """Meshes of the .blend library that have their vertices in common."""
-    import shapegoogle_core as sg
-
+    """Pair meshes of the .blend library that have common vertices."""
     meshes = [sg.read_mesh(path) for path in sorted(folder.rglob("*.ply"))]
     groups: list[list[Mesh]] = []
     for mesh in meshes:
@@ -133,14 +144,7 @@ def characters(folder: Path) -> Iterator[Pair]:
 
 
 def tosca_same(data: Path) -> Iterator[Pair]:
-    """Poses of TOSCA beside the same ones of other meshes."""
-    import numpy as np
-    from scipy.spatial import KDTree
-
-    import shapegoogle_core as sg
-    from shapegoogle_core.mesh.prolongation import nearest_faces
-    from shapegoogle_core.preprocessing import repair
-
+    """Pair poses of TOSCA with the same poses on other meshes."""
     for path in sorted((data / "tosca").glob("*.ply")):
         other = data / "tosca_remeshed" / path.name
         if not other.is_file():
@@ -154,9 +158,7 @@ def tosca_same(data: Path) -> Iterator[Pair]:
 
 
 def matched(first: Mesh, second: Mesh) -> tuple[Any, Array, float]:
-    """Match of two shapes, where the vertices of the first are mapped to, and how long that took."""
-    import shapegoogle_core as sg
-
+    """Match two shapes; return the match, the images of the first one's vertices and the seconds it took."""
     started = time.perf_counter()
     match = sg.match_vertices(first, second)
     seconds = time.perf_counter() - started
@@ -164,23 +166,17 @@ def matched(first: Mesh, second: Mesh) -> tuple[Any, Array, float]:
 
 
 def geodesic_errors(mesh: Mesh, found: Array, truth: Array) -> Array:
-    """Distances along a mesh between points on it, as shares of its √area.
+    """Compute geodesic distances between points on a mesh, as shares of its √area.
 
-    Between the nearest vertices, along edges and across them; the straight way where both are close.
+    They are shortest paths between the nearest vertices; close points use the straight distance.
     """
-    import numpy as np
-    from scipy.sparse.csgraph import dijkstra
-    from scipy.spatial import KDTree
-
-    from shapegoogle_core.correspondence.surface import distance_graph
-
     tree = KDTree(mesh.vertices)
     start, end = tree.query(truth)[1], tree.query(found)[1]
     sources, place = np.unique(start, return_inverse=True)
     graph = distance_graph(mesh, np.empty((0, 2), np.int64), np.empty(0))
     along = dijkstra(graph, directed=False, indices=sources)[place, end]
     straight = np.linalg.norm(found - truth, axis=1)
-    # Vertices are only near the points; and parts that are not joined have no way between them.
+    # The nearest vertices are not the points themselves, and separate parts have no path between them.
     close = ~np.isfinite(along) | (along <= 3 * np.linalg.norm(mesh.vertices[start] - truth, axis=1))
     errors: Array = np.where(close, straight, np.maximum(along, straight)) / float(mesh.area) ** 0.5
     return errors
@@ -188,8 +184,6 @@ def geodesic_errors(mesh: Mesh, found: Array, truth: Array) -> Array:
 
 def measure(pair: Pair) -> dict[str, Any]:
     """Match a pair and compare it with the truth."""
-    import numpy as np
-
     match, found, seconds = matched(pair.first, pair.second)
     chosen = np.random.default_rng(0).permutation(len(found))[:SAMPLES]
     assert pair.truth is not None
@@ -216,13 +210,7 @@ def measure(pair: Pair) -> dict[str, Any]:
 
 
 def tosca_loops(data: Path, per_class: int) -> Iterator[dict[str, Any]]:
-    """Three poses of a class around a circle; errors of the whole way, which has three matches in it."""
-    import numpy as np
-
-    import shapegoogle_core as sg
-    from shapegoogle_core.mesh.prolongation import prolongation
-    from shapegoogle_core.preprocessing import repair
-
+    """Match three poses of a class in a circle; yield the errors of the composition of the three matches."""
     poses: dict[str, list[Path]] = {}
     for path in sorted((data / "tosca_remeshed").glob("*.ply")):
         if not path.stem[0].isdigit():
@@ -251,9 +239,7 @@ def tosca_loops(data: Path, per_class: int) -> Iterator[dict[str, Any]]:
 
 
 def summary(group: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Figures of a set of pairs."""
-    import numpy as np
-
+    """Summarise a set of pairs."""
     means = np.array([row["mean"] for row in rows])
     unflipped = [row["mean"] for row in rows if not row["flipped"]]
     return {
@@ -270,16 +256,36 @@ def summary(group: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, nargs="*", default=[120, 121], metavar="N")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--seeds", type=int, nargs="*", default=[120, 121], metavar="N", help="of the creatures (120 121)"
+    )
     parser.add_argument(
         "--data", type=Path, metavar="FOLDER", help="with the folders tosca and tosca_remeshed"
     )
-    parser.add_argument("--blend-meshes", type=Path, metavar="FOLDER", help="posed characters as .ply")
-    parser.add_argument("--loops", type=int, default=2, metavar="N", help="circles of each class of TOSCA")
+    parser.add_argument("--blend-meshes", type=Path, metavar="FOLDER", help="exported .blend meshes")
+    parser.add_argument("--loops", type=int, default=2, metavar="N", help="circles for each class of TOSCA")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
-    options = parser.parse_args()
+
+
+def run(options: argparse.Namespace) -> int:
+    """Match all pairs and print the errors of each set.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     rows: list[dict[str, Any]] = []
 
     def take(row: dict[str, Any]) -> None:
@@ -312,7 +318,3 @@ def main() -> int:
             f"{each['below_0.1']:10.1%} {each['flipped']:8} {others:>19} {each['seconds']:8.1f}"
         )
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Measure the search for duplicates in a library of made-up shapes, a fifth of them planted duplicates.
+"""Measure the duplicate search in a library of synthetic signatures, a fifth of them planted duplicates.
 
-    python -m benchmarks.experiments.duplicates [--shapes N] [--min-similarity 0.95] [--samples]
+    python -m benchmarks duplicates [--shapes N] [--min-similarity S] [--samples]
 
-Bags are drawn so that what the model compares spreads as on real shapes: over directions with falling
-variance. A duplicate lies in a random direction from a shape that has no other, at a random distance up to
-the limit.
+Bags are drawn so that the vectors the model compares have the same decreasing variances as those of real
+shapes. A duplicate lies in a random direction from a shape without another duplicate, at a random distance up
+to the limit.
 
-With --samples every shape has a surface too, that of one of 31 creatures, and a duplicate that of its
-original in other units: a copy with its vertices in the same order, or, every second one, with another number
-of them, so that surfaces have to be laid over one another.
+With --samples, every shape also has a surface, that of one of 31 creatures, and a duplicate has its
+original's surface in other units: a copy with the same order of vertices or, every second one, with another
+number of vertices, so that the surfaces must be aligned.
+
+Prints one line of JSON.
 """
 
 from __future__ import annotations
@@ -17,7 +19,6 @@ from __future__ import annotations
 import argparse
 import json
 import resource
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -28,10 +29,14 @@ from pathlib import Path
 import numpy as np
 
 import shapegoogle_core as sg
+from benchmarks.creatures import CREATURE_KINDS, make_creature
+from shapegoogle_core.cli.arguments import number_from, share
 from shapegoogle_core.library import NewShape
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.registration import SurfaceSample
+
+__all__ = ["DECAY", "add_options", "run"]
 
 # Variance of direction i, relative to the first: 1 / (1 + i / 4)². On 702 shapes of TOSCA and the Princeton
 # Shape Benchmark the variances of directions 1, 5, 10, 20 and 50 are 0.54, 0.20, 0.09, 0.06 and 0.02.
@@ -40,14 +45,12 @@ SHAPES_AT_ONCE = 1_000
 
 
 def made_up_bags(model: sg.ShapeModel, embedded: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-    """Bags that the model embeds where we want them."""
+    """Return the bags that the model embeds at these vectors."""
     return np.asarray(model.mean + embedded @ inverse, np.float32)
 
 
 def creature_samples() -> list[SurfaceSample]:
-    """Surfaces of one creature of each kind."""
-    from benchmarks.creatures import CREATURE_KINDS, make_creature
-
+    """Sample the surface of one creature of each kind."""
     model = sg.load_model()
     signatures = [model.describe(make_creature(kind, 100).rest) for kind in CREATURE_KINDS]
     return [signature.sample for signature in signatures if signature.sample is not None]
@@ -60,7 +63,7 @@ def fill(
     random: np.random.Generator,
     samples: Sequence[SurfaceSample] = (),
 ) -> int:
-    """Put shapes in; returns how many of them are planted duplicates."""
+    """Add shapes to a library; return the number of planted duplicates."""
     model = library.model
     inverse = np.linalg.pinv(model.projection.astype(np.float64))
     dimensions = len(inverse)
@@ -82,7 +85,7 @@ def fill(
         codes = model.codes(bags)
         shapes = []
         for i, (bag, code) in enumerate(zip(bags, codes, strict=True)):
-            original = i - (size - pairs)  # of a duplicate: its place; of others below 0
+            original = i - (size - pairs)  # index of a duplicate's original; negative for other shapes
             vertices, sample = 1000 + start + i, samples[i % len(samples)] if samples else None
             if samples and original >= 0:
                 sample = replace(samples[original % len(samples)], unit=2 * random.random() + 0.5)
@@ -93,12 +96,38 @@ def fill(
     return planted
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--shapes", type=int, default=100_000, metavar="N")
-    parser.add_argument("--min-similarity", type=float, default=MIN_SIMILARITY, metavar="S")
-    parser.add_argument("--samples", action="store_true", help="with surfaces, to be laid over one another")
-    options = parser.parse_args()
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--shapes", type=number_from(5), default=100_000, metavar="N", help="in the library (%(default)s)"
+    )
+    parser.add_argument(
+        "--min-similarity",
+        type=share,
+        default=MIN_SIMILARITY,
+        metavar="S",
+        help="least similarity of duplicates (%(default)s)",
+    )
+    parser.add_argument("--samples", action="store_true", help="with surfaces, which must be aligned")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make the library, search it for duplicates and print the figures.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     model = sg.load_model()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made-up.sglib"
@@ -130,7 +159,3 @@ def main() -> int:
         )
     )
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,36 +1,62 @@
 # SPDX-License-Identifier: MIT
 """Measure how often the evidence of a match is right, on generated pairs of known kinds.
 
-    python3 -m benchmarks.experiments.evidence [--individuals N] [--samples | --calibrate | --similarity]
+    python -m benchmarks evidence [--individuals N] [--samples | --calibrate | --similarity]
 
-Prints what is in docs/evidence.md: the table of confusion, the errors of factors and shares, the seconds for
-a pair. The creatures have seeds that no model was trained on. With --calibrate other ones are made, and the
-weights of the probability of another pose printed, as they stand in `shapegoogle_core/library/evidence.py`.
-With --similarity a library of 31 kinds of creatures, four individuals of each, is asked for damaged and posed
-versions of one: how often are first matches of what similarity right?
+Prints the tables of docs/evidence.md: the confusion matrix, the errors of factors and shares, and the seconds
+for a pair. The creatures have seeds that no model was trained on. With --calibrate, other creatures are made
+and the weights of the probability of another pose are fitted, as they stand in
+`shapegoogle_core/library/search/explain.py`. With --similarity, a library of four individuals of each of 31
+kinds of creatures is queried with damaged and re-posed versions of one of them, and the share of right first
+matches is printed by their similarity.
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
+import tempfile
 import time
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise
 from multiprocessing import get_context
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+import numpy as np
+from sklearn.linear_model import LogisticRegression
+from threadpoolctl import threadpool_limits
 
-    from shapegoogle_core import Evidence, ShapeSignature
+from benchmarks.creatures import CREATURE_KINDS, make_creature
+from benchmarks.experiments.evidence_pairs import make_pairs
+from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.library.evidence import KINDS
+from shapegoogle_core.library.search.explain import Compared, Explainer, pose_features
+from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
+from shapegoogle_core.processes.progress import progress_bar
+from shapegoogle_core.registration import SurfaceSample
+from shapegoogle_core.registration.isometry import functional_map
 
 TEST_SEED, CALIBRATION_SEED = 2_000, 3_000
 
 
 class Outcome(NamedTuple):
-    """What was said of a pair, and what is true."""
+    """Evidence of a pair, and the truth.
+
+    Attributes
+    ----------
+    kind, detail : str
+        Of the pair.
+    said : Evidence
+    factor, share : float
+        True values.
+    pose : (float, float, float)
+        Features of the probability of another pose, see `pose_features`.
+    seconds : float
+        Processor time for the evidence.
+    """
 
     kind: str
     detail: str
@@ -42,15 +68,19 @@ class Outcome(NamedTuple):
 
 
 def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
-    """Explain all pairs of one creature, each as if it were a match of a search."""
-    from threadpoolctl import threadpool_limits
+    """Explain all pairs of one creature, each as if it were a match of a search.
 
-    from benchmarks.experiments.evidence_pairs import make_pairs
-    from shapegoogle_core import load_model
-    from shapegoogle_core.library.search.explain import Compared, Explainer
-    from shapegoogle_core.registration import SurfaceSample
-    from shapegoogle_core.registration.isometry import functional_map
+    Parameters
+    ----------
+    job : (str, int)
+        Kind and seed of the creature.
+    exact : bool
+        Whether the query's whole surface is known and not only its sample.
 
+    Returns
+    -------
+    outcomes : list of Outcome
+    """
     threadpool_limits(1)
     model = load_model()
     outcomes = []
@@ -77,12 +107,9 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
 
 
 def print_tables(outcomes: Sequence[Outcome]) -> None:
-    import numpy as np
-
-    from shapegoogle_core.library.evidence import KINDS
-
+    """Print the confusion matrix and the errors of factors and shares."""
     counts = Counter((outcome.kind, outcome.said.kind) for outcome in outcomes)
-    print(f"{len(outcomes)} pairs; rows: what they are, columns: what was said\n")
+    print(f"{len(outcomes)} pairs; rows: the truth, columns: the evidence\n")
     print("| | " + " | ".join(KINDS) + " | right |")
     print("|---|" + "---|" * (len(KINDS) + 1))
     for kind in KINDS:
@@ -112,11 +139,7 @@ def print_tables(outcomes: Sequence[Outcome]) -> None:
 
 
 def print_weights(outcomes: Sequence[Outcome]) -> None:
-    import numpy as np
-    from sklearn.linear_model import LogisticRegression
-
-    from shapegoogle_core.library.search.explain import pose_features
-
+    """Fit and print the weights of the probability of another pose."""
     chosen = [outcome for outcome in outcomes if outcome.kind in ("re-posed", "similar")]
     features = np.array([pose_features(*outcome.pose) for outcome in chosen])
     posed = np.array([outcome.kind == "re-posed" for outcome in chosen])
@@ -126,14 +149,18 @@ def print_weights(outcomes: Sequence[Outcome]) -> None:
 
 
 def describe(job: tuple[str, int]) -> tuple[list[tuple[str, ShapeSignature]], list[ShapeSignature]]:
-    """Signatures of four individuals by name, and of versions of the first: of each transformation two."""
-    import numpy as np
-    from threadpoolctl import threadpool_limits
+    """Describe four individuals, and versions of the first: two of each transformation.
 
-    from benchmarks.creatures import make_creature
-    from shapegoogle_core import load_model
-    from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
+    Parameters
+    ----------
+    job : (str, int)
+        Kind and seed of the first individual.
 
+    Returns
+    -------
+    shapes : list of (name, signature)
+    versions : list of ShapeSignature
+    """
     threadpool_limits(1)
     kind, seed = job
     model, random = load_model(), np.random.default_rng([seed, len(kind)])
@@ -149,15 +176,7 @@ def describe(job: tuple[str, int]) -> tuple[list[tuple[str, ShapeSignature]], li
 
 
 def print_similarities(kinds: Sequence[str], jobs: int) -> None:
-    """Print how many first matches are right, by their similarity."""
-    import tempfile
-    from pathlib import Path
-
-    import numpy as np
-
-    from shapegoogle_core import Library
-    from shapegoogle_core.processes.progress import progress_bar
-
+    """Print the share of right first matches, by their similarity."""
     found = []
     with get_context("spawn").Pool(jobs) as pool, tempfile.TemporaryDirectory() as folder:
         describing = pool.imap(describe, [(kind, TEST_SEED) for kind in kinds])
@@ -179,22 +198,44 @@ def print_similarities(kinds: Sequence[str], jobs: int) -> None:
         print(f"| {low:g} to {min(high, 1):g} | {chosen.sum()} | {share} |")
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--individuals",
+        type=number_from(1),
+        default=2,
+        metavar="N",
+        help="of each of 31 kinds, 14 pairs each (%(default)s)",
     )
-    parser.add_argument("--individuals", type=int, default=2, help="of each of 31 kinds, 14 pairs each (2)")
     parser.add_argument("--calibrate", action="store_true", help="fit the probability of another pose")
     parser.add_argument(
-        "--samples", action="store_true", help="as for duplicates: of the query, too, only a sample is known"
+        "--samples", action="store_true", help="use a sample of the query's surface only, as for duplicates"
     )
-    parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
-    parser.add_argument("--similarity", action="store_true", help="measure what a similarity means")
-    options = parser.parse_args()
+    parser.add_argument(
+        "--jobs", type=number_from(1), default=2, metavar="N", help="worker processes (%(default)s)"
+    )
+    parser.add_argument(
+        "--similarity", action="store_true", help="measure how often a first match of a similarity is right"
+    )
 
-    from benchmarks.creatures import CREATURE_KINDS
-    from shapegoogle_core.processes.progress import progress_bar
 
+def run(options: argparse.Namespace) -> int:
+    """Measure evidence, similarity, or the weights of the evidence, and print tables.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     if options.similarity:
         print_similarities(CREATURE_KINDS, options.jobs)
         return 0
@@ -210,7 +251,3 @@ def main() -> int:
     else:
         print_tables(outcomes)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

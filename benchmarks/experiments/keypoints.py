@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Measure how many keypoints are found again after the benchmark's transformations.
+"""Measure the repeatability of keypoint detectors under the benchmark's transformations.
 
-    python3 -m benchmarks.experiments.keypoints [--seeds N…] [--kinds NAME…] [--strengths N…] [--json FILE]
-    python3 -m benchmarks.experiments.keypoints --data FOLDER [--json FILE]
+    python -m benchmarks keypoints [--seeds N…] [--kinds NAME…] [--strengths N…] [--json FILE]
+    python -m benchmarks keypoints --data FOLDER [--json FILE]
 
 Null shapes are procedural creatures of seeds that nothing was learnt from, or, with --data, the null shapes
 of the retrieval benchmark (the lowest pose of each class of TOSCA). Each is transformed in every way and
-strength; creatures are also posed, their vertices staying the same ("isometry"; the poses of TOSCA share no
-vertices). Keypoints are those of the meshes as a model prepares them: mended, or as the paper takes them.
+strength. Creatures are also posed with the same vertices ("isometry"; the poses of TOSCA have no common
+vertices). Keypoints are detected on the meshes as a model prepares them: preprocessed, or as in the paper.
 
-A point is repeated if one of the null shape's lies within 3 % of its diameter of where the point came from,
-both measured along the null shape. Beside that stand the number of points and the share of the null shape's
-area within that distance of its points, which is what points thrown at random would reach.
-
-Exit code 0, or 2 for wrong usage.
+A point is repeated if a keypoint of the null shape lies within 3 % of its diameter of the point's origin,
+both measured along the null shape. The table also has the number of points, and the repeatability that
+random points would reach: the share of the null shape's area within that distance of its keypoints.
 """
 
 from __future__ import annotations
@@ -27,12 +25,26 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from benchmarks.experiments import retrieval
+import numpy as np
+from threadpoolctl import threadpool_limits
 
-if TYPE_CHECKING:
-    from shapegoogle_core import Mesh
+from benchmarks.creatures import make_creature
+from benchmarks.experiments.keypoint_repeatability import (
+    NullShape,
+    found_points,
+    places_on_null,
+    repeatability,
+)
+from benchmarks.protocol.collection import ISOMETRY, NULL
+from benchmarks.protocol.evaluation_data import null_and_negative_shapes, read_labels
+from shapegoogle_core import Mesh, MeshError, read_mesh
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.model import PRESETS
+from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
+from shapegoogle_core.preprocessing import repair
+from shapegoogle_core.processes.progress import progress_bar
 
 KINDS = ("human", "horse", "bird", "lizard", "octopus", "fish", "hand", "desk lamp")
 SEEDS = (120,)
@@ -42,20 +54,23 @@ VERTICES = 4000
 
 @dataclass(frozen=True)
 class Null:
-    """Where a null shape comes from: a creature, or a file."""
+    """Source of a null shape: a creature or a file.
+
+    Attributes
+    ----------
+    name : str
+        Kind of the creature, or name of the shape.
+    seed : int
+        Of the creature and of the transformations.
+    path : Path or None
+    """
 
     name: str
     seed: int = 0
     path: Path | None = None
 
     def versions(self, strengths: Sequence[int]) -> Iterator[tuple[str, int, Mesh]]:
-        """Make the null shape, of strength 0, and all that can be made of it."""
-        from benchmarks.creatures import make_creature
-        from benchmarks.protocol.collection import ISOMETRY, NULL
-        from shapegoogle_core import MeshError, read_mesh
-        from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
-        from shapegoogle_core.preprocessing import repair
-
+        """Make the null shape, of strength 0, and all its transformed versions."""
         if self.path is None:
             creature = make_creature(self.name, self.seed, VERTICES)
             mesh = creature.pose(0)
@@ -73,23 +88,12 @@ class Null:
                     print(f"left out: {error}", file=sys.stderr)
 
 
-def one_thread() -> None:
-    from threadpoolctl import threadpool_limits
-
+def _one_thread() -> None:
     threadpool_limits(1)
 
 
 def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
-    """Find the keypoints of a shape and all its versions; one row for each version and detector."""
-    from benchmarks.experiments.keypoint_repeatability import (
-        NullShape,
-        found_points,
-        places_on_null,
-        repeatability,
-    )
-    from shapegoogle_core import MeshError
-    from shapegoogle_core.model import PRESETS
-
+    """Detect the keypoints of a shape and all its versions; one row for each version and detector."""
     settings = PRESETS["default" if options.preparation == "mended" else "paper"]
     rows = []
     try:
@@ -109,16 +113,15 @@ def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
 
 
 def null_shapes(options: argparse.Namespace) -> list[Null]:
+    """List the null shapes that the options ask for."""
     if options.data is None:
         return [Null(kind, seed) for kind in options.kinds for seed in options.seeds]
-    nulls, _ = retrieval.database(retrieval.read_labels(options.data))
+    nulls, _ = null_and_negative_shapes(read_labels(options.data))
     return [Null(shape.name, options.seeds[0], shape.path) for shape in nulls]
 
 
 def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Means over the null shapes, of each detector, class and strength; then over strengths, and all."""
-    import numpy as np
-
+    """Average over null shapes for each detector, class and strength; then over strengths and classes."""
     wanted = [(row["detector"], row["class"], row["strength"]) for row in rows]
     wanted += [(detector, kind, "all") for detector, kind, _ in wanted]
     wanted += [(detector, "average", "all") for detector, _, _ in wanted]
@@ -133,7 +136,7 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         ]
         figure = {"detector": detector, "class": kind, "strength": strength}
         for name in ("points", "repeated", "chance"):
-            # A version without any point has no share of repeated ones.
+            # NaN: a version without points has no repeatability.
             figure[name] = float(np.nanmean([row[name] for row in chosen]))
         figure["without_points"] = sum(row["points"] == 0 for row in chosen)
         figures.append(figure)
@@ -141,7 +144,7 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def table(figures: list[dict[str, Any]]) -> str:
-    """Repeated points in %, a line for each class and a column for each detector and strength."""
+    """Lay out repeated points in %: a line for each class, a column for each detector and strength."""
     detectors = list(dict.fromkeys(figure["detector"] for figure in figures))
     classes = list(dict.fromkeys(figure["class"] for figure in figures))
     strengths = list(dict.fromkeys(figure["strength"] for figure in figures if figure["strength"] != "all"))
@@ -163,11 +166,14 @@ def table(figures: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--data", type=Path, metavar="FOLDER", help="with labels.csv and the folder tosca")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument("--data", type=Path, metavar="FOLDER", help="evaluation data, with labels.csv")
     parser.add_argument(
         "--kinds", nargs="+", default=KINDS, metavar="KIND", help=f"of creatures ({', '.join(KINDS)})"
     )
@@ -180,13 +186,26 @@ def main() -> int:
     parser.add_argument(
         "--preparation", choices=("mended", "paper"), default="mended", help="of the meshes (%(default)s)"
     )
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (%(default)s)")
+    parser.add_argument(
+        "--jobs", type=number_from(1), default=1, metavar="N", help="worker processes (%(default)s)"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures here")
-    options = parser.parse_args()
-    from shapegoogle_core.processes.progress import progress_bar
 
+
+def run(options: argparse.Namespace) -> int:
+    """Measure the detectors and print the table.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     nulls = null_shapes(options)
-    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn"), initializer=one_thread) as pool:
+    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
         measured = pool.map(partial(measure, options), nulls)
         rows = [row for found in progress_bar(measured, "null shapes", len(nulls)) for row in found]
     if not rows:
@@ -197,7 +216,3 @@ def main() -> int:
     if options.json is not None:
         options.json.write_text(json.dumps({"summary": figures, "rows": rows}, indent=1), encoding="utf-8")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Ask a library of procedural creatures for parts of them, with and without the index of parts.
+"""Query a library of procedural creatures with parts of them, with and without the index of parts.
 
-    python3 -m benchmarks.experiments.parts [--individuals N] [--queries N] [--jobs N]
+    python -m benchmarks parts [--individuals N] [--queries N] [--jobs N]
 
-missing   creatures with a third, a half and two thirds cut off, halves of another mesh, and "partial" of
-          the benchmark at strength 5 (30 % gone and five holes): the place of the whole
-shared    half a creature that two shapes of the library share, each grown onto another creature: how often
+missing   creatures with a third, a half and two thirds cut off, re-meshed halves, and "partial" of the
+          benchmark at strength 5 (30 % missing and five holes): the rank of the whole
+shared    half a creature that two shapes of the library share, each joined to another creature: how often
           both are among the first two, five and ten
 
 Individuals are of seeds that no model was trained on. Prints tables of the mean reciprocal rank, the share
@@ -15,52 +15,42 @@ that comes first, and the processor time of a search.
 from __future__ import annotations
 
 import argparse
-import sys
 import tempfile
 import time
+from collections.abc import Iterable, Sequence
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+import numpy as np
+from scipy.spatial.transform import Rotation
+from threadpoolctl import threadpool_limits
 
-    import numpy as np
-
-    from shapegoogle_core import Library, Mesh, ShapeSignature
+from benchmarks.creatures import CREATURE_KINDS, make_creature
+from benchmarks.experiments.evidence_pairs import cut, remeshed
+from shapegoogle_core import Library, Mesh, ShapeSignature, load_model
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.model.augmentation import transform
+from shapegoogle_core.processes.progress import progress_bar
 
 FIRST_SEED = 4_000
 CUTS = {"a third missing": 2 / 3, "half missing": 1 / 2, "two thirds missing": 1 / 3}
 TOP = 50
 
 
-def describe(mesh: Mesh) -> ShapeSignature:
-    from threadpoolctl import threadpool_limits
-
-    from shapegoogle_core import load_model
-
+def _describe(mesh: Mesh) -> ShapeSignature:
     threadpool_limits(1)
     return load_model().describe(mesh)
 
 
 def whole(job: tuple[str, int]) -> ShapeSignature:
-    from benchmarks.creatures import make_creature
-
+    """Describe a creature of this kind and seed."""
     kind, seed = job
-    return describe(make_creature(kind, seed).pose(0))
+    return _describe(make_creature(kind, seed).pose(0))
 
 
 def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
-    """Describe what is left of a creature in each way of cutting it, turned."""
-    import numpy as np
-    from scipy.spatial.transform import Rotation
-
-    from benchmarks.creatures import make_creature
-    from benchmarks.experiments.evidence_pairs import cut, remeshed
-    from shapegoogle_core import Mesh
-    from shapegoogle_core.model.augmentation import transform
-
+    """Describe the rest of a creature after each kind of cut, rotated."""
     kind, seed = job
     random = np.random.default_rng([seed, len(kind)])
     mesh = make_creature(kind, seed).pose(0)
@@ -68,17 +58,11 @@ def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
     meshes["partial, strength 5"] = transform(mesh, "partial", 5, int(random.integers(2**31)))
     meshes["half missing, another mesh"] = remeshed(meshes["half missing"], random)
     turn = Rotation.random(random_state=seed).as_matrix()
-    return {name: describe(Mesh(part.vertices @ turn.T, part.faces)) for name, part in meshes.items()}
+    return {name: _describe(Mesh(part.vertices @ turn.T, part.faces)) for name, part in meshes.items()}
 
 
 def shared(job: tuple[str, int, tuple[str, str]]) -> tuple[ShapeSignature, list[ShapeSignature]]:
-    """Describe half of a creature, and two others of the same area that it has grown onto."""
-    import numpy as np
-
-    from benchmarks.creatures import make_creature
-    from benchmarks.experiments.evidence_pairs import cut
-    from shapegoogle_core import Mesh
-
+    """Describe half of a creature, and its union with each of two others, scaled to the same area."""
     kind, seed, others = job
     random = np.random.default_rng([seed, len(kind), 1])
     direction = random.normal(size=3)
@@ -94,16 +78,14 @@ def shared(job: tuple[str, int, tuple[str, str]]) -> tuple[ShapeSignature, list[
         points += beyond * ((half.vertices @ beyond).max() - (points @ beyond).min())
         points -= 0.02 * np.sqrt(half.area) * beyond
         faces = np.concatenate([half.faces, host.faces + len(half.vertices)])
-        grown.append(describe(Mesh(np.concatenate([half.vertices, points]), faces.astype(np.int32))))
-    return describe(half), grown
+        grown.append(_describe(Mesh(np.concatenate([half.vertices, points]), faces.astype(np.int32))))
+    return _describe(half), grown
 
 
 def places(
     library: Library, queries: Iterable[tuple[ShapeSignature, Sequence[str]]]
 ) -> tuple[np.ndarray, float]:
-    """Place of each of the wanted shapes, infinite beyond `TOP`; and median processor time of a search."""
-    import numpy as np
-
+    """Query; return the rank of each wanted shape, infinite beyond `TOP`, and the median processor time."""
     found, seconds = [], []
     for signature, wanted in queries:
         started = time.process_time()
@@ -113,19 +95,33 @@ def places(
     return np.array(found), float(np.median(seconds))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--individuals", type=int, default=33, help="of each of 31 kinds (33: 1,023 shapes)")
-    parser.add_argument("--queries", type=int, default=62, help="creatures that are cut (62)")
-    parser.add_argument("--jobs", type=int, default=2, help="worker processes (2)")
-    options = parser.parse_args()
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
 
-    from benchmarks.creatures import CREATURE_KINDS
-    from shapegoogle_core import Library
-    from shapegoogle_core.processes.progress import progress_bar
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    for name, default, text in (
+        ("--individuals", 33, "of each of 31 kinds (33: 1,023 shapes)"),
+        ("--queries", 62, "creatures that are cut (62)"),
+        ("--jobs", 2, "worker processes (2)"),
+    ):
+        parser.add_argument(name, type=number_from(1), default=default, metavar="N", help=text)
 
+
+def run(options: argparse.Namespace) -> int:
+    """Make the library, query it and print the tables.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     kinds = list(CREATURE_KINDS)
     jobs = [(kind, FIRST_SEED + number) for number in range(options.individuals) for kind in kinds]
     asked = jobs[: options.queries]
@@ -159,7 +155,8 @@ def print_tables(
     grafts: Sequence[tuple[str, int, tuple[str, str]]],
     halves: Sequence[tuple[ShapeSignature, list[ShapeSignature]]],
 ) -> None:
-    print(f"{len(library):,} shapes, {len(asked)} queries of each sort; first without, then with the index\n")
+    """Query without and with the index of parts, and print both."""
+    print(f"{len(library):,} shapes, {len(asked)} queries of each kind; first without, then with the index\n")
     local_words = library._search._local_words
     print("| | MRR | first | s | MRR | first | s |\n|---|---|---|---|---|---|---|")
     for sort in remains[0]:
@@ -183,7 +180,3 @@ def print_tables(
         found, _ = places(library, queries)
         cells += [f"{100 * (found.max(axis=1) <= top).mean():.0f} %" for top in (2, 5, 10)]
     print("| | " + " | ".join(cells) + " |")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Ask a library of procedural creatures with points of their surfaces, as scanners measure them.
+"""Query a library of procedural creatures with point clouds of them, as scanners measure them.
 
-    .venv/bin/python -m benchmarks.experiments.point_clouds --kinds 31 --individuals 3
+    python -m benchmarks point-clouds [--kinds N] [--individuals N]
 
-For each kind of scan: how many find their own mesh first and among ten, and how far the heat kernel signature
-at a point of the scan is from that of the mesh at the nearest vertex (median over points, then over shapes).
+For each kind of scan: the share that finds its own mesh first and among ten, and the relative difference
+between the heat kernel signature at a point of the scan and that of the mesh at the nearest vertex (median
+over points, then over shapes).
 """
 
 from __future__ import annotations
@@ -18,14 +19,18 @@ from scipy.spatial import KDTree
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Library, Mesh, heat_kernel_signature, load_model
+from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.mesh import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.describe import WorkingShape, working_shape
 
-# Training used the seeds 0 to 7.
+__all__ = ["add_options", "run"]
+
+# The shipped models were trained on the seeds 0 to 7.
 FIRST_SEED = 100
 TIMES = np.array([64, 256, 1024, 4096]) / 40_000
-# Points, deviation of the noise in diagonals, density at the sparse end as a share of that at the other.
+# Number of points, standard deviation of the noise in diagonals, density at the sparse end relative to the
+# dense one.
 SCANS = (
     (2_000, 0.0, 1.0),
     (5_000, 0.0, 1.0),
@@ -38,7 +43,7 @@ SCANS = (
 
 
 def scan(mesh: Mesh, count: int, noise: float, sparse: float, seed: int) -> Mesh:
-    """Random points of a surface, fewer of them towards one side, and moved by noise."""
+    """Sample random points of a surface, sparser towards one side, and add noise."""
     random = np.random.default_rng(seed)
     corners = mesh.vertices[mesh.faces]
     direction = random.standard_normal(3)
@@ -52,7 +57,7 @@ def scan(mesh: Mesh, count: int, noise: float, sparse: float, seed: int) -> Mesh
 
 
 def signature_difference(shape: WorkingShape, other: WorkingShape) -> FloatArray:
-    """Median relative difference of heat kernel signatures at points and the nearest of another shape."""
+    """Compute the median relative difference between signatures at points and at another shape's nearest."""
     points, vertices = (each.placement.back(each.mesh).vertices for each in (shape, other))
     _, nearest = KDTree(vertices).query(points)
     known = heat_kernel_signature(other.spectrum, TIMES)[nearest]
@@ -60,15 +65,41 @@ def signature_difference(shape: WorkingShape, other: WorkingShape) -> FloatArray
     return np.asarray(np.median(np.abs(found / known - 1), axis=0))
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--kinds", type=int, default=len(CREATURE_KINDS), help="(%(default)s)")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
     parser.add_argument(
-        "--individuals", type=int, default=3, help="of each kind in the library (%(default)s)"
+        "--kinds",
+        type=number_from(1),
+        default=len(CREATURE_KINDS),
+        metavar="N",
+        help="kinds of creatures (%(default)s)",
     )
-    options = parser.parse_args()
+    parser.add_argument(
+        "--individuals",
+        type=number_from(1),
+        default=3,
+        metavar="N",
+        help="of each kind in the library (%(default)s)",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Query with all kinds of scans and print the table.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     model = load_model()
     kinds = sorted(CREATURE_KINDS)[: options.kinds]
     seeds = range(FIRST_SEED, FIRST_SEED + options.individuals)
@@ -78,7 +109,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, Library.open(Path(folder, "l.sglib"), model) as library:
         for name, mesh in meshes.items():
             library.add(mesh, name=name, source=name)
-        print(f"{len(asked)} scans of each sort among {len(meshes)} meshes")
+        print(f"{len(asked)} scans of each kind among {len(meshes)} meshes")
         print(
             "points   noise  sparse  first  in ten  HKS difference at t = "
             + ", ".join(f"{t:.3g}" for t in TIMES)
@@ -93,7 +124,4 @@ def main() -> None:
             first, in_ten = (np.mean(np.array(ranks) <= most) for most in (1, 10))
             figures = "  ".join(f"{value:6.3f}" for value in np.median(differences, axis=0))
             print(f"{count:6,} {noise:7.3f} {sparse:7.2f} {first:6.2f} {in_ten:7.2f}  {figures}", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+    return 0

@@ -1,207 +1,225 @@
 # SPDX-License-Identifier: MIT
-"""Measure retrieval on the evaluation meshes, as the paper does, and write a report.
+"""Measure retrieval as in the paper (SHREC 2010, robust large-scale retrieval), and write a report.
 
-    python3 -m benchmarks.experiments.retrieval --data FOLDER [--variants all] [--output FOLDER]
+    python -m benchmarks retrieval --nulls FOLDER [--negatives FOLDER] [--queries FOLDER] [--labelled FOLDER]
+    python -m benchmarks retrieval --data FOLDER [--blend-meshes FOLDER] [--parts PART …]
 
-FOLDER holds labels.csv and the collections that it names. The database is the null shape (the lowest pose)
-of each class of TOSCA and the unrelated shapes of PSB. Queries are the next five poses of each class
-(isometry), and ten transformations of each null shape in five strengths. Also measured are the remeshed
-TOSCA shapes, which ask for the null shape of their class (a report of its own, in the folder "remeshed"),
-all poses of TOSCA as categories, and, with --blend-meshes, the posed characters of the .blend library.
+Each query is a version of one null shape, which is to be found among many others. For each variant of the
+search the report gives the mean average precision by class of transformation and strength, ROC curves with
+the equal error rate, and for labelled collections nearest neighbour, first and second tier and discounted
+cumulative gain.
 
-What was computed is kept: a run that was ended goes on where it was. Exit codes as `shapegoogle benchmark`.
+--nulls       shapes to be found, one mesh file each
+--negatives   unrelated shapes
+--queries     versions of the null shapes, named <null>.<transformation>.<strength>.<suffix>, such as
+              0001.isometry.3.off. For each of ten transformations without such files, queries are generated
+              from the null shapes; other poses (isometry) cannot be generated.
+--labelled    one sub-folder for each class; every shape queries for the others of its class
+
+--data        the evaluation data: a folder with labels.csv and the collections it names. The database is the
+              lowest pose of each class of TOSCA and the unrelated shapes of PSB; queries are the next five
+              poses of each class and ten transformations of each null shape in five strengths. Also measured:
+              remeshed TOSCA shapes (a report of its own, in the folder "remeshed"), all poses of TOSCA as
+              categories and, with --blend-meshes, the posed characters of the .blend library.
+
+--variants    models: only the models of --model, which takes minutes for hundreds of shapes;
+              all: also the paper's descriptors, bags, vocabularies and codes, other descriptors and
+              baselines, learnt from procedural creatures (and from --train), which takes hours at first;
+              or names of rows with * and ?, such as "HKS*48 words". "*, by area · 48 words · mended" has all
+              local descriptors in the same bag of words on preprocessed meshes.
+
+Intermediate results are kept in --cache: an interrupted run continues where it stopped, and a second one is
+quick. A thousand shapes take some megabytes for the models and 8 GB for all variants; the folder can be
+deleted at any time.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import os
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from benchmarks.protocol.collection import BenchmarkShape, Collection, LabelledCollection
+from benchmarks.errors import BenchmarkError
+from benchmarks.protocol import evaluation_data
+from benchmarks.protocol.collection import Collection, LabelledCollection, read_collection, read_labelled
+from benchmarks.protocol.protocol import run_benchmark
+from benchmarks.protocol.results import load_result, save_result
+from benchmarks.protocol.spectra_cache import BenchmarkCache
+from benchmarks.protocol.tables import text_table
+from benchmarks.report import write_report
+from benchmarks.variants.variants import choose_variants
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.text import say
+from shapegoogle_core.indexing import default_jobs
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-POSES = 5
+__all__ = ["add_options", "run"]
+
 PARTS = ("retrieval", "categories", "remeshed")
 
-
-@dataclass(frozen=True)
-class Row:
-    """A row of labels.csv."""
-
-    path: Path
-    label: str
-    pose: int
+_EVALUATION_DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 
 
-def read_labels(data: Path) -> dict[str, list[Row]]:
-    """Rows of labels.csv by collection, in the order of their poses."""
-    rows: dict[str, list[Row]] = {}
-    with (data / "labels.csv").open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            pose = int(row["pose"]) if row["pose"].isdigit() else -1
-            rows.setdefault(row["dataset"], []).append(Row(data / row["path"], row["class"], pose))
-    return {name: sorted(members, key=lambda row: (row.label, row.pose)) for name, members in rows.items()}
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
 
-
-def database(labels: dict[str, list[Row]]) -> tuple[list[BenchmarkShape], list[BenchmarkShape]]:
-    """Find the null shapes of TOSCA, the lowest pose of each class, and the unrelated shapes."""
-    from benchmarks.protocol.collection import NEGATIVE, NULL, database_shape
-
-    lowest: dict[str, Path] = {}
-    for row in labels["tosca"]:
-        lowest.setdefault(row.label, row.path)
-    nulls = [database_shape(path, NULL) for path in lowest.values()]
-    return nulls, [database_shape(row.path, NEGATIVE) for row in labels["psb"]]
-
-
-def retrieval(labels: dict[str, list[Row]], seed: int) -> Collection:
-    """Re-create the protocol of the paper's section 6.1."""
-    from benchmarks.protocol.collection import ISOMETRY, BenchmarkShape, Collection, generated_queries
-
-    nulls, negatives = database(labels)
-    queries: list[BenchmarkShape] = []
-    for null, poses in _by_null(nulls, labels["tosca"]):
-        others = [row.path for row in poses if row.path != null.path][:POSES]
-        queries += [
-            BenchmarkShape(f"{null.name}.{ISOMETRY}.{strength}", path, null.name, ISOMETRY, strength)
-            for strength, path in enumerate(others, start=1)
-        ]
-    queries += generated_queries(nulls, seed=seed)
-    return Collection("TOSCA among PSB", (*nulls, *negatives), tuple(queries))
-
-
-def remeshed(labels: dict[str, list[Row]]) -> Collection:
-    """Ask with shapes of another triangulation, as isometries of strength 1."""
-    from benchmarks.protocol.collection import ISOMETRY, BenchmarkShape, Collection
-
-    nulls, negatives = database(labels)
-    queries = [
-        BenchmarkShape(f"{row.path.stem}.{ISOMETRY}.1", row.path, null.name, ISOMETRY, 1)
-        for null, poses in _by_null(nulls, labels["tosca_remeshed"], labels["tosca"])
-        for row in poses
-    ]
-    return Collection("remeshed TOSCA among PSB", (*nulls, *negatives), tuple(queries))
-
-
-def _by_null(
-    nulls: Sequence[BenchmarkShape], rows: Sequence[Row], null_rows: Sequence[Row] | None = None
-) -> list[tuple[BenchmarkShape, list[Row]]]:
-    """Rows of the class of each null shape."""
-    classes = {row.path: row.label for row in null_rows or rows}
-    return [(null, [row for row in rows if row.label == classes[null.path]]) for null in nulls]
-
-
-def categories(rows: Sequence[Row], name: str) -> LabelledCollection:
-    """Let every shape ask for the others of its class."""
-    from benchmarks.protocol.collection import NULL, LabelledCollection, database_shape
-
-    shapes = tuple(database_shape(row.path, NULL) for row in rows)
-    return LabelledCollection(name, shapes, tuple(row.label for row in rows))
-
-
-def posed_characters(folder: Path) -> list[Row]:
-    """Find the posed characters among the meshes of export_blend_meshes.py."""
-    table = folder / "meshes.csv"
-    if not table.is_file():
-        return []
-    with table.open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["pack"] == "posed_characters"]
-    # One file of the woman is named otherwise than the rest of hers. Hairstyles are poses of nobody.
-    people = {"Female": "woman", "Woman": "woman", "Male": "man"}
-    return [
-        Row(folder / row["file"], people[person], index)
-        for index, row in enumerate(rows)
-        if (person := row["shape"].removeprefix("posed_characters-").partition("_")[0]) in people
-        and "_Hairstyle_" not in row["shape"]
-    ]
-
-
-def check_training(folder: Path, parser: argparse.ArgumentParser) -> None:
-    """Refuse to learn from what is measured with."""
-    if posed_characters(folder):
-        parser.error(
-            f"'{folder}' holds the posed characters, which measure; export the .blend files with "
-            "--exclude posed_characters"
-        )
-
-
-def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
-    from benchmarks.command import add_run_options
-
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    folders = parser.add_argument_group("folders of meshes")
+    folders.add_argument("--nulls", metavar="FOLDER", help="shapes to be found")
+    folders.add_argument("--negatives", metavar="FOLDER", help="unrelated shapes")
+    folders.add_argument("--queries", metavar="FOLDER", help="versions of the null shapes")
+    folders.add_argument("--no-generate", action="store_true", help="use only the queries of --queries")
+    folders.add_argument(
+        "--labelled",
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="collection with a sub-folder for each class; may be given more than once",
     )
-    default = Path(os.environ.get("SHAPEGOOGLE_DATA", REPOSITORY.parent / "shared" / "data"))
-    parser.add_argument(
-        "--data", type=Path, default=default, metavar="FOLDER", help="with labels.csv (%(default)s)"
+    data = parser.add_argument_group("evaluation data, without --nulls")
+    data.add_argument(
+        "--data",
+        type=Path,
+        default=Path(os.environ.get("SHAPEGOOGLE_DATA", _EVALUATION_DATA)),
+        metavar="FOLDER",
+        help="folder with labels.csv (%(default)s)",
     )
-    parser.add_argument(
+    data.add_argument(
         "--blend-meshes",
         type=Path,
         metavar="FOLDER",
-        help="made by export_blend_meshes.py of the .blend files",
+        help="folder written by `python -m benchmarks blend-meshes`",
     )
-    parser.add_argument(
+    data.add_argument(
         "--parts",
         nargs="+",
         choices=PARTS,
         default=PARTS,
         metavar="PART",
-        help=f"some of {', '.join(PARTS)}; with the categories the retrieval is measured too",
+        help=f"some of {', '.join(PARTS)}; categories include retrieval",
     )
-    add_run_options(parser)
-    options = parser.parse_args(arguments)
-    if not (options.data / "labels.csv").is_file():
-        parser.error(f"there is no labels.csv in '{options.data}'; name the folder of the evaluation meshes")
+    parser.add_argument(
+        "--model",
+        nargs="+",
+        default=["paper", "default"],
+        metavar="NAME",
+        help="model files or shipped models; the report has details of the last one (paper default)",
+    )
+    parser.add_argument(
+        "--variants", default="models", metavar="NAMES", help="all, models, or names of rows (%(default)s)"
+    )
+    parser.add_argument("--train", metavar="FOLDER", help="more shapes for the variants to learn from")
+    parser.add_argument(
+        "--cache", metavar="FOLDER", help="intermediate results (default: in the user's cache folder)"
+    )
+    parser.add_argument(
+        "--output", default="benchmark", metavar="FOLDER", help="benchmark.json and index.html (%(default)s)"
+    )
+    parser.add_argument("--compare", metavar="JSON", help="benchmark.json of an earlier run to compare with")
+    parser.add_argument(
+        "--jobs", type=number_from(1), metavar="N", help="worker processes (default: one for each processor)"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="seed of all random choices (%(default)s)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure retrieval.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+        1 if shapes failed, each named on stderr.
+    """
+    if options.nulls is None:
+        return _measure_evaluation_data(options)
+    collection = read_collection(
+        options.nulls,
+        options.negatives,
+        options.queries,
+        seed=options.seed,
+        generate=not options.no_generate,
+    )
+    labelled = [read_labelled(folder) for folder in options.labelled]
+    return _measure(collection, labelled, options, Path(options.output), options.compare)
+
+
+def _measure_evaluation_data(options: argparse.Namespace) -> int:
+    """Measure the parts of the evaluation data; the result of the worst part is the exit code."""
+    for name in ("negatives", "queries", "labelled"):
+        if getattr(options, name):
+            raise BenchmarkError(f"--{name} needs --nulls, the folder of the shapes to be found")
     if options.train is not None:
-        check_training(Path(options.train), parser)
-    return options
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    from benchmarks.command import measure
-    from shapegoogle_core.errors import ShapeGoogleError
-    from shapegoogle_core.processes.launching import orderly_end
-
-    options = parse_arguments(arguments)
-    labels = read_labels(options.data)
+        evaluation_data.check_training(Path(options.train))
+    labels = evaluation_data.read_labels(options.data)
     output = Path(options.output)
     labelled = []
     if "categories" in options.parts:
-        labelled.append(categories(labels["tosca"], "TOSCA"))
-        people = [] if options.blend_meshes is None else posed_characters(options.blend_meshes)
+        labelled.append(evaluation_data.labelled_collection(labels["tosca"], "TOSCA"))
+        people = (
+            [] if options.blend_meshes is None else evaluation_data.posed_characters(options.blend_meshes)
+        )
         if people:
-            labelled.append(categories(people, "posed characters"))
+            labelled.append(evaluation_data.labelled_collection(people, "posed characters"))
         else:
             print("the posed characters are left out: --blend-meshes names no folder that holds them")
-    exit_codes = []
+    codes = []
+    if "retrieval" in options.parts or labelled:
+        collection = evaluation_data.retrieval_collection(labels, options.seed)
+        codes.append(_measure(collection, labelled, options, output, options.compare))
+    if "remeshed" in options.parts:
+        compare = options.compare
+        if compare and len(options.parts) > 1:
+            earlier = Path(compare).parent / "remeshed" / "benchmark.json"
+            compare = earlier if earlier.is_file() else None
+            if compare is None:
+                print(
+                    f"'{earlier}' does not exist, so the remeshed shapes are not compared with an earlier run"
+                )
+        collection = evaluation_data.remeshed_collection(labels)
+        codes.append(_measure(collection, [], options, output / "remeshed", compare))
+    return max(codes)
+
+
+def _measure(
+    collection: Collection,
+    labelled: Sequence[LabelledCollection],
+    options: argparse.Namespace,
+    output: Path,
+    compare: str | Path | None,
+) -> int:
+    """Measure a collection, write the report and print the main table."""
+    # Wrong arguments are reported now and not after an hour.
+    compare_with = None if compare is None else load_result(Path(compare))
     try:
-        with orderly_end():
-            if "retrieval" in options.parts or labelled:
-                collection = retrieval(labels, options.seed)
-                exit_codes.append(measure(collection, labelled, options, output))
-            if "remeshed" in options.parts:
-                if options.compare and len(options.parts) > 1:
-                    earlier = Path(options.compare).parent / "remeshed" / "benchmark.json"
-                    options.compare = earlier if earlier.is_file() else None
-                    if options.compare is None:
-                        print(f"there is no '{earlier}' to compare the remeshed shapes with")
-                exit_codes.append(measure(remeshed(labels), [], options, output / "remeshed"))
-    except ShapeGoogleError as error:
-        print(f"benchmark_retrieval: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("benchmark_retrieval: interrupted; run it again to go on", file=sys.stderr)
-        return 130
-    return max(exit_codes)
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BenchmarkError(f"cannot make the folder '{output}': {error.strerror or error}") from error
+    cache = BenchmarkCache(Path(options.cache) if options.cache else _default_cache())
+    jobs = options.jobs or default_jobs()
+    variants = choose_variants(options.variants, options.model, train=options.train, seed=options.seed)
+    result = run_benchmark(collection, labelled, variants, cache, jobs=jobs, seed=options.seed)
+    save_result(result, output / "benchmark.json")
+    page = write_report(result, collection, output, compare_with)
+    print(text_table(result))
+    print(f"\nreport: {page}")
+    for problem in result.problems:
+        say(f"{problem.kind}: {problem.shape}: {problem.reason}")
+    return SOME_FAILED if any(problem.kind == "failed" for problem in result.problems) else DONE
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _default_cache() -> Path:
+    """Return the folder for intermediate results, in the user's cache folder."""
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("shapegoogle", appauthor=False)) / "benchmark"

@@ -1,30 +1,38 @@
 # SPDX-License-Identifier: MIT
 """Compare heat kernels from resolvents with truncated spectra and with full decompositions.
 
-    python3 -m benchmarks.experiments.small_times [--sizes N ...] [--dense N] [--repeats N] [--plot FILE]
+    python -m benchmarks small-times [--sizes N ...] [--dense N] [--repeats N] [--plot FILE]
 
-Prints what is in docs/small_times.md: seconds of processor time, and the largest relative error of K_t(x, x)
-over all vertices of a procedural creature, at times from a quarter of the mean area of a vertex on, two to
-the octave. The truth is the full decomposition, for meshes of at most --dense vertices. Exit code 0, or 2
-for wrong usage.
+Prints the tables of docs/small_times.md: seconds of processor time, and the largest relative error of
+K_t(x, x) over all vertices of a procedural creature, at times from a quarter of the mean area of a vertex on,
+two per octave. The truth is the full decomposition, for meshes of at most --dense vertices.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import matplotlib as mpl
+import numpy as np
+import scipy.linalg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullLocator
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
-    Array = NDArray[np.float64]
+import shapegoogle_core as sg
+from benchmarks.creatures import make_creature
+from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.preprocessing import repair
+from shapegoogle_core.spectral import operator_spectrum
+
+Array = NDArray[np.float64]
 
 T = TypeVar("T")
 
@@ -37,7 +45,16 @@ RESOLVENTS, COLUMN, DENSE = "resolvents", "one column", "full decomposition"
 
 @dataclass
 class Measured:
-    """One mesh: seconds by method, and relative errors at each of `TIMES`."""
+    """Measurements on one mesh.
+
+    Attributes
+    ----------
+    vertices : int
+    seconds : dict of str to float
+        By method.
+    errors : dict of str to (t,) array
+        By method, the largest relative error at each of `TIMES`.
+    """
 
     vertices: int
     seconds: dict[str, float] = field(default_factory=dict)
@@ -45,22 +62,14 @@ class Measured:
 
 
 def timed(work: Callable[[], T]) -> tuple[T, float]:
-    """Do some work and return its result and the seconds of processor time."""
+    """Call a function; return its result and the seconds of processor time."""
     started = time.process_time()
     result = work()
     return result, time.process_time() - started
 
 
 def measure(size: int, repeats: int, dense: bool) -> Measured:
-    """Compute the signature of a creature in every way, in turns, and take the median times."""
-    import numpy as np
-    import scipy.linalg
-
-    import shapegoogle_core as sg
-    from benchmarks.creatures import make_creature
-    from shapegoogle_core.preprocessing import repair
-    from shapegoogle_core.spectral import operator_spectrum
-
+    """Compute the signature of a creature with each method in turn, and take the median times."""
     mesh = repair(make_creature(KIND, SEED, size).rest)
     operator = sg.build_operator(mesh)
     n = len(mesh.vertices)
@@ -93,7 +102,7 @@ def measure(size: int, repeats: int, dense: bool) -> Measured:
 
 
 def print_tables(results: list[Measured]) -> None:
-    """Print seconds of all meshes, and errors on the largest that was decomposed."""
+    """Print the seconds on all meshes, and the errors on the largest with a full decomposition."""
     names = [RESOLVENTS, COLUMN, *(f"k = {k}" for k in EIGENPAIRS), DENSE]
     print("| vertices | " + " | ".join(names) + " |")
     print("|---" * (len(names) + 1) + "|")
@@ -112,11 +121,7 @@ def print_tables(results: list[Measured]) -> None:
 
 
 def plot(results: list[Measured], path: Path) -> None:
-    """Draw errors over times, and seconds over vertices."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import FuncFormatter, NullLocator
-
+    """Plot errors against times, and seconds against vertices."""
     mpl.rcParams.update({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False})
     figure = Figure(figsize=(10, 4), layout="constrained")
     left, right = figure.subplots(1, 2)
@@ -146,23 +151,48 @@ def plot(results: list[Measured], path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sizes", type=int, nargs="+", default=[1000, 2000, 5000, 10000], metavar="N")
-    parser.add_argument("--dense", type=int, default=5000, metavar="N", help="decompose up to this size")
-    parser.add_argument("--repeats", type=int, default=3, metavar="N", help="medians of so many")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--sizes",
+        type=number_from(1),
+        nargs="+",
+        default=[1000, 2000, 5000, 10000],
+        metavar="N",
+        help="numbers of vertices (%(default)s)",
+    )
+    parser.add_argument(
+        "--dense", type=int, default=5000, metavar="N", help="largest full decomposition (%(default)s)"
+    )
+    parser.add_argument(
+        "--repeats", type=number_from(1), default=3, metavar="N", help="repetitions (%(default)s)"
+    )
     parser.add_argument("--plot", type=Path, metavar="FILE", help="write the figure, such as a .png")
-    options = parser.parse_args()
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # so that processor time is comparable
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure all sizes, print the tables and draw the figure.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
     results = []
     for size in sorted(options.sizes):
-        results.append(measure(size, options.repeats, size <= options.dense))
+        with threadpool_limits(1):  # so that processor times are comparable
+            results.append(measure(size, options.repeats, size <= options.dense))
         print(f"{size} vertices measured", file=sys.stderr, flush=True)
     print_tables(results)
     if options.plot is not None:
         plot(results, options.plot)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,37 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""Draw docs/images/keypoints.png: what each detector finds, on creatures in two poses and with noise.
-
-python3 -m benchmarks.figures.keypoints [--output FILE.png]
-"""
+"""Figure of the keypoints that each detector finds, on creatures in two poses and with noise."""
 
 from __future__ import annotations
 
-import argparse
-import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from PIL import Image
 
-    import numpy as np
-    from numpy.typing import NDArray
-    from PIL import Image
+from benchmarks.creatures import make_creature
+from shapegoogle_core import Mesh
+from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
+from shapegoogle_core.model import PRESETS
+from shapegoogle_core.model.augmentation import transform
+from shapegoogle_core.model.describe import working_shape
+from shapegoogle_core.rendering import canonical_view, contact_sheet, render
 
-    from shapegoogle_core import Mesh
+__all__ = ["draw"]
 
-OUTPUT = Path(__file__).resolve().parents[2] / "docs" / "images" / "keypoints.png"
 TILE = (190, 170)
 INDIVIDUAL, VERTICES = 2011, 5000
-# Radius of the balls, as a share of √area: of the strongest point, and of one that hardly stands out.
+# Radius of the balls as a share of √area, for the strongest response and for a response of 0.
 LARGE, SMALL = 0.035, 0.018
 
 
 def shapes() -> Iterator[tuple[str, Mesh]]:
-    """Creatures with their captions."""
-    from benchmarks.creatures import make_creature
-    from shapegoogle_core.model.augmentation import transform
-
+    """Make creatures with their captions."""
     horse = make_creature("horse", INDIVIDUAL, VERTICES)
     yield "horse", horse.pose("rest")
     yield "another pose", horse.pose("gallop")
@@ -41,13 +38,7 @@ def shapes() -> Iterator[tuple[str, Mesh]]:
 
 
 def with_balls(mesh: Mesh, points: NDArray[np.int64], response: NDArray[np.float64]) -> Image.Image:
-    """Draw a mesh with a ball at each point; the stronger, the larger and the redder."""
-    import numpy as np
-    import trimesh
-
-    from shapegoogle_core import Mesh
-    from shapegoogle_core.rendering import canonical_view, render
-
+    """Render a mesh with a ball at each point, larger and redder for stronger responses."""
     ball = trimesh.creation.icosphere(2)
     vertices, faces = [mesh.vertices], [mesh.faces]
     colors = [np.tile([0.78, 0.81, 0.86], (len(mesh.vertices), 1))]
@@ -62,15 +53,14 @@ def with_balls(mesh: Mesh, points: NDArray[np.int64], response: NDArray[np.float
     return render(picture, np.concatenate(colors), TILE, view=canonical_view(mesh, up_axis=2))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="the picture (%(default)s)")
-    options = parser.parse_args()
-    from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
-    from shapegoogle_core.model import PRESETS
-    from shapegoogle_core.model.describe import working_shape
-    from shapegoogle_core.rendering import contact_sheet
+def draw(path: Path) -> None:
+    """Draw the figure.
 
+    Parameters
+    ----------
+    path : Path
+        The .png file.
+    """
     prepared = [(caption, working_shape(PRESETS["default"], mesh)) for caption, mesh in shapes()]
     images, captions = [], []
     for detector in DETECTORS:
@@ -79,10 +69,4 @@ def main() -> int:
             images.append(with_balls(shape.mesh, found.indices, found.response))
             captions.append(f"{detector}: {caption}, {len(found)}")
     sheet = contact_sheet(images, captions, len(prepared))
-    sheet.save(options.output, optimize=True)
-    print(f"{options.output}: {options.output.stat().st_size / 1000:.0f} kB")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    sheet.save(path, optimize=True)

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Draw docs/images/operator_convergence.png: the error of eigenvalues against degrees of freedom.
+"""Figure of the error of eigenvalues against degrees of freedom, for each discretisation.
 
-    .venv/bin/python -m benchmarks.figures.operators [--output FILE.png]
-
-On a flat rectangle, free and held at its rim, and on a sphere, whose eigenvalues are known. Prints the orders
-in the length h of edges, from the two finest meshes of each. Needs matplotlib.
+On a flat rectangle with Neumann and with Dirichlet boundary and on a sphere, whose eigenvalues are known.
 """
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,8 +17,9 @@ from shapegoogle_core import Mesh, build_operator
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import operator_spectrum
 
-OUTPUT = Path(__file__).resolve().parents[2] / "docs" / "images" / "operator_convergence.png"
-# Marks and colours, told apart without colours too.
+__all__ = ["draw"]
+
+# Markers and colours; the markers differ too, for readers who cannot distinguish the colours.
 STYLES = {
     "cotangent": ("o", "#1b6ca8"),
     "cotangent-voronoi": ("x", "#4aa3df"),
@@ -35,12 +32,12 @@ STYLES = {
 WIDTH, HEIGHT, PAIRS = 1.7, 1.0, 12
 CELLS = (8, 16, 32, 64)
 SUBDIVISIONS = (1, 2, 3, 4)
-# Cubic elements on the finest mesh take minutes and have reached the accuracy of the solver before.
+# Cubic elements on the finest mesh would take minutes, and reach the solver's accuracy on coarser ones.
 MOST_FREEDOMS = 30_000
 
 
 def rectangle(columns: int) -> Mesh:
-    """Right triangles on a grid."""
+    """Mesh the rectangle with right triangles on a grid."""
     rows = round(columns * HEIGHT / WIDTH)
     x, y = np.meshgrid(np.linspace(0, WIDTH, columns + 1), np.linspace(0, HEIGHT, rows + 1), indexing="ij")
     i, j = (index.ravel() for index in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
@@ -51,13 +48,13 @@ def rectangle(columns: int) -> Mesh:
 
 
 def sphere(subdivisions: int) -> Mesh:
-    """Flat triangles with all vertices on the unit sphere."""
+    """Mesh the unit sphere with flat triangles."""
     ball = trimesh.creation.icosphere(subdivisions)
     return Mesh(ball.vertices, ball.faces, "sphere")
 
 
 def rectangle_eigenvalues(first: int) -> FloatArray:
-    """π² ((m / width)² + (n / height)²); m and n begin at 0 where the rim is free, at 1 where it is held."""
+    """Return π² ((m / width)² + (n / height)²) for m, n ≥ first: 0 for Neumann, 1 for Dirichlet."""
     m, n = np.meshgrid(np.arange(first, 12), np.arange(first, 12))
     values = np.pi**2 * ((m / WIDTH) ** 2 + (n / HEIGHT) ** 2)
     return np.sort(values.ravel())[:PAIRS]
@@ -72,7 +69,7 @@ def sphere_eigenvalues() -> FloatArray:
 def errors(
     laplacian: str, boundary: str, meshes: list[Mesh], expected: FloatArray
 ) -> tuple[list[int], list[float]]:
-    """Degrees of freedom and largest relative errors of the positive eigenvalues."""
+    """Compute degrees of freedom and the largest relative errors of the positive eigenvalues."""
     freedoms, found = [], []
     for mesh in meshes:
         operator = build_operator(mesh, laplacian)
@@ -86,10 +83,16 @@ def errors(
     return freedoms, found
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="the picture (%(default)s)")
-    options = parser.parse_args()
+def draw(path: Path) -> None:
+    """Draw the figure, and print the orders of convergence in the length h of edges.
+
+    The orders follow from the two finest meshes.
+
+    Parameters
+    ----------
+    path : Path
+        The .png file.
+    """
     rectangles = [rectangle(cells) for cells in CELLS]
     spheres = [sphere(subdivisions) for subdivisions in SUBDIVISIONS]
     panels: list[tuple[str, str, list[Mesh], Callable[[], FloatArray]]] = [
@@ -103,7 +106,7 @@ def main() -> None:
             if laplacian == "point-cloud" and boundary == "dirichlet":
                 continue
             freedoms, found = errors(laplacian, boundary, meshes, expected())
-            # Freedoms grow as h⁻², and halving h halves the share: an order p shows as a slope of -p/2.
+            # Degrees of freedom grow as h⁻², so that an order p is a slope of −p/2.
             order = 2 * np.log(found[-2] / found[-1]) / np.log(freedoms[-1] / freedoms[-2])
             print(f"{title:28} {laplacian:18} h^{order:.1f}   {found[-1]:.1e} at {freedoms[-1]:,}")
             axis.loglog(freedoms, found, marker=marker, color=color, label=laplacian, linewidth=1.2)
@@ -112,8 +115,4 @@ def main() -> None:
         axis.grid(alpha=0.3)
     axes[0].set_ylabel("largest relative error of the lowest eigenvalues")
     axes[0].legend(fontsize="small", loc="lower left")
-    figure.savefig(options.output, dpi=110)
-
-
-if __name__ == "__main__":
-    main()
+    figure.savefig(path, dpi=110)

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from shapegoogle_core.errors import BenchmarkError, MeshError
+from benchmarks.errors import BenchmarkError
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import find_meshes
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform

@@ -12,6 +12,7 @@ from itertools import chain
 
 import numpy as np
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import Collection, LabelledCollection
 from benchmarks.protocol.matching import VariantGroup
 from benchmarks.protocol.metrics import category_scores
@@ -19,7 +20,6 @@ from benchmarks.protocol.results import BenchmarkResult, CategoryResult, Variant
 from benchmarks.protocol.scoring import score_variant
 from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Progress, Workshop
-from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.processes.progress import progress_bar
 
 __all__ = ["run_benchmark"]

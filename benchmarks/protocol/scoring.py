@@ -10,9 +10,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.metrics import AVERAGE, precision_recall, ranks, roc, strength_table
 from benchmarks.protocol.results import Parameter, QueryOutcome, VariantResult
-from shapegoogle_core.errors import BenchmarkError
 
 __all__ = ["score_variant"]
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.errors import BenchmarkError
+from benchmarks.errors import BenchmarkError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ModelSettings
 from shapegoogle_core.model.describe import Placement, WorkingShape, working_shape

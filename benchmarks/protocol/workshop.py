@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import BenchmarkShape, NotMakeableError
 from benchmarks.protocol.results import Problem
 from benchmarks.protocol.spectra_cache import (
@@ -22,7 +23,7 @@ from benchmarks.protocol.spectra_cache import (
     content_digest,
     digest,
 )
-from shapegoogle_core.errors import BenchmarkError, MeshError
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.launching import single_threaded
 from shapegoogle_core.processes.progress import progress_bar

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""What `benchmark_speed.py` measures: a module for each section, and what they share.
+"""Measurements of time and memory: a module for each section of `python -m benchmarks speed`.
 
 A section has
 
-- ``SIZES`` and ``REPEATS``, for whoever names none;
-- ``measure(options)``, which gives a row of figures for each thing that it timed, as a dict for JSON;
-- ``draw(rows)``, which makes a figure of them.
+- ``SIZES`` and ``REPEATS``, its defaults;
+- ``measure(options)``, which yields a row of figures for each measurement, as a dict for JSON;
+- ``draw(rows)``, which plots them.
 """

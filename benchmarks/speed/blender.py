@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Measure how long people wait in Blender: for its start, for matches, for painted attributes.
+"""Measure waiting times in Blender: for its start, for matches, for painted attributes.
 
-It needs a Python with the bpy module, such as that of the nox session addon-4.5.
+It needs a Python with the module bpy, such as that of the nox session addon-4.5.
 
-start  what enabling the add-on adds to the start of a Blender, each time in a new process
-find   Find Similar with one selected creature, in a library of `SHAPES` made-up shapes with pictures: what
-       the main thread does before it asks the worker process, and with the answer, during which the window
-       stands still; what the worker takes; and what of that is for describing, searching and pictures
-paint  heat kernel signatures on the vertices of the same creature, computed by the worker with the settings
-       that the panel begins with: before, meanwhile and after as above
+start  time that enabling the add-on adds to the start of Blender, each time in a new process
+find   Find Similar with one selected creature, in a library of `SHAPES` synthetic shapes with pictures: the
+       main thread before and after the worker process, during which the window is frozen; the worker; and
+       its parts: description, search and pictures
+paint  heat kernel signatures on the vertices of the same creature with the panel's default settings: main
+       thread and worker as above
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from benchmarks.blender import enable_addon
+from benchmarks.errors import BenchmarkError
 from benchmarks.speed.measuring import Options, Row, installed
 from benchmarks.speed.meshes import KIND, SEED
 from benchmarks.speed.reporting import panels
@@ -46,9 +47,9 @@ BPY_PYTHON = (
     "run it with .nox/addon-4-5/bin/python, made by: python -m nox --session addon-4.5 --install-only"
 )
 SHAPES = 1_000
-# Creatures are made with at most so many vertices, and then subdivided.
+# Largest number of vertices of a creature; larger meshes are subdivided.
 LARGEST_CREATURE = 25_000
-# Seconds: as long as people are to wait at most.
+# Longest acceptable waiting times in seconds.
 GOALS = {("find", 10_000): 1.0, ("find", 100_000): 2.0, ("paint", 100_000): 3.0}
 
 START = """
@@ -72,22 +73,22 @@ def measure(options: Options) -> Iterator[Row]:
     Parameters
     ----------
     options : Options
-        Sizes are numbers of vertices of what is looked for and painted, roughly. The folder gets a library of
-        some 30 MB.
+        Sizes are approximate numbers of vertices of the query and the painted object. The folder needs about
+        30 MB for a library.
 
     Yields
     ------
     row : dict
-        "part" says of what. Times in milliseconds: "cpu" is processor time, of the main thread's process or
-        of the worker's, "wall" is not. "load" is how many processes wanted the processors.
+        With "part". Times in milliseconds: "cpu" is processor time of the main thread's process or of the
+        worker's, "wall" is wall time. "load" is the system's load average.
 
     Raises
     ------
-    RuntimeError
-        If this Python has no bpy module.
+    BenchmarkError
+        If this Python has no module bpy.
     """
     if not installed("bpy"):
-        raise RuntimeError(f"{sys.executable} has no bpy module; {BPY_PYTHON}")
+        raise BenchmarkError(f"{sys.executable} has no module bpy; {BPY_PYTHON}")
     yield measure_start(options.repeats)
     enable_addon()
     with tempfile.TemporaryDirectory(dir=options.folder) as place:
@@ -107,25 +108,31 @@ def module(name: str) -> ModuleType:
 
 
 class Stopwatch:
-    """Collects times by name; rows have their medians, in milliseconds."""
+    """Collects times by name and gives their medians in milliseconds.
+
+    Attributes
+    ----------
+    times : dict of str to list of float
+        Milliseconds.
+    """
 
     def __init__(self) -> None:
         self.times: dict[str, list[float]] = {}
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        """Take the time of what is done meanwhile."""
+        """Measure the time inside the block."""
         wall, cpu = time.perf_counter(), time.process_time()
         yield
         self.note(f"{name}_cpu", time.process_time() - cpu)
         self.note(f"{name}_wall", time.perf_counter() - wall)
 
     def note(self, name: str, seconds: float) -> None:
-        """Take a time that was measured elsewhere."""
+        """Record a time measured elsewhere."""
         self.times.setdefault(name, []).append(1e3 * seconds)
 
     def ask(self, name: str, function: Callable[..., T], *arguments: object) -> T:
-        """Take the time of a task in the worker process; its processor time is that process's own."""
+        """Run a task in the worker process and record its wall time and the worker's processor time."""
         worker = module("jobs").worker()
         cpu = worker.submit(time.process_time).result()
         wall = time.perf_counter()
@@ -135,19 +142,19 @@ class Stopwatch:
         return result
 
     def add_up(self, name: str, parts: Sequence[str]) -> None:
-        """Sum up the times of steps that follow each other, of each repetition."""
+        """Add the times of consecutive steps, for each repetition."""
         for kind in ("cpu", "wall"):
             columns = (self.times[f"{part}_{kind}"] for part in parts)
             self.times[f"{name}_{kind}"] = [sum(times) for times in zip(*columns, strict=True)]
 
     def row(self, part: str, **about: Any) -> Row:
-        """Sum up."""
+        """Make a row of the medians."""
         medians = {name: round(statistics.median(values), 1) for name, values in self.times.items()}
         return {"part": part, **about, **medians, "load": load()}
 
 
 def load() -> float | None:
-    """How many processes wanted the processors in the last minute; None where the system does not say."""
+    """Return the load average of the last minute; None where the system has none."""
     return round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None
 
 
@@ -164,7 +171,7 @@ def measure_start(repeats: int) -> Row:
         command = [bpy.app.binary_path, "--background", "--factory-startup", "--python-expr", code]
     watch = Stopwatch()
     had_numpy = False
-    # One more, which may have to write compiled files.
+    # The first run may compile files, so it does not count.
     for number in range(repeats + 1):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         found = [line for line in done.stdout.splitlines() if line.startswith("speed-blender ")]
@@ -178,11 +185,11 @@ def measure_start(repeats: int) -> Row:
     return watch.row("start", blender=bpy.app.version_string, had_numpy=had_numpy)
 
 
-# -- what is looked for, and where --------------------------------------------------------------------------
+# -- the library and the query -------------------------------------------------------------------------------
 
 
 def fill(path: Path) -> None:
-    """Make a library of made-up shapes, with samples and pictures as real ones have them."""
+    """Make a library of synthetic shapes, with samples and pictures like real ones."""
     import numpy as np
     from PIL import Image
 
@@ -205,7 +212,7 @@ def fill(path: Path) -> None:
 
 
 def use_library(path: Path) -> None:
-    """Choose it in the preferences, and have the worker open it, as the panel does when it is drawn."""
+    """Set the library in the preferences and let the worker open it, as drawing the panel does."""
     import bpy
 
     from shapegoogle_core.service.requests import warm_up
@@ -215,7 +222,7 @@ def use_library(path: Path) -> None:
 
 
 def select_creature(size: int) -> None:
-    """Put a creature into the scene, the only object that is selected."""
+    """Add a creature to the scene as the only selected object."""
     import bpy
     import trimesh
 
@@ -241,7 +248,7 @@ def select_creature(size: int) -> None:
 
 
 def measure_find(path: Path, repeats: int) -> Row:
-    """Take the steps of Find Similar with what is selected, one by one."""
+    """Time the steps of Find Similar with the selected object."""
     import bpy
 
     import shapegoogle_core as sg
@@ -259,7 +266,7 @@ def measure_find(path: Path, repeats: int) -> Row:
         some = answer.matches[: query.EXPLAINED_AT_ONCE]
         watch.ask("explain_some", tasks.explain, path, answer.signatures, some)
     watch.add_up("waited", ("read", "worker", "show"))
-    # What the worker's time goes into, measured here.
+    # Parts of the worker's time, measured in this process.
     with sg.Library.open(path, read_only=True) as library:
         for _ in range(repeats):
             with watch.timed("describe"):
@@ -273,7 +280,7 @@ def measure_find(path: Path, repeats: int) -> Row:
 
 
 def measure_paint(repeats: int) -> Row:
-    """Take the steps of painting what is selected, one by one."""
+    """Time the steps of painting the selected object."""
     import bpy
 
     painted, spectra = module("signature.painted"), module("signature.spectra")
@@ -300,7 +307,7 @@ def measure_paint(repeats: int) -> Row:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw what the waiting is made of, in processor time, beside how long people are to wait at most."""
+    """Draw the parts of the waiting times, in processor time, and the longest acceptable ones."""
     waits = [row for row in rows if row["part"] != "start"]
     figure, (axes,) = panels(1, 8, 1 + 0.6 * len(waits))
     names = [f"{row['part']}, {row['vertices']:,} vertices" for row in waits]

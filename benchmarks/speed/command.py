@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Measure how fast things are, against what others use for them.
+"""Measure times and memory, and compare spectra with those of other packages.
 
-    python -m benchmarks.speed.command [--sections NAME,…] [--sizes N,…] [--repeats N] [--output FOLDER]
+    python -m benchmarks speed [--sections NAME,…] [--sizes N,…] [--repeats N] [--output FOLDER]
 
-spectra     eigenpairs from vertices and faces, against LaPy (with and without CHOLMOD) and pyfmaps
+spectra     eigenpairs from vertices and faces, compared with LaPy (with and without CHOLMOD) and pyfmaps
 describing  from a file to a signature, stage by stage
-search      codes and libraries against their size, with numpy and with faiss
-indexing    one worker against two, memory over a long run
-blender     what people wait for in Blender (the one in BLENDER or on PATH; speed_blender.py for a bpy module)
+search      codes and libraries by their size
+indexing    one worker compared with two, memory over a long run
+blender     waiting times in Blender; needs the module bpy
 
-Each has its own sizes and repeats unless others are named; what exactly it measures is said in the module of
-its name in `speed`. In "spectra" contestants take turns in one process on one thread, and medians are
-compared: ratios above 1 are slower than this package. The others are measured if they are installed (the
-extra "peers"). A line of JSON is printed for each row; with --output the folder gets speed-SECTION.json and
-speed-SECTION.png. All of it takes more than an hour.
+Each section has its own default sizes and repeats; the docstring of its module in `benchmarks/speed` has the
+details. In "spectra" the contestants take turns in one process on one thread, and medians are compared:
+ratios above 1 are slower than this package. The other packages are measured if they are installed:
+pip install -e '.[benchmark,peers]'. Each row is printed as a line of JSON; with --output the folder gets
+speed-SECTION.json and speed-SECTION.png. All sections together take more than an hour.
 
-Exit code 0, 1 if a section failed, or 2 for wrong usage.
+The exit code is 1 if a section failed.
 """
 
 from __future__ import annotations
@@ -26,25 +26,38 @@ import os
 import sys
 import tempfile
 import traceback
-from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.speed.measuring import Options
+from benchmarks.speed.measuring import Options, installed
 from benchmarks.speed.reporting import line, write_figure, write_rows
+
+__all__ = ["add_options", "run"]
 
 SECTIONS = ("spectra", "describing", "search", "indexing", "blender")
 
 
-def parse_arguments(arguments: Sequence[str] | None = None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument(
+        "--sections",
+        type=_sections,
+        default=SECTIONS,
+        metavar="NAME,…",
+        help=f"some of {', '.join(SECTIONS)}",
     )
-    parser.add_argument("--sections", type=_sections, default=SECTIONS, metavar="NAME,…")
     parser.add_argument("--sizes", type=_sizes, metavar="N,…", help="numbers of vertices, or of shapes")
-    parser.add_argument("--repeats", type=_positive, metavar="N", help="times are medians of so many")
-    parser.add_argument("--library", type=Path, metavar="FILE", help="a real one, for the recall of search")
-    parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write figures and pictures")
-    return parser.parse_args(arguments)
+    parser.add_argument(
+        "--repeats", type=_positive, metavar="N", help="repetitions of which the median is taken"
+    )
+    parser.add_argument(
+        "--library", type=Path, metavar="FILE", help="a real library, for the recall of search"
+    )
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="for the .json and .png files")
 
 
 def _sections(text: str) -> tuple[str, ...]:
@@ -68,11 +81,23 @@ def _sizes(text: str) -> tuple[int, ...]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Measure the sections one after the other; one that fails does not stop the others."""
+    """Measure the sections one after the other; one that fails does not stop the others.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
+    # Before numpy is imported: threadpoolctl does not reach every library.
+    os.environ |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     failed = []
     for section in options.sections:
         try:
-            measure(section, options)
+            _measure(section, options)
         except Exception:
             traceback.print_exc()
             failed.append(section)
@@ -81,10 +106,9 @@ def run(options: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def measure(section: str, options: argparse.Namespace) -> None:
+def _measure(section: str, options: argparse.Namespace) -> None:
     """Measure a section, print its rows and write its files."""
     print(f"\n{section}", flush=True)
-    # Imported now: they need what is installed only in the environment that `main` has entered.
     module = importlib.import_module(f"benchmarks.speed.{section}")
     if options.output is not None:
         options.output.mkdir(parents=True, exist_ok=True)
@@ -98,15 +122,7 @@ def measure(section: str, options: argparse.Namespace) -> None:
             print(line(row), flush=True)
     if options.output is not None:
         print(f"wrote {write_rows(section, rows, options.output)}")
-        print(f"wrote {write_figure(section, module.draw(rows), options.output)}")
-
-
-def main() -> int:
-    options = parse_arguments()
-    # Before any library that reads it is loaded; threadpoolctl does not reach every one.
-    os.environ |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    return run(options)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        if installed("matplotlib"):
+            print(f"wrote {write_figure(section, module.draw(rows), options.output)}")
+        else:
+            print("matplotlib is not installed, so there is no figure", file=sys.stderr)

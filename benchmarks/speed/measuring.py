@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What every section is asked and answers, and timing alternatives against each other."""
+"""Options and rows of all sections, and timing of alternatives."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from typing import Any
 __all__ = ["Contestant", "Options", "Row", "installed", "race"]
 
 Row = dict[str, Any]
-"""Figures of one thing that was timed."""
+"""Figures of one measurement."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """What every section is asked.
+    """Options of a section.
 
     Attributes
     ----------
     sizes : tuple of int
         Numbers of vertices or of shapes, as the section says.
     repeats : int
-        Times are medians of so many.
+        Repetitions of which the median is taken.
     folder : Path
-        For files that are deleted again.
+        For temporary files.
     library : Path or None
-        A real one, for the recall of "search".
+        A real library, for the recall of "search".
     """
 
     sizes: tuple[int, ...]
@@ -42,15 +42,15 @@ class Options:
 
 @dataclass(frozen=True)
 class Contestant:
-    """A way to do a task.
+    """An alternative that is timed.
 
     Attributes
     ----------
     name : str
     run : callable
-        Does it, all of what is timed.
+        Does the task; all of it is timed.
     error : callable, optional
-        What its result deviates from the truth by.
+        Computes the deviation of its result from the truth.
     """
 
     name: str
@@ -65,7 +65,7 @@ class _Times:
 
 
 def installed(*modules: str) -> bool:
-    """Tell whether all these modules can be imported."""
+    """Return whether all these modules can be imported."""
     return all(importlib.util.find_spec(name) is not None for name in modules)
 
 
@@ -75,18 +75,18 @@ def race(task: str, size: int, contestants: Sequence[Contestant], repeats: int) 
     Parameters
     ----------
     task, size
-        Go into the rows.
+        Copied into the rows.
     contestants : sequence of Contestant
-        The first is what the others are compared with.
+        The others are compared with the first.
     repeats : int
         Rounds. The medians are over them.
 
     Returns
     -------
     rows : list of Row
-        In the order of the contestants. "seconds" and "cpu_seconds": processor time counts what this process
-        used, whatever else ran. "ratio": processor time over that of the first contestant, above 1 is slower
-        than it. "error": None where it is not measured.
+        In the order of the contestants, with "seconds" (wall time) and "cpu_seconds" (processor time of this
+        process), "ratio" (processor time over that of the first contestant; above 1 is slower) and "error"
+        (None where it is not measured).
     """
     times = [_Times() for _ in contestants]
     errors: list[float | None] = [None] * len(contestants)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The meshes that are measured, and their files."""
+"""Meshes to measure with, and their files."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ if TYPE_CHECKING:
 
 __all__ = ["KIND", "SEED", "creature", "write_mesh"]
 
-# A creature that nothing was learnt from. Larger meshes come from one of so many vertices.
+# A creature that nothing was learnt from. Larger meshes are subdivisions of one with `LARGEST_CREATURE`
+# vertices.
 KIND, SEED, LARGEST_CREATURE = "horse", 100, 20_000
 
 
 def creature(vertices: int, tolerance: float = 0.0) -> Mesh:
-    """Make a closed surface of so many vertices, irregular ones.
+    """Make an irregular closed surface with this number of vertices.
 
     Parameters
     ----------
     vertices : int
     tolerance : float
-        Share of them that it may have more or less: what is in between is not simplified.
+        Largest relative deviation from the number of vertices; a mesh within it is not simplified.
 
     Returns
     -------
@@ -37,7 +38,7 @@ def creature(vertices: int, tolerance: float = 0.0) -> Mesh:
 
     mesh = make_creature(KIND, SEED, min(vertices, LARGEST_CREATURE)).rest
     while len(mesh.vertices) < (1 - tolerance) * vertices:
-        # Curved, so that simplifying does not leave slivers on flat patches.
+        # Smooth, because simplifying flat patches would leave slivers.
         finer = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).subdivide_loop(1)
         mesh = Mesh(np.asarray(finer.vertices), np.asarray(finer.faces, dtype=np.int32), name=mesh.name)
     return mesh if len(mesh.vertices) <= (1 + tolerance) * vertices else simplify(mesh, vertices)

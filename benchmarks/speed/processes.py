@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What Linux tells about running processes: memory, threads, who started them."""
+"""Figures of running processes on Linux: memory, threads, parents."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class ProcessFigures:
     parent : int
         Process id.
     memory_mb, peak_mb : float
-        What it holds in memory, now and at most since its program began: unlike ``ru_maxrss`` it does not
-        include what the process held that started it.
+        Memory now, and at most since its program began; unlike ``ru_maxrss`` without that of the process that
+        started it.
     threads : int
     cpu_seconds : float
-        Processor time so far, without that of processes it started.
+        Processor time so far, without its child processes.
     """
 
     parent: int
@@ -34,7 +34,7 @@ class ProcessFigures:
 
 
 def figures_of(process: int | None = None) -> ProcessFigures | None:
-    """Look at a process.
+    """Read the figures of a process.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def figures_of(process: int | None = None) -> ProcessFigures | None:
 
 
 def descendants(process: int) -> dict[int, ProcessFigures]:
-    """Look at a process and all that descend from it, by process id; empty where there is no ``/proc``."""
+    """Read the figures of a process and its descendants, by process id; empty where there is no ``/proc``."""
     known = {}
     for entry in Path("/proc").glob("[0-9]*"):
         figures = figures_of(int(entry.name))

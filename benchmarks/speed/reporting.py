@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The JSON files and the figures of `benchmark_speed.py`."""
+"""JSON files and figures of `python -m benchmarks speed`."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 __all__ = ["label", "line", "panels", "read_rows", "write_figure", "write_rows"]
 
-# Whose versions belong to the numbers.
+# Packages whose versions are stored with the figures.
 PACKAGES = ("numpy", "scipy", "shapegoogle-core", "lapy", "cholespy", "pyfmaps")
 
 
 def line(row: Row) -> str:
-    """Write a row as a line of JSON, without the lists that stand in the file too."""
+    """Format a row as a line of JSON, without its lists."""
     return json.dumps({name: value for name, value in row.items() if not isinstance(value, list)})
 
 
@@ -40,7 +40,7 @@ def write_rows(section: str, rows: Sequence[Row], folder: Path) -> Path:
 
 
 def read_rows(section: str, folder: Path) -> list[Row]:
-    """Read back what `write_rows` has written."""
+    """Read rows written by `write_rows`."""
     rows: list[Row] = json.loads((folder / f"speed-{section}.json").read_text(encoding="utf-8"))["rows"]
     return rows
 
@@ -75,7 +75,7 @@ def panels(count: int, width: float, height: float) -> tuple[Figure, list[Any]]:
 
 
 def label(axes: Any) -> None:
-    """Add a grid, and a legend that has each name once."""
+    """Add a grid, and a legend with each name once."""
     axes.grid(visible=True, which="both", alpha=0.3)
     handles, names = axes.get_legend_handles_labels()
     once = dict(zip(names, handles, strict=True))

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Write the meshes of .blend files as .ply, with several poses of what is animated.
+"""Export the meshes of .blend files as .ply, with several poses of animated files.
 
-    python -m benchmarks.training.blend_meshes FOLDER... --output DIR [--exclude NAME] [--poses N]
+    python -m benchmarks blend-meshes FOLDER... --output DIR [--exclude NAME] [--poses N]
 
-The result is what the default model is trained on. Needs the `bpy` module (Blender as a Python package)
-and numpy, nothing of this package. A .blend file is one shape: its visible mesh objects, with their
-modifiers, in world space, joined into one mesh. A file with an armature and actions also gives its rest
-pose (`-pose0.ply`) and N poses spread over its actions (`-pose1.ply` …). Scripts inside the files do not
-run and the files are only read.
+The shipped models are trained on such meshes. Needs the module bpy (Blender as a Python package). Each .blend
+file is one shape: its visible mesh objects, with their modifiers, in world space, joined into one mesh. A
+file with an armature and actions also yields its rest pose (`-pose0.ply`) and N poses spread over its actions
+(`-pose1.ply` …). Scripts inside the files do not run, and the files are only read.
 
-Exit codes: 0 all files exported, 1 some could not be (each named on stderr), 2 wrong usage.
+The exit code is 1 if some files could not be exported, each named on stderr.
 """
 
 from __future__ import annotations
@@ -26,37 +25,47 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["find_blend_files", "main", "spread_frames", "write_ply"]
+from benchmarks.errors import BenchmarkError
+from shapegoogle_core.cli.arguments import number_from
+
+__all__ = ["add_options", "find_blend_files", "run", "spread_frames", "write_ply"]
 
 REST_POSE = 0
 
 
 @dataclass(frozen=True)
 class Source:
-    """A .blend file and the names its meshes get."""
+    """A .blend file and the names of its meshes.
+
+    Attributes
+    ----------
+    path : Path
+    pack : str
+        Folder of the file, in the name of its shape.
+    """
 
     path: Path
     pack: str
 
     @property
     def shape(self) -> str:
-        """Name of the shape in the file: unique within a folder that was searched."""
+        """Name of the shape, unique within a searched folder."""
         return f"{self.pack}-{self.path.stem}"
 
 
 def find_blend_files(folders: Sequence[Path], exclude: Sequence[str] = ()) -> list[Source]:
-    """All .blend files below some folders, in a fixed order.
+    """Find all .blend files below some folders, in a fixed order.
 
     Parameters
     ----------
     folders : sequence of Path
     exclude : sequence of str
-        Names of folders, and of files without their suffix, to leave out wherever they stand.
+        Names of folders, and of files without their suffix, to leave out at any depth.
 
     Returns
     -------
     sources : list of Source
-        A file's pack is the path of its folder below the folder that was searched.
+        A file's pack is the path of its folder below the searched folder.
     """
     sources = []
     for folder in folders:
@@ -75,7 +84,7 @@ def spread_frames(ranges: Sequence[tuple[float, float]], count: int) -> list[tup
     ranges : sequence of (first frame, last frame)
         One per action.
     count : int
-        How many frames to choose.
+        Number of frames.
 
     Returns
     -------
@@ -117,9 +126,9 @@ def write_ply(path: Path, vertices: NDArray[np.float32], faces: NDArray[np.int32
 
 
 def joined_mesh(bpy: Any) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """All that the open scene shows of meshes, evaluated, in world space, as one mesh.
+    """Join the evaluated meshes of the open scene in world space.
 
-    Hidden-in-render is not looked at: packs hide parts in renders that belong to the shape.
+    Objects hidden in renders are included: packs hide parts that belong to the shape.
 
     Returns
     -------
@@ -156,44 +165,44 @@ def joined_mesh(bpy: Any) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
 
 
 def pose_actions(bpy: Any) -> list[Any]:
-    """Actions of the open file that move bones, by name."""
+    """List the actions of the open file that move bones, sorted by name."""
     actions = sorted(bpy.data.actions, key=lambda action: action.name)
     return [a for a in actions if any(curve.data_path.startswith("pose.bones") for curve in a.fcurves)]
 
 
 def pose_armature(armature: Any, action: Any) -> None:
-    """Let an action, and nothing else, move an armature."""
+    """Pose an armature by one action only."""
     armature.data.pose_position = "POSE"
     animation = armature.animation_data_create()
     animation.use_nla = False
-    # Bones that the action does not move would otherwise keep what the previous one gave them.
+    # Bones that the action does not move would otherwise keep the pose of the previous action.
     for bone in armature.pose.bones:
         bone.matrix_basis.identity()
     animation.action = action
-    # Blender 4.4 and newer: an action does nothing before one of its slots is chosen.
+    # Since Blender 4.4, an action has no effect before one of its slots is chosen.
     if hasattr(animation, "action_slot") and animation.action_slot is None:
         animation.action_slot = animation.action_suitable_slots[0]
 
 
 def set_frame(scene: Any, frame: float) -> None:
-    """Go to a frame, which may lie between two whole ones."""
+    """Go to a frame, possibly between two whole frames."""
     whole = int(np.floor(frame))
     scene.frame_set(whole, subframe=frame - whole)
 
 
 def poses(bpy: Any, count: int) -> Iterator[int]:
-    """Put the open scene into one pose after the other.
+    """Put the open scene into each pose in turn.
 
     Parameters
     ----------
     bpy : module
     count : int
-        Poses wanted beside the rest pose.
+        Poses besides the rest pose.
 
     Yields
     ------
     pose : int
-        Its number: 0 is the rest pose, or the only one of a file that is not animated.
+        Number of the pose; 0 is the rest pose, or the only pose of a file without animation.
     """
     armatures = [item for item in bpy.context.scene.objects if item.type == "ARMATURE"]
     for armature in armatures:
@@ -218,7 +227,7 @@ def export_file(bpy: Any, source: Source, output: Path, count: int) -> list[tupl
     output : Path
         Folder to write into.
     count : int
-        Poses to write beside the rest pose if the file is animated.
+        Poses besides the rest pose, if the file is animated.
 
     Returns
     -------
@@ -242,32 +251,49 @@ def export_file(bpy: Any, source: Source, output: Path, count: int) -> list[tupl
     return rows
 
 
-def parse_arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
     parser.add_argument("folders", metavar="FOLDER", nargs="+", type=Path, help="searched for .blend files")
     parser.add_argument("--output", metavar="DIR", required=True, type=Path, help="folder for the .ply files")
     parser.add_argument(
         "--exclude", metavar="NAME", action="append", default=[], help="folder or file name to leave out"
     )
     parser.add_argument(
-        "--poses", metavar="N", type=int, default=0, help="poses of animated files beside the rest pose"
+        "--poses",
+        metavar="N",
+        type=number_from(0),
+        default=0,
+        help="poses of animated files besides the rest pose (%(default)s)",
     )
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Export the meshes and write meshes.csv.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+
+    Raises
+    ------
+    BenchmarkError
+        If one of the folders does not exist.
+    """
+    import bpy
+
     for folder in options.folders:
         if not folder.is_dir():
-            parser.error(f"{folder} is not a folder")
-    if options.poses < 0:
-        parser.error("--poses cannot be negative")
-    return options
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    options = parse_arguments(arguments)
-    try:
-        import bpy
-    except ImportError as error:
-        print(f"This script needs Blender as a Python module: pip install bpy ({error})", file=sys.stderr)
-        return 2
+            raise BenchmarkError(f"'{folder}' is not a folder")
     started = time.monotonic()
     options.output.mkdir(parents=True, exist_ok=True)
     sources = find_blend_files(options.folders, options.exclude)
@@ -292,7 +318,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"in {time.monotonic() - started:.1f} s; {failures} of {len(sources)} files skipped"
     )
     return 1 if failures or not sources else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,12 +9,12 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.learning import INDIVIDUALS
 from benchmarks.protocol.matching import Variant, VariantGroup
 from benchmarks.variants.bag_variants import BAG_NAMES, Descriptor, Preparation, bag_group
 from benchmarks.variants.baseline_variants import mesh_groups, spectrum_groups
 from benchmarks.variants.model_variants import model_group
-from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.model import PRESETS, load_model
 from shapegoogle_core.model.settings import COUNTING_BAGS

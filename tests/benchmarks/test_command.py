@@ -1,94 +1,87 @@
 # SPDX-License-Identifier: MIT
-"""`python -m benchmarks`: from folders to a report."""
+"""`python -m benchmarks`: the list of subcommands, their help, and what is missing."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
+import argparse
+import importlib
+import importlib.util
+import subprocess
+import sys
 
 import pytest
 
-from benchmarks import command as benchmark_command
-from benchmarks.__main__ import main
-from shapegoogle_core.model import ShapeModel
+from benchmarks import command
+from benchmarks.errors import BenchmarkError
+from benchmarks.figures.command import FIGURES
 
 Capture = pytest.CaptureFixture[str]
 
-
-@pytest.fixture
-def arguments(make_mesh, tiny_model: ShapeModel, tmp_path: Path) -> list[str]:
-    """Two null shapes, an unrelated one and four queries, of which one cannot be read."""
-    tiny_model.save(tmp_path / "tiny.npz")
-    for seed in (1, 2):
-        make_mesh(tmp_path / "nulls" / f"null{seed}.off", seed)
-        make_mesh(tmp_path / "queries" / f"null{seed}.isometry.1.off", seed)
-    make_mesh(tmp_path / "queries" / "null1.isometry.2.off", 3)
-    make_mesh(tmp_path / "negatives" / "other.off", 4)
-    for place in ("round/a", "round/b", "long/a"):
-        make_mesh(tmp_path / "labelled" / f"{place}.off", ord(place[-1]))
-    folders = [f"--{name}={tmp_path / name}" for name in ("nulls", "negatives", "queries", "cache", "output")]
-    return [*folders, "--no-generate", "--model", str(tmp_path / "tiny.npz"), "--jobs", "1"]
+NAMES = [each.name for each in command.COMMANDS]
 
 
-def test_a_report_is_written(arguments: list[str], tmp_path: Path, capsys: Capture) -> None:
-    pytest.importorskip("matplotlib")
+def missing(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
+    """Let modules seem not to be installed."""
+    found = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name in names else found(name))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_says_what_a_subcommand_measures(
+    name: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("skimage")
     pytest.importorskip("jinja2")
-    (tmp_path / "queries" / "null2.isometry.2.off").write_text("OFF\n")
-    labelled = ["--labelled", str(tmp_path / "labelled")]
-    assert main([*arguments, *labelled]) == 1
-    printed = capsys.readouterr()
-    assert "isometry" in printed.out
-    assert f"report: {tmp_path / 'output' / 'index.html'}" in printed.out
-    assert "failed: null2.isometry.2: tiny: signatures: 'null2.isometry.2.off'" in printed.err
-    result = json.loads((tmp_path / "output" / "benchmark.json").read_text(encoding="utf-8"))
-    names = ["tiny · full bags", "tiny · 64-bit codes", "tiny · 64-bit codes, asymmetric", "tiny · search"]
-    assert [variant["name"] for variant in result["variants"]] == names
-    assert result["counts"] == {"database": 3, "nulls": 2, "negatives": 1, "queries": 4}
-    assert [category["variant"] for category in result["categories"]] == names
-    page = (tmp_path / "output" / "index.html").read_text(encoding="utf-8")
-    assert "tiny · search" in page
-    # Once more without the broken one: nothing is computed again, and the report compares.
-    (tmp_path / "queries" / "null2.isometry.2.off").unlink()
-    earlier = tmp_path / "output" / "benchmark.json"
-    assert main([*arguments, f"--output={tmp_path / 'second'}", "--compare", str(earlier)]) == 0
-    assert "signatures …" not in capsys.readouterr().err
-    assert (tmp_path / "second" / "index.html").exists()
-
-
-def test_what_can_be_known_before_measuring(arguments: list[str], tmp_path: Path, capsys: Capture) -> None:
-    wrong = {
-        "cannot be read": ["--compare", str(tmp_path / "nothing.json")],
-        "no variant is called 'spin images'": ["--variants", "spin images"],
-        "cannot read the model 'unheard-of'": ["--model", "unheard-of"],
-        "cannot make the folder": ["--output", str(tmp_path / "nulls" / "null1.off" / "report")],
-        "does not exist": ["--negatives", str(tmp_path / "nowhere")],
-    }
-    for message, options in wrong.items():
-        assert main([*arguments, *options]) == 2
-        printed = capsys.readouterr()
-        assert message in printed.err
-        assert "signatures" not in printed.err
-    (tmp_path / "queries" / "stray.off").write_text("OFF\n")
-    assert main(arguments) == 2
-    assert "'stray.off' is not named <null>.<transformation>.<strength>.off" in capsys.readouterr().err
-
-
-def test_a_missing_extra_is_said(arguments: list[str], monkeypatch, capsys: Capture) -> None:
-    found = benchmark_command.importlib.util.find_spec
-    monkeypatch.setattr(
-        benchmark_command.importlib.util,
-        "find_spec",
-        lambda name: None if name in ("jinja2", "platformdirs") else found(name),
-    )
-    assert main(arguments) == 2
-    assert "needs jinja2, platformdirs; install it with: pip install" in capsys.readouterr().err
-
-
-def test_the_command_asks_for_null_shapes(capsys: Capture) -> None:
+    # Whether bpy is installed does not matter for the help text.
+    monkeypatch.setattr(command, "check_packages", lambda modules: None)
     with pytest.raises(SystemExit) as caught:
-        main([])
-    assert caught.value.code == 2
-    assert "--nulls" in capsys.readouterr().err
-    with pytest.raises(SystemExit):
-        main(["--help"])
-    assert "mean average precision" in capsys.readouterr().out
+        command.main([name, "--help"])
+    assert caught.value.code == 0
+    printed = capsys.readouterr().out
+    assert f"usage: python -m benchmarks {name}" in printed
+    assert f"    python -m benchmarks {name}" in printed
+
+
+def test_the_list_of_subcommands_imports_no_numpy() -> None:
+    code = "import sys; from benchmarks.command import main\ntry: main(['--help'])\nfinally: "
+    code += "print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    *lines, numpy = done.stdout.splitlines()
+    assert all(any(line.startswith(f"    {name}") for line in lines) for name in NAMES)
+    assert numpy == "False"
+
+
+def test_wrong_usage(capsys: Capture) -> None:
+    for arguments in ([], ["speed of light"]):
+        with pytest.raises(SystemExit) as caught:
+            command.main(arguments)
+        assert caught.value.code == 2
+        assert "SUBCOMMAND" in capsys.readouterr().err
+
+
+def test_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    missing(monkeypatch, "jinja2", "platformdirs", "bpy")
+    assert command.main(["retrieval", "--nulls", "anywhere"]) == 2
+    printed = capsys.readouterr().err
+    assert "needs jinja2, platformdirs; install with: pip install -e '.[benchmark]'" in printed
+    assert command.main(["blend-meshes", "anywhere", "--output", "elsewhere"]) == 2
+    assert "has no module bpy" in capsys.readouterr().err
+
+
+def test_an_interrupted_subcommand_says_so(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    def interrupt(options: argparse.Namespace) -> int:
+        raise KeyboardInterrupt
+
+    pytest.importorskip("skimage")
+    monkeypatch.setattr(importlib.import_module("benchmarks.experiments.parts"), "run", interrupt)
+    assert command.main(["parts"]) == 130
+    assert "python -m benchmarks parts: interrupted" in capsys.readouterr().err
+
+
+def test_a_figure_with_missing_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("skimage")
+    missing(monkeypatch, "bpy", "matplotlib")
+    for name in set(FIGURES) - {"keypoints"}:
+        assert command.main(["figures", name]) == 2
+    with pytest.raises(BenchmarkError, match="needs matplotlib"):
+        command.check_packages(("numpy", "matplotlib"))

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.metrics import CategoryScores
-from shapegoogle_core.errors import BenchmarkError
 
 __all__ = [
     "BenchmarkResult",

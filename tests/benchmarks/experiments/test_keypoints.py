@@ -3,19 +3,20 @@
 
 import argparse
 import math
+from typing import Any
 
 import pytest
 
 from benchmarks.experiments import keypoints
 
 
-def row(detector: str, kind: str, strength: int, repeated: float, points: int = 4) -> dict:
+def row(detector: str, kind: str, strength: int, repeated: float, points: int = 4) -> dict[str, Any]:
     found = {"points": points, "repeated": repeated, "chance": 0.1}
     return {"detector": detector, "class": kind, "strength": strength, **found}
 
 
 @pytest.fixture
-def rows() -> list[dict]:
+def rows() -> list[dict[str, Any]]:
     return [
         row("one", "noise", 1, 1.0),
         row("one", "noise", 3, 0.5),
@@ -25,7 +26,7 @@ def rows() -> list[dict]:
     ]
 
 
-def test_means_over_shapes_and_strengths(rows):
+def test_means_over_shapes_and_strengths(rows: list[dict[str, Any]]) -> None:
     figures = {
         (figure["detector"], figure["class"], figure["strength"]): figure
         for figure in keypoints.summary(rows)
@@ -39,14 +40,14 @@ def test_means_over_shapes_and_strengths(rows):
     assert figures["two", "average", "all"]["without_points"] == 1
 
 
-def test_table_shows_what_there_is(rows):
+def test_table_shows_what_there_is(rows: list[dict[str, Any]]) -> None:
     lines = keypoints.table(keypoints.summary(rows)).splitlines()
     (noise,) = [line for line in lines if line.startswith("noise")]
     assert noise.split() == ["noise", "|", "100", "50", "75", "|", "25", "–", "25"]
     assert lines[-1].split() == ["chance", "|", "10.0", "|", "10.0"]
 
 
-def test_a_creature_is_measured_in_all_ways(monkeypatch):
+def test_a_creature_is_measured_in_all_ways(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("skimage")
     monkeypatch.setattr(keypoints, "VERTICES", 1000)
     options = argparse.Namespace(strengths=(1,), preparation="mended")

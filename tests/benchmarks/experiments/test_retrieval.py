@@ -1,82 +1,85 @@
 # SPDX-License-Identifier: MIT
-"""The queries and databases made of the evaluation meshes."""
+"""`python -m benchmarks retrieval`: from folders to a report."""
 
-import os
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from benchmarks.experiments import retrieval
+from benchmarks import command
+from shapegoogle_core.model import ShapeModel
+
+Capture = pytest.CaptureFixture[str]
+
+
+def main(arguments: list[str]) -> int:
+    return command.main(["retrieval", *arguments])
 
 
 @pytest.fixture
-def data(tmp_path: Path) -> Path:
-    rows = ["dataset,path,class,pose"]
-    rows += [f"tosca,tosca/cat{pose}.ply,cat,{pose}" for pose in (10, 0, 1, 2, 3, 4, 5)]
-    rows += ["tosca,tosca/shark0.ply,shark,0", "tosca,tosca/wolf1.ply,wolf,1", "tosca,tosca/wolf2.ply,wolf,2"]
-    rows += ["tosca_remeshed,remeshed/cat7.ply,cat,7", "tosca_remeshed,remeshed/man1.ply,man,1"]
-    rows += ["psb,psb/m1.ply,chair,"]
-    (tmp_path / "labels.csv").write_text("\n".join(rows) + "\n")
-    return tmp_path
+def arguments(make_mesh: Callable[..., Path], tiny_model: ShapeModel, tmp_path: Path) -> list[str]:
+    """Two null shapes, an unrelated one and four queries, of which one cannot be read."""
+    tiny_model.save(tmp_path / "tiny.npz")
+    for seed in (1, 2):
+        make_mesh(tmp_path / "nulls" / f"null{seed}.off", seed)
+        make_mesh(tmp_path / "queries" / f"null{seed}.isometry.1.off", seed)
+    make_mesh(tmp_path / "queries" / "null1.isometry.2.off", 3)
+    make_mesh(tmp_path / "negatives" / "other.off", 4)
+    for place in ("round/a", "round/b", "long/a"):
+        make_mesh(tmp_path / "labelled" / f"{place}.off", ord(place[-1]))
+    folders = [f"--{name}={tmp_path / name}" for name in ("nulls", "negatives", "queries", "cache", "output")]
+    return [*folders, "--no-generate", "--model", str(tmp_path / "tiny.npz"), "--jobs", "1"]
 
 
-def test_the_next_five_poses_ask_for_the_lowest(data: Path) -> None:
-    collection = retrieval.retrieval(retrieval.read_labels(data), seed=3)
-    assert collection.counts() == {"database": 4, "nulls": 3, "negatives": 1, "queries": 6 + 3 * 50}
-    isometries = [query for query in collection.queries if query.transformation == "isometry"]
-    assert [(query.name, query.path.name) for query in isometries] == [
-        ("cat0.isometry.1", "cat1.ply"),
-        ("cat0.isometry.2", "cat2.ply"),
-        ("cat0.isometry.3", "cat3.ply"),
-        ("cat0.isometry.4", "cat4.ply"),
-        ("cat0.isometry.5", "cat5.ply"),
-        ("wolf1.isometry.1", "wolf2.ply"),
-    ]
-    assert {query.seed for query in collection.queries if query.transformation != "isometry"} == {3}
+def test_a_report_is_written(arguments: list[str], tmp_path: Path, capsys: Capture) -> None:
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("jinja2")
+    (tmp_path / "queries" / "null2.isometry.2.off").write_text("OFF\n")
+    labelled = ["--labelled", str(tmp_path / "labelled")]
+    assert main([*arguments, *labelled]) == 1
+    printed = capsys.readouterr()
+    assert "isometry" in printed.out
+    assert f"report: {tmp_path / 'output' / 'index.html'}" in printed.out
+    assert "failed: null2.isometry.2: tiny: signatures: 'null2.isometry.2.off'" in printed.err
+    result = json.loads((tmp_path / "output" / "benchmark.json").read_text(encoding="utf-8"))
+    names = ["tiny · full bags", "tiny · 64-bit codes", "tiny · 64-bit codes, asymmetric", "tiny · search"]
+    assert [variant["name"] for variant in result["variants"]] == names
+    assert result["counts"] == {"database": 3, "nulls": 2, "negatives": 1, "queries": 4}
+    assert [category["variant"] for category in result["categories"]] == names
+    page = (tmp_path / "output" / "index.html").read_text(encoding="utf-8")
+    assert "tiny · search" in page
+    # Once more without the broken one: nothing is computed again, and the report compares.
+    (tmp_path / "queries" / "null2.isometry.2.off").unlink()
+    earlier = tmp_path / "output" / "benchmark.json"
+    assert main([*arguments, f"--output={tmp_path / 'second'}", "--compare", str(earlier)]) == 0
+    assert "signatures …" not in capsys.readouterr().err
+    assert (tmp_path / "second" / "index.html").exists()
 
 
-def test_remeshed_shapes_ask_for_the_null_shape_of_their_class(data: Path) -> None:
-    collection = retrieval.remeshed(retrieval.read_labels(data))
-    (query,) = collection.queries
-    assert (query.name, query.relevant, query.path.name) == ("cat7.isometry.1", "cat0", "cat7.ply")
+def test_what_can_be_known_before_measuring(arguments: list[str], tmp_path: Path, capsys: Capture) -> None:
+    wrong = {
+        "cannot be read": ["--compare", str(tmp_path / "nothing.json")],
+        "no variant is called 'spin images'": ["--variants", "spin images"],
+        "cannot read the model 'unheard-of'": ["--model", "unheard-of"],
+        "cannot make the folder": ["--output", str(tmp_path / "nulls" / "null1.off" / "report")],
+        "does not exist": ["--negatives", str(tmp_path / "nowhere")],
+    }
+    for message, options in wrong.items():
+        assert main([*arguments, *options]) == 2
+        printed = capsys.readouterr()
+        assert message in printed.err
+        assert "signatures" not in printed.err
+    (tmp_path / "queries" / "stray.off").write_text("OFF\n")
+    assert main(arguments) == 2
+    assert "'stray.off' is not named <null>.<transformation>.<strength>.off" in capsys.readouterr().err
 
 
-def test_posed_characters_are_told_apart_by_their_names(tmp_path: Path) -> None:
-    assert retrieval.posed_characters(tmp_path) == []
-    pack = "posed_characters"
-    names = ["Female_Walking", "Woman_Standing_Waving", "Male_Sitting", "Male_Hairstyle_1"]
-    rows = [f"{pack}-{name}.ply,{pack},{pack}-{name},0" for name in names]
-    rows.append("animals-Bird.ply,animals,animals-Bird,0")
-    (tmp_path / "meshes.csv").write_text("\n".join(["file,pack,shape,pose", *rows]))
-    people = retrieval.posed_characters(tmp_path)
-    assert [row.label for row in people] == ["woman", "woman", "man"]
-
-
-def test_a_folder_without_labels_is_refused(tmp_path: Path, capsys) -> None:
-    with pytest.raises(SystemExit) as caught:
-        retrieval.parse_arguments(["--data", str(tmp_path)])
-    assert caught.value.code == 2
-    assert "no labels.csv" in capsys.readouterr().err
-
-
-def test_what_measures_is_not_learnt_from(data: Path, capsys) -> None:
-    (data / "meshes.csv").write_text(
-        "file,pack,shape,pose\na.ply,posed_characters,posed_characters-Male_a,0\n"
-    )
-    with pytest.raises(SystemExit):
-        retrieval.parse_arguments(["--data", str(data), "--train", str(data)])
-    assert "--exclude posed_characters" in capsys.readouterr().err
-
-
-@pytest.mark.real_data
-def test_what_is_asked_of_the_evaluation_meshes() -> None:
-    default = Path(__file__).resolve().parents[4] / "shared" / "data"
-    folder = Path(os.environ.get("SHAPEGOOGLE_DATA", default))
-    if not folder.is_dir():
-        pytest.skip(f"no evaluation data in {folder}; set SHAPEGOOGLE_DATA")
-    labels = retrieval.read_labels(folder)
-    collection = retrieval.retrieval(labels, seed=0)
-    assert collection.counts() == {"database": 468, "nulls": 12, "negatives": 456, "queries": 652}
-    assert sum(query.transformation == "isometry" for query in collection.queries) == 52
-    assert retrieval.remeshed(labels).counts()["queries"] == 81
-    assert len(retrieval.categories(labels["tosca"], "TOSCA").shapes) == 146
+def test_queries_need_null_shapes(tmp_path: Path, capsys: Capture) -> None:
+    pytest.importorskip("jinja2")
+    assert main(["--data", str(tmp_path), "--queries", str(tmp_path)]) == 2
+    assert "--queries needs --nulls" in capsys.readouterr().err
+    assert main(["--data", str(tmp_path)]) == 2
+    assert "has no labels.csv" in capsys.readouterr().err

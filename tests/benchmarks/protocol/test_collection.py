@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import (
     BenchmarkShape,
     Collection,
@@ -18,7 +19,7 @@ from benchmarks.protocol.collection import (
     read_collection,
     read_labelled,
 )
-from shapegoogle_core.errors import BenchmarkError, MeshError
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from tests.benchmarks.conftest import relevant_columns

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from benchmark_tasks import CountVertices
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import BenchmarkShape, Collection, LabelledCollection
 from benchmarks.protocol.matching import Matched, Variant
 from benchmarks.protocol.protocol import run_benchmark
 from benchmarks.protocol.results import BenchmarkResult
 from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Workshop
-from shapegoogle_core.errors import BenchmarkError
 
 
 @dataclass(frozen=True)

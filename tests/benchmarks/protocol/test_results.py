@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.metrics import CategoryScores
 from benchmarks.protocol.results import (
     BenchmarkResult,
@@ -16,7 +17,6 @@ from benchmarks.protocol.results import (
     save_result,
 )
 from benchmarks.protocol.scoring import score_variant
-from shapegoogle_core.errors import BenchmarkError
 
 INF = math.inf
 DATABASE = ["cat0", "dog0", "chair"]

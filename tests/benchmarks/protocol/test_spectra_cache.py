@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.spectra_cache import (
     PREPARATION_CODE,
     SEARCH_CODE,
@@ -21,7 +22,6 @@ from benchmarks.protocol.spectra_cache import (
     preparation_of,
 )
 from shapegoogle_core.descriptors import heat_kernel_signature
-from shapegoogle_core.errors import BenchmarkError
 from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.describe import working_shape
 from shapegoogle_core.words import soft_words, spatially_sensitive_bag

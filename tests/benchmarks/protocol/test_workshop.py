@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from benchmark_tasks import CountVertices
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import BenchmarkShape, Collection
 from benchmarks.protocol.workshop import Workshop, shape_key
-from shapegoogle_core.errors import BenchmarkError
 
 
 def counts(workshop: Workshop, task: CountVertices, collection: Collection) -> list[int | None]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from benchmarks.speed import describing, indexing, measuring, meshes, processes,
 from shapegoogle_core.mesh import read_mesh
 
 
-def test_search_against_size(tmp_path, monkeypatch):
+def test_search_against_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "RECALL_SIZES", (30,))
     monkeypatch.setattr(search, "FULL_LIBRARY", 0)
     rows = list(search.measure(measuring.Options((30,), 1, tmp_path)))
@@ -34,7 +35,7 @@ def test_search_against_size(tmp_path, monkeypatch):
     assert (tmp_path / "speed-search.png").stat().st_size > 10_000
 
 
-def test_meshes_to_index_are_read_back(tmp_path):
+def test_meshes_to_index_are_read_back(tmp_path: Path) -> None:
     indexing.write_meshes(tmp_path, 2, 2)
     first, second = (read_mesh(path) for path in sorted(tmp_path.iterdir()))
     assert first.vertices.shape == (162, 3)
@@ -43,7 +44,7 @@ def test_meshes_to_index_are_read_back(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
-def test_figures_of_this_process():
+def test_figures_of_this_process() -> None:
     figures = processes.figures_of()
     assert 10 < figures.memory_mb <= figures.peak_mb < 100_000
     assert figures.threads >= 1
@@ -52,7 +53,7 @@ def test_figures_of_this_process():
     assert figures.parent in processes.descendants(figures.parent)
 
 
-def test_curves_of_indexing_are_drawn(tmp_path):
+def test_curves_of_indexing_are_drawn(tmp_path: Path) -> None:
     curve = [{"seconds": 0.0, "storing_mb": 90.0, "worker_mb": 120.0}]
     rows = [
         {"part": "jobs", "size": 9, "ratio": 1.9, "ideal": 2.0, "shapes_per_second": {"1": 2.0, "2": 3.8}},
@@ -62,7 +63,7 @@ def test_curves_of_indexing_are_drawn(tmp_path):
     assert (tmp_path / "speed-indexing.png").stat().st_size > 10_000
 
 
-def test_from_a_file_to_a_signature(tmp_path):
+def test_from_a_file_to_a_signature(tmp_path: Path) -> None:
     rows = list(describing.measure(measuring.Options((500,), 1, tmp_path)))
     assert [(row["format"], row["faces"]) for row in rows] == [(".ply", 996), (".obj", 996)]
     for row in rows:
@@ -73,6 +74,6 @@ def test_from_a_file_to_a_signature(tmp_path):
     assert (tmp_path / "speed-describing.png").stat().st_size > 10_000
 
 
-def test_a_creature_has_the_vertices_that_were_asked_for():
+def test_a_creature_has_the_vertices_that_were_asked_for() -> None:
     assert len(meshes.creature(500).vertices) == 500
     assert len(meshes.creature(500, tolerance=0.02).vertices) == pytest.approx(500, rel=0.02)

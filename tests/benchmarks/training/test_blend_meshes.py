@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The parts of the .blend export that need no Blender."""
+"""The parts of the export of .blend meshes that need no Blender."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ RANGES = st.lists(
 
 @settings(deadline=None, max_examples=60)
 @given(ranges=RANGES, count=st.integers(0, 40))
-def test_frames_are_spread_evenly_over_the_actions(ranges, count):
+def test_frames_are_spread_evenly_over_the_actions(ranges: list[tuple[float, float]], count: int) -> None:
     frames = blend_meshes.spread_frames(ranges, count)
     assert len(frames) == count
     assert frames == sorted(frames)
@@ -27,13 +29,13 @@ def test_frames_are_spread_evenly_over_the_actions(ranges, count):
     assert max(shares) - min(shares) <= 1
 
 
-def test_frames_of_one_action_avoid_its_ends():
+def test_frames_of_one_action_avoid_its_ends() -> None:
     assert blend_meshes.spread_frames([(10, 20)], 2) == [(0, 12.5), (0, 17.5)]
     assert blend_meshes.spread_frames([(0, 10), (0, 200)], 2) == [(0, 5), (1, 100)]
     assert blend_meshes.spread_frames([], 3) == []
 
 
-def test_blend_files_are_found_in_order_and_named_after_their_folders(tmp_path):
+def test_blend_files_are_found_in_order_and_named_after_their_folders(tmp_path: Path) -> None:
     for name in (
         "pack/b.blend",
         "pack/a.blend",
@@ -49,7 +51,7 @@ def test_blend_files_are_found_in_order_and_named_after_their_folders(tmp_path):
 
 
 @pytest.mark.parametrize("face_count", [0, 1, 5])
-def test_ply_files_read_back_exactly(tmp_path, face_count):
+def test_ply_files_read_back_exactly(tmp_path: Path, face_count: int) -> None:
     random = np.random.default_rng(0)
     vertices = random.standard_normal((12, 3)).astype(np.float32)
     faces = random.integers(0, 12, (face_count, 3)).astype(np.int32)

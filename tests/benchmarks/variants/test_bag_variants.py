@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.collection import Collection
 from benchmarks.protocol.learning import FileVersion, training_versions
 from benchmarks.protocol.matching import Variant
@@ -15,7 +16,7 @@ from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants import bag_variants
 from benchmarks.variants.bag_variants import BagGroup, Descriptor, Preparation, bag_group
 from benchmarks.variants.variants import choose_variants, paper_variants
-from shapegoogle_core.errors import BenchmarkError, MeshError
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import PRESETS, ModelSettings

@@ -2,16 +2,35 @@
 """The speed comparison measures and reports; its numbers mean nothing at this size."""
 
 import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
-from benchmarks.speed import command, search
-from benchmarks.speed.measuring import Contestant, race
+from benchmarks import command
+from benchmarks.speed import search
+from benchmarks.speed.measuring import Contestant, Options, race
+
+Capture = pytest.CaptureFixture[str]
 
 
-def test_times_spectra_and_writes_a_report(tmp_path, capsys):
+def main(arguments: list[str]) -> int:
+    return command.main(["speed", *arguments])
+
+
+@pytest.fixture(autouse=True)
+def environment() -> Iterator[None]:
+    """Undo the command's changes of environment variables."""
+    before = dict(os.environ)
+    yield
+    os.environ.clear()
+    os.environ.update(before)
+
+
+def test_times_spectra_and_writes_a_report(tmp_path: Path, capsys: Capture) -> None:
     arguments = ["--sections", "spectra", "--sizes", "600", "--repeats", "1", "--output", str(tmp_path)]
-    assert command.run(command.parse_arguments(arguments)) == 0
+    assert main(arguments) == 0
     printed = capsys.readouterr().out
     assert "shapegoogle, robust" in printed
     report = json.loads((tmp_path / "speed-spectra.json").read_text())
@@ -29,13 +48,15 @@ def test_times_spectra_and_writes_a_report(tmp_path, capsys):
     assert (tmp_path / "speed-spectra.png").stat().st_size > 10_000
 
 
-def test_a_section_that_fails_does_not_stop_the_others(tmp_path, capsys, monkeypatch):
-    def fail(options):
+def test_a_section_that_fails_does_not_stop_the_others(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(options: Options) -> None:
         raise OSError("the disk is full")
 
     monkeypatch.setattr(search, "measure", fail)
     arguments = ["--sections", "search,describing", "--sizes", "800", "--repeats", "1", "--output"]
-    assert command.run(command.parse_arguments([*arguments, str(tmp_path)])) == 1
+    assert main([*arguments, str(tmp_path)]) == 1
     printed = capsys.readouterr()
     assert '"format": ".ply"' in printed.out
     assert "the disk is full" in printed.err
@@ -44,8 +65,8 @@ def test_a_section_that_fails_does_not_stop_the_others(tmp_path, capsys, monkeyp
     assert names == ["speed-describing.json", "speed-describing.png"]
 
 
-def test_contestants_take_turns():
-    turns = []
+def test_contestants_take_turns() -> None:
+    turns: list[str] = []
     contestants = [
         Contestant("first", lambda: turns.append("first")),
         Contestant("second", lambda: turns.append("second"), lambda result: 0.5),
@@ -63,8 +84,8 @@ def test_contestants_take_turns():
         (["--repeats", "none"], "'none' is not a number above 0"),
     ],
 )
-def test_wrong_usage(arguments, message, capsys):
+def test_wrong_usage(arguments: list[str], message: str, capsys: Capture) -> None:
     with pytest.raises(SystemExit) as caught:
-        command.parse_arguments(arguments)
+        main(arguments)
     assert caught.value.code == 2
     assert message in capsys.readouterr().err
