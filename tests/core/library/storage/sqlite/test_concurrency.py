@@ -146,6 +146,8 @@ def test_a_writer_killed_within_a_transaction_is_undone(
 def test_ctrl_c_loses_only_what_was_in_flight(made: Path) -> None:
     process = start(
         """
+        import signal
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start background jobs without it
         done = 0
         try:
             with Library.open(path) as library:
