@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import FloatArray, face_areas
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 
 __all__ = ["EvidencePair", "cut", "make_pairs", "remeshed"]

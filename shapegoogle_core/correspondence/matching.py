@@ -13,7 +13,8 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.correspondence.choosing import Candidate, best_maps, stretches
 from shapegoogle_core.correspondence.functional import FunctionalMaps, nearest_in_faces
 from shapegoogle_core.correspondence.surface import SurfaceSettings, WorkingSurface, working_surface
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.prolongation import nearest_faces
 
 __all__ = [

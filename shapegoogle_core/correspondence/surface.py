@@ -16,7 +16,8 @@ from scipy.spatial import KDTree
 from shapegoogle_core.descriptors import log_heat_kernel_signature, wave_kernel_signature
 from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh.checks import check_surface
-from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
 from shapegoogle_core.preprocessing import repair_mapped, resample
 from shapegoogle_core.registration.sample import farthest_points

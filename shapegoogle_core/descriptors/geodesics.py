@@ -12,7 +12,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges, vertex_areas
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.measures import vertex_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["geodesic_histograms", "geodesic_neighbors", "surface_graph"]
 

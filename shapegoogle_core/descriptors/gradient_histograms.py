@@ -10,7 +10,9 @@ import numpy as np
 from shapegoogle_core.descriptors.checks import check_bins, check_radius
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors
 from shapegoogle_core.laplacian import cotangent, heat_step
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, boundary_vertices, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.connectivity import boundary_vertices
+from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["mean_curvature", "mesh_hog", "vertex_gradients"]
 

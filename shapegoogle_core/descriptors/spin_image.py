@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["spin_images", "vertex_spin_images"]
 

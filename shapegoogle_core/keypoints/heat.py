@@ -7,7 +7,8 @@ import numpy as np
 
 from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.keypoints.persistence import persistent_maxima
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["hks_maxima"]

@@ -9,7 +9,9 @@ from scipy.sparse import csr_array, diags_array
 from shapegoogle_core.keypoints.harris import fit_quadrics
 from shapegoogle_core.keypoints.surroundings import adjacency, discs, maxima_in
 from shapegoogle_core.laplacian import Operator, build_operator, heat_step
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, boundary_vertices, vertex_normals
+from shapegoogle_core.mesh.connectivity import boundary_vertices
+from shapegoogle_core.mesh.measures import vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["diffusions", "mesh_dog", "salient_points", "signed_mean_curvature"]

@@ -8,7 +8,8 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, unique_edges
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["adjacency", "discs", "maxima_in"]
 

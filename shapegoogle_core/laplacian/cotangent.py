@@ -7,7 +7,8 @@ import numpy as np
 import scipy.sparse as sparse
 
 from shapegoogle_core.laplacian.operator import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas, vertex_areas
+from shapegoogle_core.mesh.measures import face_areas, vertex_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["corner_cotangents", "cotangent", "cotangent_voronoi", "voronoi_areas"]
 

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.laplacian.cotangent import corner_cotangents
 from shapegoogle_core.laplacian.operator import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, face_areas, unique_edges, vertex_areas
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.measures import face_areas, vertex_areas
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["fem1", "fem2", "fem3"]
 

@@ -13,7 +13,8 @@ from shapegoogle_core.laplacian.cotangent import cotangent, cotangent_voronoi
 from shapegoogle_core.laplacian.fem import fem1, fem2, fem3
 from shapegoogle_core.laplacian.operator import Operator
 from shapegoogle_core.laplacian.tufted import point_cloud, robust
-from shapegoogle_core.mesh.mesh import Mesh, boundary_vertices
+from shapegoogle_core.mesh.connectivity import boundary_vertices
+from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["LAPLACIANS", "POINT_CLOUD", "build_operator"]
 

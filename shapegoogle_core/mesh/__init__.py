@@ -2,8 +2,10 @@
 """Triangle meshes and point clouds: the value, its checks, and reading it from files."""
 
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
+from shapegoogle_core.mesh.connectivity import unique_edges
 from shapegoogle_core.mesh.io.reading import MESH_SUFFIXES, read_mesh
-from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh, is_mesh_like
 
 __all__ = [

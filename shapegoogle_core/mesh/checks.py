@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.mesh import Mesh, face_areas
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["FEWEST_POINTS", "check_cloud", "check_surface"]
 

@@ -3,30 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import face_areas
 
-__all__ = [
-    "Mesh",
-    "boundary_vertices",
-    "cross_lengths",
-    "face_areas",
-    "face_blocks",
-    "unique_edges",
-    "used_vertices",
-    "vertex_areas",
-    "vertex_normals",
-]
-
-# So many faces at once stay in the processor's cache, which is several times faster, and need no memory.
-FACES_AT_ONCE = 1 << 14
+__all__ = ["FloatArray", "IntArray", "Mesh"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -111,154 +98,3 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
-
-
-def face_areas(mesh: Mesh) -> FloatArray:
-    """Area of each face.
-
-    Parameters
-    ----------
-    mesh : Mesh
-
-    Returns
-    -------
-    areas : (m,) array
-        In squared units of the vertices.
-    """
-    areas = np.empty(len(mesh.faces))
-    for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
-        areas[block] = 0.5 * cross_lengths(b - a, c - a)
-    return areas
-
-
-def vertex_areas(mesh: Mesh) -> FloatArray:
-    """Area of each vertex: a third of that of its faces.
-
-    Parameters
-    ----------
-    mesh : Mesh
-
-    Returns
-    -------
-    areas : (n,) array
-        In squared units of the vertices; their sum is the area of the mesh.
-    """
-    shares = np.repeat(face_areas(mesh) / 3, 3)
-    return np.asarray(np.bincount(mesh.faces.ravel(), shares, len(mesh.vertices)), np.float64)
-
-
-def vertex_normals(mesh: Mesh) -> FloatArray:
-    """Take the mean of the normals of each vertex's faces, by area.
-
-    Parameters
-    ----------
-    mesh : Mesh
-
-    Returns
-    -------
-    normals : (n, 3) array
-        Of unit length; 0 where the faces cancel each other out, and at vertices without faces.
-    """
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    corners = mesh.faces.ravel()
-    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
-    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
-    normals: FloatArray = summed / np.maximum(lengths, np.finfo(float).tiny)
-    return normals
-
-
-def face_blocks(
-    vertices: FloatArray, faces: NDArray[np.integer]
-) -> Iterator[tuple[slice, tuple[FloatArray, FloatArray, FloatArray]]]:
-    """Go through the faces, some thousands at a time.
-
-    Parameters
-    ----------
-    vertices : (n, 3) array
-    faces : (m, 3) array of int
-
-    Yields
-    ------
-    block : slice
-        Of the faces.
-    corners : three (k, 3) arrays
-        Positions of the first, second and third corners of these faces.
-    """
-    for start in range(0, len(faces), FACES_AT_ONCE):
-        block = slice(start, start + FACES_AT_ONCE)
-        a, b, c = np.take(vertices, faces[block].T, axis=0)
-        yield block, (a, b, c)
-
-
-def cross_lengths(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Lengths of cross products, to the last bit those of `numpy.cross` but five times faster.
-
-    Parameters
-    ----------
-    first, second : (n, 3) arrays
-
-    Returns
-    -------
-    lengths : (n,) array
-        Twice the areas of the triangles that have these sides.
-    """
-    (x1, y1, z1), (x2, y2, z2) = first.T, second.T
-    x, y, z = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
-
-
-def used_vertices(faces: NDArray[np.integer], count: int) -> tuple[NDArray[np.int64], NDArray[np.integer]]:
-    """Vertices that faces use, and the faces counted among these: ``numpy.unique`` without sorting.
-
-    Parameters
-    ----------
-    faces : (m, 3) array of int
-    count : int
-        How many vertices there are.
-
-    Returns
-    -------
-    used : (u,) array of int
-        Ascending.
-    renumbered : (m, 3) array of int
-        ``used[renumbered]`` is `faces`.
-    """
-    is_used = np.zeros(count, bool)
-    is_used[faces] = True
-    used = np.flatnonzero(is_used)
-    if len(used) == count:
-        return used, faces
-    return used, (np.cumsum(is_used) - 1)[faces]
-
-
-def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
-    """Undirected edges and how many faces use each.
-
-    Parameters
-    ----------
-    mesh : Mesh
-
-    Returns
-    -------
-    edges : (e, 2) array of int32
-        Each edge once, smaller vertex first, sorted.
-    face_counts : (e,) array of int
-        1 on an open boundary, 2 inside a manifold surface, more on a non-manifold edge.
-    """
-    count = len(mesh.vertices)
-    start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
-    ends = np.minimum(start, end), np.maximum(start, end)
-    # Rows of a sparse matrix are sorted by counting, six times faster than numbers of edges are.
-    faces_at = coo_array((np.ones(len(start), np.int32), ends), shape=(count, count)).tocsr()
-    faces_at.sort_indices()
-    first = np.repeat(np.arange(count, dtype=np.int32), np.diff(faces_at.indptr))
-    return np.stack([first, faces_at.indices], axis=1), faces_at.data.astype(np.int64)
-
-
-def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
-    """Mask of the vertices on open boundaries."""
-    edges, face_counts = unique_edges(mesh)
-    mask = np.zeros(len(mesh.vertices), bool)
-    mask[edges[face_counts == 1]] = True
-    return mask

@@ -12,7 +12,8 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.laplacian import POINT_CLOUD, build_operator
 from shapegoogle_core.mesh import Mesh, check_cloud, check_surface
-from shapegoogle_core.mesh.mesh import FloatArray, used_vertices
+from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.preprocessing import preprocess, repair
 from shapegoogle_core.spectral import Spectrum, compute_spectrum

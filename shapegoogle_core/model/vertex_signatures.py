@@ -15,7 +15,8 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.checks import check_surface
-from shapegoogle_core.mesh.mesh import FloatArray, unique_edges
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
 from shapegoogle_core.model.describe import channel_words, working_shape
 from shapegoogle_core.model.shape_model import ShapeModel

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.mesh import Mesh, face_areas, unique_edges
+from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["boundary_loops", "close_holes"]
 

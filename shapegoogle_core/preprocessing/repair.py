@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh, cross_lengths, face_blocks, used_vertices
+from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import cross_lengths, face_blocks
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["repair", "repair_mapped"]
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh, face_areas
+from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.thinning import thin
 

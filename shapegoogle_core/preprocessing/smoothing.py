@@ -9,7 +9,8 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.laplacian import POINT_CLOUD, Operator, build_operator, cotangent, factor_definite
-from shapegoogle_core.mesh.mesh import Mesh, boundary_vertices
+from shapegoogle_core.mesh.connectivity import boundary_vertices
+from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["smooth"]
 

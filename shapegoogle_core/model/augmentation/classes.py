@@ -15,7 +15,8 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, unique_edges
-from shapegoogle_core.mesh.mesh import FloatArray, vertex_normals
+from shapegoogle_core.mesh.measures import vertex_normals
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation.surface import check_surface, diagonal_of, edge_lengths
 
 __all__ = ["TRANSFORMATIONS", "scale_factor", "transform"]

@@ -15,7 +15,7 @@ import pytest
 
 from benchmarks.creatures import make_creature
 from shapegoogle_core import Library, ShapeGoogleError
-from shapegoogle_core.mesh.mesh import face_areas
+from shapegoogle_core.mesh.measures import face_areas
 from tests.addon.conftest import to_point_cloud
 
 

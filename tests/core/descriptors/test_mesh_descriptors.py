@@ -22,7 +22,7 @@ from shapegoogle_core.descriptors import (
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors, surface_graph
 from shapegoogle_core.descriptors.gradient_histograms import vertex_gradients
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import face_areas, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.measures import face_areas, vertex_areas, vertex_normals
 
 HISTOGRAMS: dict[str, Callable[..., np.ndarray]] = {
     "spin image": vertex_spin_images,

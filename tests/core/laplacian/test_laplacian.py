@@ -14,7 +14,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import LAPLACIANS, Operator, build_operator, cotangent, fem1, fem2, fem3
 from shapegoogle_core.laplacian.cotangent import voronoi_areas
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import vertex_areas
+from shapegoogle_core.mesh.measures import vertex_areas
 from shapegoogle_core.spectral import compute_spectrum, operator_spectrum
 
 ON_FACES = sorted(set(LAPLACIANS) - {"point-cloud"})

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, check_surface, face_areas, unique_edges
-from shapegoogle_core.mesh.mesh import used_vertices
+from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.preprocessing import repair
 
 BALL = trimesh.creation.icosphere(subdivisions=3)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""Edges, boundaries and used vertices of a mesh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+
+if TYPE_CHECKING:
+    from shapegoogle_core.mesh.mesh import IntArray, Mesh
+
+__all__ = ["boundary_vertices", "unique_edges", "used_vertices"]
+
+
+def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
+    """Undirected edges and how many faces use each.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    edges : (e, 2) array of int32
+        Each edge once, smaller vertex first, sorted.
+    face_counts : (e,) array of int
+        1 on an open boundary, 2 inside a manifold surface, more on a non-manifold edge.
+    """
+    count = len(mesh.vertices)
+    start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    ends = np.minimum(start, end), np.maximum(start, end)
+    # Rows of a sparse matrix are sorted by counting, six times faster than numbers of edges are.
+    faces_at = coo_array((np.ones(len(start), np.int32), ends), shape=(count, count)).tocsr()
+    faces_at.sort_indices()
+    first = np.repeat(np.arange(count, dtype=np.int32), np.diff(faces_at.indptr))
+    return np.stack([first, faces_at.indices], axis=1), faces_at.data.astype(np.int64)
+
+
+def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
+    """Mask of the vertices on open boundaries."""
+    edges, face_counts = unique_edges(mesh)
+    mask = np.zeros(len(mesh.vertices), bool)
+    mask[edges[face_counts == 1]] = True
+    return mask
+
+
+def used_vertices(faces: NDArray[np.integer], count: int) -> tuple[NDArray[np.int64], NDArray[np.integer]]:
+    """Vertices that faces use, and the faces counted among these: ``numpy.unique`` without sorting.
+
+    Parameters
+    ----------
+    faces : (m, 3) array of int
+    count : int
+        How many vertices there are.
+
+    Returns
+    -------
+    used : (u,) array of int
+        Ascending.
+    renumbered : (m, 3) array of int
+        ``used[renumbered]`` is `faces`.
+    """
+    is_used = np.zeros(count, bool)
+    is_used[faces] = True
+    used = np.flatnonzero(is_used)
+    if len(used) == count:
+        return used, faces
+    return used, (np.cumsum(is_used) - 1)[faces]

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""Areas and normals of faces and vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+
+__all__ = ["cross_lengths", "face_areas", "face_blocks", "vertex_areas", "vertex_normals"]
+
+# Face blocks of this many faces stay in the processor's cache, which is several times faster, and need
+# little memory.
+FACES_AT_ONCE = 1 << 14
+
+
+def face_areas(mesh: Mesh) -> FloatArray:
+    """Area of each face.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    areas : (m,) array
+        In squared units of the vertices.
+    """
+    areas = np.empty(len(mesh.faces))
+    for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
+        areas[block] = 0.5 * cross_lengths(b - a, c - a)
+    return areas
+
+
+def vertex_areas(mesh: Mesh) -> FloatArray:
+    """Area of each vertex: a third of that of its faces.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    areas : (n,) array
+        In squared units of the vertices; their sum is the area of the mesh.
+    """
+    shares = np.repeat(face_areas(mesh) / 3, 3)
+    return np.asarray(np.bincount(mesh.faces.ravel(), shares, len(mesh.vertices)), np.float64)
+
+
+def vertex_normals(mesh: Mesh) -> FloatArray:
+    """Take the mean of the normals of each vertex's faces, by area.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    normals : (n, 3) array
+        Of unit length; 0 where the faces cancel each other out, and at vertices without faces.
+    """
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    corners = mesh.faces.ravel()
+    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
+    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
+    normals: FloatArray = summed / np.maximum(lengths, np.finfo(float).tiny)
+    return normals
+
+
+def face_blocks(
+    vertices: FloatArray, faces: NDArray[np.integer]
+) -> Iterator[tuple[slice, tuple[FloatArray, FloatArray, FloatArray]]]:
+    """Go through the faces, some thousands at a time.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) array of int
+
+    Yields
+    ------
+    block : slice
+        Of the faces.
+    corners : three (k, 3) arrays
+        Positions of the first, second and third corners of these faces.
+    """
+    for start in range(0, len(faces), FACES_AT_ONCE):
+        block = slice(start, start + FACES_AT_ONCE)
+        a, b, c = np.take(vertices, faces[block].T, axis=0)
+        yield block, (a, b, c)
+
+
+def cross_lengths(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Lengths of cross products, to the last bit those of `numpy.cross` but five times faster.
+
+    Parameters
+    ----------
+    first, second : (n, 3) arrays
+
+    Returns
+    -------
+    lengths : (n,) array
+        Twice the areas of the triangles that have these sides.
+    """
+    (x1, y1, z1), (x2, y2, z2) = first.T, second.T
+    x, y, z = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
