@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Indexed files that are no longer there."""
+"""Search for indexed files that no longer exist."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ __all__ = ["missing_files"]
 
 
 def missing_files(sources: Iterable[SourceRecord], folders: Iterable[str | os.PathLike[str]]) -> list[str]:
-    """List the sources below folders that are no longer there.
+    """List the indexed files below some folders that no longer exist.
 
     Parameters
     ----------
     sources : iterable of SourceRecord
     folders : iterable of str or path-like
-        See `Library.remove_missing`.
+        Each must exist: on a drive that is not plugged in all files are missing.
 
     Returns
     -------
     missing : list of str
-        Paths of the sources.
+        Their paths.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def missing_files(sources: Iterable[SourceRecord], folders: Iterable[str | os.Pa
     for root in roots:
         if not root.is_dir():
             raise LibraryError(
-                f"'{root}' is not there, so files missing from it were kept; plug in its drive, or name "
+                f"'{root}' does not exist, so its files stay in the library; plug in its drive, or name "
                 "another folder"
             )
     return [
@@ -50,7 +50,7 @@ def missing_files(sources: Iterable[SourceRecord], folders: Iterable[str | os.Pa
 
 
 def _is_gone(path: str) -> bool:
-    """Whether a file is certainly not there; one that cannot be reached may be."""
+    """Return whether a file certainly does not exist; one that cannot be reached may exist."""
     try:
         Path(path).stat()
     except (FileNotFoundError, NotADirectoryError):

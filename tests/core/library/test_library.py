@@ -210,7 +210,7 @@ def test_remove_missing_takes_only_indexed_files_that_are_gone(path, model, make
             )
         label = str(folder / "a label, not a file")
         library.add_signature(make_signature(2), "labelled", source=label)
-        with pytest.raises(LibraryError, match="elsewhere' is not there"):
+        with pytest.raises(LibraryError, match="elsewhere' does not exist"):
             library.remove_missing([folder, elsewhere])
         assert len(library) == 4
         assert library.remove_missing([folder]) == [str(folder / "gone.obj")]

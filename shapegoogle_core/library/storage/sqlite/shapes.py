@@ -53,8 +53,10 @@ class ShapeTable(Database):
 
     def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
         """Return the records of some shapes, see `Store.shapes`."""
-        tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
-        return _records(self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids), tags)
+        rows = self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids)
+        if not self._has_tags():
+            return _records(rows, [])
+        return _records(rows, self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids))
 
     def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
         """Return the records of the next shapes, see `Store.shapes_after`."""
@@ -73,6 +75,10 @@ class ShapeTable(Database):
             self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
         rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+
+    def _has_tags(self) -> bool:
+        """Return whether any shape has a tag: a search then saves one query."""
+        return self.value("SELECT 1 FROM tags LIMIT 1") is not None
 
 
 def _records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -> list[ShapeRecord]:
