@@ -15,22 +15,25 @@ from . import (
     search,
     session,
     signature,
+    state,
     transfer,
 )
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (preferences, session, library, search, gallery, signature, duplicates, transfer, commands)
+_MODULES = (preferences, library, search, gallery, signature, duplicates, transfer, session, commands)
 
 
 def register() -> None:
-    """Make everything known to Blender."""
+    """Register everything with Blender."""
+    state.start()
     for module in _MODULES:
         module.register()
 
 
 def unregister() -> None:
-    """Take everything back, and end what runs in the background."""
+    """Unregister everything and end all background work."""
     jobs.stop_all()
     for module in reversed(_MODULES):
         module.unregister()
+    state.stop()

@@ -8,15 +8,12 @@ from collections.abc import Sequence
 
 import bpy
 
-from . import connections
-from .signature import command as paint_command
+from . import connections, state
 
 __all__ = ["main", "register", "unregister"]
 
 COMMAND = "shape_google"
 """What `blender --command` calls it: an identifier, so no hyphen."""
-
-_handle: list[object] = []
 
 
 def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} {{command}}") -> int:
@@ -25,7 +22,7 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     Parameters
     ----------
     arguments : sequence of str
-        Such as ``["index", "assets", "--library", "shapes.sglib"]``; "paint" is `paint_command`.
+        Such as ``["index", "assets", "--library", "shapes.sglib"]``; "paint" is `signature.command`.
     program : str, optional
         What the help calls the command.
 
@@ -42,17 +39,20 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if arguments[:1] == ["paint"]:
         with orderly_end():
-            return paint_command.main(arguments[1:])
+            from .signature import command
+
+            return command.main(arguments[1:])
     return cli.main(arguments, reader=connections.blend_reader(), program=program)
 
 
 def register() -> None:
     """Add `blender --command shape_google`; Blender as a Python module has no command line."""
     if bpy.app.binary_path:
-        _handle.append(bpy.utils.register_cli_command(COMMAND, main))
+        state.current().command = bpy.utils.register_cli_command(COMMAND, main)
 
 
 def unregister() -> None:
     """Take it back."""
-    while _handle:
-        bpy.utils.unregister_cli_command(_handle.pop())
+    if state.current().command is not None:
+        bpy.utils.unregister_cli_command(state.current().command)
+        state.current().command = None

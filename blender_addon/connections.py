@@ -8,10 +8,9 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
-import bpy.utils.previews
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ExternalReader
@@ -20,10 +19,7 @@ __all__ = [
     "BLENDER_SUFFIXES",
     "asset_libraries",
     "blend_reader",
-    "forget_pictures",
-    "keep_picture",
     "package_command",
-    "picture_icon",
 ]
 
 BLENDER_SUFFIXES = (".blend", ".fbx")
@@ -68,48 +64,6 @@ def blend_reader() -> ExternalReader:
             ),
         ),
     )
-
-
-# Pictures of shapes by their id, as Blender keeps icons.
-_pictures: list[Any] = []
-
-
-def keep_picture(shape_id: int, png: bytes | None) -> None:
-    """Make the icon of a shape.
-
-    Parameters
-    ----------
-    shape_id : int
-    png : bytes or None
-        Without a picture the shape has no icon.
-    """
-    if png is None:
-        return
-    import io
-
-    import numpy as np
-    from PIL import Image
-
-    if not _pictures:
-        _pictures.append(bpy.utils.previews.new())
-    with Image.open(io.BytesIO(png)) as image:
-        # Blender counts rows from below.
-        pixels = np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
-    preview = _pictures[0].new(str(shape_id))
-    preview.image_size = pixels.shape[1], pixels.shape[0]
-    preview.image_pixels_float.foreach_set(pixels.ravel())
-
-
-def picture_icon(shape_id: int) -> int:
-    """Return the number of a shape's icon; 0 if it has no picture."""
-    preview = _pictures[0].get(str(shape_id)) if _pictures else None
-    return 0 if preview is None else int(preview.icon_id)
-
-
-def forget_pictures() -> None:
-    """Forget all icons of shapes."""
-    while _pictures:
-        bpy.utils.previews.remove(_pictures.pop())
 
 
 def package_command(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:

@@ -8,28 +8,25 @@ Blender.
 
 from __future__ import annotations
 
-import importlib
 import json
 import subprocess
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future
 from contextlib import suppress
-from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
-from . import connections
+from . import connections, state
 
 if TYPE_CHECKING:
     from shapegoogle_core.processes.worker import Worker
 
-__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "warm_up_soon", "watch", "worker"]
+__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -42,53 +39,14 @@ KEPT_LINES = 100
 SAID = "shapegoogle: "
 
 
-_worker: list[Worker] = []
-# Libraries that the worker has opened, or is about to.
-_warm: set[Path] = set()
-
-
 def worker() -> Worker:
     """Return the worker process of this Blender, which starts at its first task."""
     from shapegoogle_core.processes.worker import Worker
 
-    if not _worker:
-        _worker.append(Worker())
-    return _worker[0]
-
-
-def warm_up_soon(library: Path, counted: Callable[[int], None]) -> None:
-    """Have the worker process open a library in a moment, once for each: cheap enough for a panel's draw.
-
-    The core is imported for this process too: by another thread, since it would stop the window for half a
-    second.
-
-    Parameters
-    ----------
-    library : Path
-        There or not.
-    counted : callable
-        Called with the number of its shapes, if it can be opened.
-    """
-    if library in _warm or bpy.app.background:
-        return
-    _warm.add(library)
-
-    def ask(tasks: ModuleType) -> None:
-        if library in _warm:  # else the add-on was switched off meanwhile
-            watch(worker().submit(tasks.warm_up, library), counted, ignore)
-
-    def ignore(_error: BaseException) -> None:
-        """Leave it to whoever asks the library something to say what is wrong."""
-
-    watch(_import_core(), ask, ignore)
-
-
-def _import_core() -> Future[ModuleType]:
-    """Import in another thread what tasks are sent with; numpy comes along."""
-    importer = ThreadPoolExecutor(1)
-    imported = importer.submit(importlib.import_module, "shapegoogle_core.service.requests")
-    importer.shutdown(wait=False)
-    return imported
+    processes = state.current().jobs
+    if processes.worker is None:
+        processes.worker = Worker()
+    return processes.worker
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
@@ -104,6 +62,8 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
     """
 
     def look() -> float | None:
+        if not state.is_registered():
+            return None
         if not future.done():
             return INTERVAL
         try:
@@ -165,7 +125,7 @@ class BackgroundRun:
             creationflags=NO_WINDOW,
             env=environment,
         )
-        _runs.append(self)
+        state.current().jobs.runs.append(self)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -187,7 +147,7 @@ class BackgroundRun:
                 events.append(self._events.get_nowait())
         if ended and self.exit_code is None:
             self.exit_code = self._process.wait()
-            _runs.remove(self)
+            state.current().jobs.runs.remove(self)
         return events
 
     def seconds(self) -> float:
@@ -215,9 +175,6 @@ class BackgroundRun:
                 self._process.kill()
 
 
-_runs: list[BackgroundRun] = []
-
-
 def end(runs: list[Any]) -> None:
     """Cancel runs, wait until they have ended, and take them out of their list.
 
@@ -225,16 +182,18 @@ def end(runs: list[Any]) -> None:
     ----------
     runs : list of BackgroundRun or SceneIndexing
     """
-    while runs:
-        run = runs.pop()
+    for run in list(runs):
         run.cancel()
         run.join()
         run.events()
+    runs.clear()
 
 
 def stop_all() -> None:
     """End all background work."""
-    end(list(_runs))
-    while _worker:
-        _worker.pop().stop()
-    _warm.clear()
+    processes = state.current().jobs
+    end(processes.runs)
+    if processes.worker is not None:
+        processes.worker.stop()
+        processes.worker = None
+    state.current().library.warm.clear()

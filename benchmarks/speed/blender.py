@@ -236,7 +236,7 @@ def select_creature(size: int) -> None:
     for _ in range(steps):
         vertices, faces = trimesh.remesh.subdivide(mesh.vertices, mesh.faces)  # type: ignore[no-untyped-call]
         mesh = sg.Mesh(vertices, faces, mesh.name)
-    item = module("scene").new_object(bpy.context, mesh, f"creature {size}")
+    item = module("scene.meshes").new_object(bpy.context, mesh, f"creature {size}")
     for other in bpy.context.selected_objects:
         other.select_set(False)
     item.select_set(True)
@@ -254,7 +254,7 @@ def measure_find(path: Path, repeats: int) -> Row:
     import shapegoogle_core as sg
     from shapegoogle_core.service import requests as tasks
 
-    scene, query = module("scene"), module("search.operators")
+    scene, shown = module("scene.meshes"), module("search.answer")
     watch = Stopwatch()
     top = bpy.context.window_manager.shape_google.top
     for _ in range(repeats):
@@ -262,8 +262,8 @@ def measure_find(path: Path, repeats: int) -> Row:
             meshes = scene.query_meshes(bpy.context)
         answer = watch.ask("worker", tasks.query, path, meshes, top)
         with watch.timed("show"):
-            query._show(bpy.context, answer, 0.0)
-        some = answer.matches[: query.EXPLAINED_AT_ONCE]
+            shown.show_answer(bpy.context, answer, 0.0)
+        some = answer.matches[: shown.EXPLAINED_AT_ONCE]
         watch.ask("explain_some", tasks.explain, path, answer.signatures, some)
     watch.add_up("waited", ("read", "worker", "show"))
     # Parts of the worker's time, measured in this process.
@@ -283,22 +283,23 @@ def measure_paint(repeats: int) -> Row:
     """Time the steps of painting the selected object."""
     import bpy
 
-    painted, spectra = module("signature.painted"), module("signature.spectra")
+    painting, results = module("signature.painting"), module("signature.results")
+    known = module("state").current().signature.results
     bpy.context.scene.shape_google_painting.kind = "HKS"
     chosen = module("signature.properties").settings_of(bpy.context.scene)
     item = bpy.context.object
     watch = Stopwatch()
     for _ in range(repeats):
-        spectra.clear()
+        known.clear()
         with watch.timed("read"):
-            task = spectra.task_of(item, chosen, None, spectra.key_of(item, chosen, None))
+            task = results.task_of(item, chosen, None, results.key_of(item, chosen, None))
         result = watch.ask("worker", task.function, *task.arguments)
         with watch.timed("show"):
-            spectra.remember(task, result)
-            entry = spectra.known(spectra.key_of(item, chosen, None))
-            painted.apply(item, chosen, entry)
+            results.remember(task, result)
+            entry = results.known(results.key_of(item, chosen, None))
+            painting.apply(item, chosen, entry)
         with watch.timed("slide"):  # a step of the time slider
-            painted.repaint(bpy.context, chosen, color=True)
+            painting.repaint(bpy.context, chosen, color=True)
     watch.add_up("waited", ("read", "worker", "show"))
     return watch.row("paint", vertices=len(item.data.vertices), kind=chosen.kind, budget=chosen.budget)
 

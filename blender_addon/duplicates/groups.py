@@ -13,7 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from ..scene import base_mesh, mesh_objects, split_evaluated
+from ..scene.meshes import base_mesh
+from ..scene.selection import mesh_objects, split_evaluated
+from .congruence import TOLERANCE, congruence
 from .mesh_data import WorldMesh, differing_data, world_mesh
 
 if TYPE_CHECKING:
@@ -158,8 +160,6 @@ def collect_shapes(context: Any, objects: Sequence[Any]) -> SceneShapes:
     -------
     shapes : SceneShapes
     """
-    from .congruence import TOLERANCE, congruence
-
     users: defaultdict[Any, list[Any]] = defaultdict(list)
     evaluated, hidden = split_evaluated(mesh_objects(objects), context)
     for item in sorted(evaluated, key=lambda item: str(item.name)):
@@ -309,8 +309,6 @@ def _preference(entry: tuple[Any, list[Any]]) -> tuple[bool, int, str]:
 
 def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> None:
     """Put a mesh to those that it equals in size and data, or beside them."""
-    from .congruence import congruence
-
     mesh.note = ", ".join(differences)
     if _is_one(mesh.scale) and not differences:
         shape.first.identical.append(mesh)
@@ -341,8 +339,6 @@ def _group(kind: str, meshes: Sequence[_Mesh], *, linkable: bool = False) -> Gro
 
 
 def _is_one(scale: float) -> bool:
-    from .congruence import TOLERANCE
-
     return abs(scale - 1) <= TOLERANCE
 
 

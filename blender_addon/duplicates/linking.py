@@ -5,21 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
-from ..scene import split_evaluated
 from ..scene.mesh_arrays import vertex_positions
+from ..scene.selection import split_evaluated
+from .congruence import TOLERANCE, congruence
 from .mesh_data import WorldMesh, differing_data, world_mesh
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    FloatArray = NDArray[np.float64]
-else:
-    from ..lazy_numpy import np
+FloatArray = NDArray[np.float64]
 
 __all__ = ["Linked", "link_data"]
 
@@ -123,8 +120,6 @@ def _is_animated(block: Any) -> bool:
 
 def _correction(target: WorldMesh, own: WorldMesh | None) -> tuple[FloatArray, bool] | str:
     """Matrix from the target's mesh to an object's own, and whether the vertices are in the same order."""
-    from .congruence import congruence
-
     found = None if own is None else congruence(target.polygons, own.polygons)
     if found is None or own is None:
         return "its geometry is not the same any more; find duplicates again"
@@ -141,7 +136,7 @@ def _link(context: Any, item: Any, data: Any, correction: FloatArray, same_order
     wanted = before @ correction
     corners = np.array([[*corner, 1.0] for corner in _box(data)])
     reach = np.linalg.norm(np.ptp((corners @ wanted.T)[:, :3], axis=0))
-    allowed = _tolerance() * reach + SINGLE * np.abs(before[:3, 3]).max()
+    allowed = TOLERANCE * reach + SINGLE * np.abs(before[:3, 3]).max()
     stays = _farthest(corners, before, wanted) <= allowed
     reason = _moving_reason(context, item, stays, same_order)
     if reason:
@@ -217,12 +212,6 @@ def _moving_reason(context: Any, item: Any, stays: bool, same_order: bool) -> st
     if hangers:
         return f"{hangers[0]!r} refers to it, and its mesh is placed otherwise in its object"
     return ""
-
-
-def _tolerance() -> float:
-    from .congruence import TOLERANCE
-
-    return TOLERANCE
 
 
 def _box(data: Any) -> FloatArray:

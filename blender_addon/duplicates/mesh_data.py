@@ -5,20 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..scene.mesh_arrays import corner_vertices, read, vertex_positions
 from ..signature import attributes
+from .congruence import Congruence, PolygonMesh
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from .congruence import Congruence, PolygonMesh
-
-    Indices = NDArray[np.int64]
-else:
-    from ..lazy_numpy import np
+Indices = NDArray[np.int64]
 
 __all__ = ["WorldMesh", "differing_data", "world_mesh"]
 
@@ -81,8 +77,6 @@ def world_mesh(item: Any) -> WorldMesh | None:
         None if it has no vertices, a coordinate is not finite, or the object is scaled to nothing along
         an axis.
     """
-    from .congruence import PolygonMesh
-
     if item.mode == "EDIT":
         item.update_from_editmode()
     data = item.data

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,129 +11,30 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import IntProperty
 
-from .. import jobs
-from ..library import model as models
+from .. import state
+from ..library.model import current_model
 from ..library.scene_source import is_here
 from ..preferences import preferences
-from . import groups as duplicates
-from . import linking
-from . import properties as duplicate_properties
+from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .properties import show_groups
 
 if TYPE_CHECKING:
-    from shapegoogle_core import ShapeModel, ShapeSignature
+    from shapegoogle_core import ShapeModel
+
+    from .groups import SceneShapes
 
 __all__ = ["register", "unregister"]
 
-# Meshes handed to the worker at once: another question of the user's waits for no more than these.
-MESHES_AT_ONCE = 4
 
-
-class _Search:
-    """A search that goes on in the worker process."""
-
-    def __init__(self) -> None:
-        self.future: Future[Any] | None = None
-
-    def start(self, text: str) -> None:
-        shown = bpy.context.window_manager.shape_google_duplicates
-        shown.running, shown.progress, shown.status = True, 0.0, text
-
-    def submit(self, done: Any, function: Any, *arguments: object) -> None:
-        self.future = jobs.worker().submit(function, *arguments)
-        jobs.watch(self.future, done, self.fail)
-
-    def fail(self, error: BaseException) -> None:
-        self.end(str(error) or type(error).__name__)
-
-    def end(self, text: str) -> None:
-        self.future = None
-        shown = bpy.context.window_manager.shape_google_duplicates
-        shown.running, shown.status = False, text
-
-    def cancel(self) -> None:
-        if self.future is not None:
-            self.future.cancel()
-            self.end("Cancelled; what was found before is listed")
-
-
-class _Similar(_Search):
-    """Describes the meshes of a scene, a few at a time, and groups them."""
-
-    def __init__(self, model: ShapeModel, found: duplicates.SceneShapes, least: float) -> None:
-        super().__init__()
-        self._model, self._least, self._hidden = model, least, len(found.hidden)
-        self._source = models.model_source(bpy.context)
-        self._solids, self._meshes = duplicates.solid_shapes(found)
-        self._signatures: list[ShapeSignature | str] = []
-
-    def begin(self) -> None:
-        self.start(f"Comparing shapes: 0 of {len(self._meshes)}")
-        self.go_on()
-
-    def go_on(self) -> None:
-        from shapegoogle_core.service.requests import describe_meshes
-
-        count = len(self._signatures)
-        if count < len(self._meshes):
-            batch = self._meshes[count : count + MESHES_AT_ONCE]
-            self.submit(self._take, describe_meshes, self._source, batch)
-            return
-        shown = bpy.context.window_manager.shape_google_duplicates
-        show_groups(
-            shown, _group(self._model, self._solids, self._signatures, self._least), "SCENE", add=True
-        )
-        self.end(_summary(shown, self._hidden))
-
-    def _take(self, signatures: list[ShapeSignature | str]) -> None:
-        self._signatures += signatures
-        shown = bpy.context.window_manager.shape_google_duplicates
-        shown.progress = len(self._signatures) / len(self._meshes)
-        shown.status = f"Comparing shapes: {len(self._signatures)} of {len(self._meshes)}"
-        self.go_on()
-
-
-class _Library(_Search):
-    """Looks through a library."""
-
-    def take(self, groups: Sequence[Any]) -> None:
-        shown = bpy.context.window_manager.shape_google_duplicates
-        show_groups(shown, duplicates.library_groups(groups), "LIBRARY")
-        self.end(_summary(shown))
-
-
-_running: list[_Search] = []
+def _begin(search: BackgroundSearch) -> None:
+    state.current().duplicates.search = search
 
 
 def _cancel_running() -> None:
-    while _running:
-        _running.pop().cancel()
-
-
-def _group(
-    model: ShapeModel,
-    solids: Sequence[duplicates.Solid],
-    signatures: Sequence[ShapeSignature | str],
-    least: float,
-) -> list[duplicates.Group]:
-    from shapegoogle_core.library.duplicates.similar import group_similar
-
-    # What cannot be described, such as a plane without area, is like nothing.
-    described = [
-        (solid, signature)
-        for solid, signature in zip(solids, signatures, strict=True)
-        if not isinstance(signature, str)
-    ]
-    groups = group_similar(model, [signature for _, signature in described], least)
-    return duplicates.similar_groups([solid for solid, _ in described], groups)
-
-
-def _summary(shown: Any, hidden: int = 0) -> str:
-    """Say what was found, and how many objects could not be looked at."""
-    count = len(shown.groups)
-    where = "this scene" if shown.found_in == "SCENE" else "the library"
-    text = f"{count} group{'' if count == 1 else 's'} in {where}" if count else f"No duplicates in {where}"
-    return f"{text}; {hidden} hidden object{' was' if hidden == 1 else 's were'} left out" if hidden else text
+    running = state.current().duplicates.search
+    if running is not None:
+        running.cancel()
+        state.current().duplicates.search = None
 
 
 def _some(names: Sequence[str]) -> str:
@@ -176,8 +76,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         if shown.scope == "LIBRARY":
             from shapegoogle_core.service.requests import library_duplicates
 
-            library = _Library()
-            _running.append(library)
+            library = LibrarySearch()
+            _begin(library)
             library.start("Looking through the library …")
             library.submit(library.take, library_duplicates, _library_path(context), shown.min_similarity)
             return {"FINISHED"}
@@ -188,8 +88,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             model = self._model(context)
             if model is None:
                 return {"CANCELLED"}
-            similar = _Similar(model, found, shown.min_similarity)
-            _running.append(similar)
+            similar = SimilarSearch(model, found, shown.min_similarity)
+            _begin(similar)
             similar.begin()
         return {"FINISHED"}
 
@@ -197,6 +97,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         """Look for all of it now."""
         from shapegoogle_core import Library, ShapeGoogleError
         from shapegoogle_core.service.requests import describe_meshes
+
+        from .groups import library_groups, solid_shapes
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
@@ -208,7 +110,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             except ShapeGoogleError as error:
                 self.report({"ERROR"}, str(error))
                 return {"CANCELLED"}
-            show_groups(shown, duplicates.library_groups(groups), "LIBRARY")
+            show_groups(shown, library_groups(groups), "LIBRARY")
         else:
             found = self._same(context)
             if found is None:
@@ -218,25 +120,28 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
                 model = self._model(context)
                 if model is None:
                     return {"CANCELLED"}
-                solids, meshes = duplicates.solid_shapes(found)
+                solids, meshes = solid_shapes(found)
                 signatures = describe_meshes(model, meshes)
-                show_groups(shown, _group(model, solids, signatures, shown.min_similarity), "SCENE", add=True)
-        shown.status = _summary(shown, hidden)
+                similar = group_solids(model, solids, signatures, shown.min_similarity)
+                show_groups(shown, similar, "SCENE", add=True)
+        shown.status = summary(shown, hidden)
         self.report({"INFO"}, shown.status)
         return {"FINISHED"}
 
-    def _same(self, context: Any) -> duplicates.SceneShapes | None:
-        """List what is the same in the scene."""
+    def _same(self, context: Any) -> SceneShapes | None:
+        """List the groups of congruent meshes of the scene."""
         from shapegoogle_core import ShapeGoogleError
+
+        from .groups import collect_shapes, scene_groups
 
         shown = context.window_manager.shape_google_duplicates
         try:
-            found = duplicates.collect_shapes(context, context.scene.objects)
+            found = collect_shapes(context, context.scene.objects)
         except ShapeGoogleError as error:
             self.report({"ERROR"}, str(error))
             return None
-        show_groups(shown, duplicates.scene_groups(found), "SCENE")
-        shown.status = _summary(shown, len(found.hidden))
+        show_groups(shown, scene_groups(found), "SCENE")
+        shown.status = summary(shown, len(found.hidden))
         if found.hidden:
             self.report(
                 {"WARNING"},
@@ -254,7 +159,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         from shapegoogle_core import ShapeGoogleError
 
         try:
-            return models.current_model(context)
+            return current_model(context)
         except ShapeGoogleError as error:
             self.report({"ERROR"}, str(error))
             return None
@@ -342,6 +247,8 @@ class SHAPEGOOGLE_OT_link_duplicates(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Link them."""
+        from .linking import link_data
+
         shown = context.window_manager.shape_google_duplicates
         linked: list[str] = []
         refused: list[tuple[str, str]] = []
@@ -349,7 +256,7 @@ class SHAPEGOOGLE_OT_link_duplicates(bpy.types.Operator):
             if group.chosen and group.linkable:
                 objects = _objects(context, group, "SCENE")
                 if len(objects) > 1:
-                    result = linking.link_data(context, objects)
+                    result = link_data(context, objects)
                     linked += result.linked
                     refused += result.refused
                 else:
@@ -401,8 +308,7 @@ _register, _unregister = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Make the operators and what they fill known to Blender."""
-    duplicate_properties.register()
+    """Register the operators."""
     _register()
     bpy.app.handlers.load_pre.append(_forget)
 
@@ -412,4 +318,3 @@ def unregister() -> None:
     _cancel_running()
     bpy.app.handlers.load_pre.remove(_forget)
     _unregister()
-    duplicate_properties.unregister()

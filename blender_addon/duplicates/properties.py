@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import (
@@ -17,7 +17,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from .groups import Group
+if TYPE_CHECKING:
+    from .groups import Group
 
 __all__ = ["KINDS", "register", "show_groups", "unregister"]
 

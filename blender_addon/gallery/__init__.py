@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Look at the matches and use them: append, link, open, select, mark."""
 
-from . import operators
+from . import browse, operators, properties
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (operators,)
+_MODULES = (properties, browse, operators)
 
 
 def register() -> None:

@@ -9,34 +9,16 @@ from typing import Any, ClassVar
 import bpy
 from mathutils import Vector
 
-from .. import scene
-from ..session import session_of
-from ..signature.operators import Painter
+from ..scene.selection import mesh_objects
+from ..signature.painter import Painter
 from . import placing
+from .on_match import OnMatch, active_match
 from .placing import PlacingError
 
-__all__ = ["OnMatch", "active_match", "register", "unregister"]
+__all__ = ["register", "unregister"]
 
 # Room between the query and what is put beside it, as a share of their widths.
 GAP = 0.2
-
-
-def active_match(context: Any) -> Any:
-    """Return the chosen match, or None."""
-    session = session_of(context)
-    return session.matches[session.active_match] if 0 <= session.active_match < len(session.matches) else None
-
-
-class OnMatch:
-    """What all operators on the chosen match have in common."""
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        """There is a match."""
-        if active_match(context) is None:
-            cls.poll_message_set("Find something and choose a match first")  # type: ignore[attr-defined]
-            return False
-        return True
 
 
 class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
@@ -250,7 +232,7 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
                 objects = placing.bring_in(context, match.source, match.object_name)
                 # A file for exchange is one shape, however many objects it is imported as.
                 is_blend = match.source.lower().endswith(".blend")
-                others = objects[:1] if is_blend else scene.mesh_objects(objects)
+                others = objects[:1] if is_blend else mesh_objects(objects)
                 if not others:
                     reason = f"{match.name!r} holds no mesh any more; index the library again"
             except PlacingError as error:

@@ -10,8 +10,6 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
-from .. import scene
-
 __all__ = [
     "PlacingError",
     "bounds",
@@ -188,11 +186,13 @@ def _import(context: Any, path: Path) -> None:
 def _from_core(context: Any, path: Path) -> None:
     from shapegoogle_core import MeshError, read_mesh
 
+    from ..scene.meshes import new_object
+
     try:
         mesh = read_mesh(path)
     except MeshError as error:
         raise PlacingError(str(error)) from error
-    scene.new_object(context, mesh, path.stem)
+    new_object(context, mesh, path.stem)
 
 
 def move_to(objects: list[Any], place: Vector) -> None:

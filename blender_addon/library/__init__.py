@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which shapes are searched: the library, its sources, indexing and training."""
 
-from . import index, operators, panel, train
+from . import index, operators, panel, properties, train
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (operators, index, train, panel)
+_MODULES = (properties, operators, index, train, panel)
 
 
 def register() -> None:

@@ -10,18 +10,16 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty
 
-from .. import jobs
+from .. import jobs, state
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
-from ..session import add_error, session_of
-from . import scene_source as scene_index
+from ..state import session_of
+from .properties import add_error
+from .scene_source import SceneIndexing
 
 __all__ = ["register", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.25
-
-# The run that fills the library now, so that it can be cancelled.
-_running: list[BackgroundRun | scene_index.SceneIndexing] = []
 
 
 class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
@@ -72,9 +70,10 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         if not self._start(context):
             return {"CANCELLED"}
         session = session_of(context)
-        while _running:
-            _running[0].join()
-            _take(_running[0])
+        running = state.current().library.indexing
+        while running:
+            running[0].join()
+            _take(running[0])
         self.report({"WARNING"} if session.errors else {"INFO"}, session.summary)
         return {"FINISHED"}
 
@@ -89,16 +88,17 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
             return False
         session.errors.clear()
         session.summary, session.done, session.total = "", 0, 0
-        session.progress = "Looking for files …"
+        session.progress = "Searching for files …"
+        running = state.current().library.indexing
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             if sources:
-                _running.append(BackgroundRun([*_arguments(chosen, sources, path), *self._flags()]))
+                running.append(BackgroundRun([*_arguments(chosen, sources, path), *self._flags()]))
             if chosen.use_scene:
-                _running.append(scene_index.SceneIndexing(context, path, chosen.model_name()))
+                running.append(SceneIndexing(context, path, chosen.model_name()))
         except OSError as error:
-            while _running:
-                _running.pop().cancel()
+            while running:
+                running.pop().cancel()
             self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another library")
             return False
         session.indexing = True
@@ -118,13 +118,16 @@ def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
 
 def _look() -> float | None:
     """Take over what the background has done so far."""
-    if _running:
-        _take(_running[0])
+    if not state.is_registered():
+        return None
+    running = state.current().library.indexing
+    if running:
+        _take(running[0])
         redraw()
-    return SECONDS_BETWEEN_LOOKS if _running else None
+    return SECONDS_BETWEEN_LOOKS if running else None
 
 
-def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
+def _take(run: BackgroundRun | SceneIndexing) -> None:
     """Show the events of a run, and its end."""
     session = session_of(bpy.context)
     for event in run.events():
@@ -137,19 +140,20 @@ def _take(run: BackgroundRun | scene_index.SceneIndexing) -> None:
             # Files that were there but could not be read have their line already; folders have none.
             for failure in event["failed"]:
                 add_error(session, failure["source"], _worded(failure["error"]))
-    if run.exit_code is None or run not in _running:
+    running = state.current().library.indexing
+    if run.exit_code is None or run not in running:
         return
-    _running.remove(run)
+    running.remove(run)
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
         add_error(session, str(preferences().library_path()), run.last_words())
         session.summary = session.summary or "Indexing stopped; the list of errors says why"
-    if not _running:
+    if not running:
         session.indexing = False
         session.progress = ""
 
 
-def _show_file(session: Any, run: BackgroundRun | scene_index.SceneIndexing, event: dict[str, Any]) -> None:
+def _show_file(session: Any, run: BackgroundRun | SceneIndexing, event: dict[str, Any]) -> None:
     session.done, session.total = event["done"], event["total"]
     seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
     session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
@@ -198,7 +202,7 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        jobs.end(_running)
+        jobs.end(state.current().library.indexing)
         session = session_of(context)
         session.indexing = False
         session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
@@ -228,5 +232,5 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 def unregister() -> None:
     """Take them back, and end what runs."""
-    jobs.end(_running)
+    jobs.end(state.current().library.indexing)
     _unregister()

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which model is used: the library's, else the one of the preferences, else the shipped one."""
+"""The model in use: that of the library, else that of the preferences, else the shipped one."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import preferences
+from .. import state
+from ..preferences import preferences
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
 
-__all__ = ["clear", "current_model", "model_source"]
-
-_loaded: dict[tuple[str, float], ShapeModel] = {}
+__all__ = ["current_model", "model_source"]
 
 
 def current_model(context: Any) -> ShapeModel:
@@ -43,14 +43,9 @@ def current_model(context: Any) -> ShapeModel:
 
 def model_source(context: Any) -> Path | str:
     """Return where `current_model` comes from: a library, or what `load_model` calls a model."""
-    chosen = preferences.preferences(context)
+    chosen = preferences(context)
     library: Path = chosen.library_path()
     return library if library.is_file() else str(chosen.model_name())
-
-
-def clear() -> None:
-    """Forget loaded models."""
-    _loaded.clear()
 
 
 def _model_of(opener: Any, path: str) -> ShapeModel:
@@ -59,9 +54,9 @@ def _model_of(opener: Any, path: str) -> ShapeModel:
     return model
 
 
-def _once(path: str, load: Any) -> ShapeModel:
-    key = path, Path(path).stat().st_mtime if Path(path).is_file() else 0.0
-    if key not in _loaded:
-        _loaded.clear()
-        _loaded[key] = load()
-    return _loaded[key]
+def _once(path: str, load: Callable[[], ShapeModel]) -> ShapeModel:
+    library = state.current().library
+    changed = Path(path).stat().st_mtime if Path(path).is_file() else 0.0
+    if library.model is None or library.model[:2] != (path, changed):
+        library.model = path, changed, load()
+    return library.model[2]

@@ -10,7 +10,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..preferences import LIBRARY_SUFFIX, preferences
-from ..session import session_of
+from ..state import session_of
 
 __all__ = ["register", "unregister"]
 

@@ -10,7 +10,7 @@ import bpy
 
 from .. import connections
 from ..preferences import preferences
-from ..session import session_of
+from ..state import session_of
 from ..wrapped_text import wrapped
 
 __all__ = ["register", "unregister"]

@@ -13,7 +13,8 @@ from typing import Any
 
 import bpy
 
-from .. import jobs, scene
+from .. import jobs
+from ..scene.selection import shape_objects, split_evaluated
 
 __all__ = ["SceneIndexing", "file_of", "is_here", "scene_source"]
 
@@ -74,7 +75,7 @@ class SceneIndexing:
         self._library, self._model = library, model
         self._source = scene_source()
         # What is not evaluated has neither its modifiers nor, perhaps, its place.
-        shown, _ = scene.split_evaluated(scene.shape_objects(context.scene.objects), context)
+        shown, _ = split_evaluated(shape_objects(context.scene.objects), context)
         # Names, not objects: those may be gone when it is their turn.
         self._waiting = deque(item.name for item in shown)
         self._total = len(self._waiting)
@@ -129,6 +130,8 @@ class SceneIndexing:
         from shapegoogle_core import Library, MeshError, load_model
         from shapegoogle_core.service.requests import describe
 
+        from ..scene.meshes import evaluated_mesh
+
         if not self._library.exists():
             Library.open(self._library, load_model(self._model)).close()
         while self._waiting and len(self._tasks) < AHEAD:
@@ -138,7 +141,7 @@ class SceneIndexing:
                 self._total -= 1  # deleted meanwhile
                 continue
             try:
-                mesh = scene.evaluated_mesh(item)
+                mesh = evaluated_mesh(item)
             except MeshError as error:
                 self._failed.append({"source": name, "error": str(error)})
                 continue

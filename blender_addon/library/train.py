@@ -10,17 +10,15 @@ from typing import Any
 import bpy
 from bpy.props import StringProperty
 
-from .. import jobs
+from .. import jobs, state
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
-from ..session import add_error, session_of
+from ..state import session_of
+from .properties import add_error
 
 __all__ = ["register", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.5
-
-# The run that learns now, so that it can be cancelled.
-_running: list[BackgroundRun] = []
 
 
 class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
@@ -66,7 +64,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
         except OSError as error:
             self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another place")
             return {"CANCELLED"}
-        _running.append(run)
+        state.current().library.training = run
         session_of(context).training = "Training …"
         if bpy.app.background:
             run.join()
@@ -79,11 +77,11 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
 
 
 def _look(run: BackgroundRun, path: Path) -> float | None:
-    if run not in _running:  # cancelled
+    if not state.is_registered() or state.current().library.training is not run:  # cancelled
         return None
     _take(run, path)
     redraw()
-    return SECONDS_BETWEEN_LOOKS if run in _running else None
+    return SECONDS_BETWEEN_LOOKS if state.current().library.training is run else None
 
 
 def _take(run: BackgroundRun, path: Path) -> None:
@@ -93,7 +91,7 @@ def _take(run: BackgroundRun, path: Path) -> None:
     if run.exit_code is None:
         session.training = run.lines[-1] if run.lines else "Training …"
         return
-    _running.remove(run)
+    state.current().library.training = None
     session.training = ""
     if path.exists() and run.exit_code in (0, 1):
         chosen = preferences()
@@ -118,10 +116,17 @@ class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        jobs.end(_running)
+        _end_training()
         session = session_of(context)
         session.training, session.summary = "", "Training cancelled"
         return {"FINISHED"}
+
+
+def _end_training() -> None:
+    training = state.current().library.training
+    if training is not None:
+        jobs.end([training])
+        state.current().library.training = None
 
 
 register, _unregister = bpy.utils.register_classes_factory(
@@ -131,5 +136,5 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 def unregister() -> None:
     """Take them back, and end what runs."""
-    jobs.end(_running)
+    _end_training()
     _unregister()

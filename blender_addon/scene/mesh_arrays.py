@@ -7,13 +7,10 @@ itself: for 100,000 vertices that is 0.1 ms against 30 ms.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-else:
-    from ..lazy_numpy import np
+import numpy as np
+from numpy.typing import NDArray
 
 __all__ = ["corner_vertices", "read", "triangles", "vertex_positions"]
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ask with the selected shape, and with matches as examples."""
 
-from . import examples, operators, panel
+from . import examples, operators, panel, properties
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (operators, examples, panel)
+_MODULES = (properties, operators, examples, panel)
 
 
 def register() -> None:

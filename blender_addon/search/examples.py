@@ -8,9 +8,10 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from ..gallery.operators import OnMatch, active_match
+from ..gallery.on_match import OnMatch, active_match
 from ..preferences import preferences
-from ..session import examples_of, session_of
+from ..state import session_of
+from .properties import examples_of
 
 __all__ = ["register", "unregister"]
 

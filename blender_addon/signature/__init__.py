@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paint signatures, words and keypoints onto meshes."""
 
-from . import operators, panel, select_keypoints
+from . import operators, panel, properties, select_keypoints
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (operators, select_keypoints, panel)
+_MODULES = (properties, operators, select_keypoints, panel)
 
 
 def register() -> None:

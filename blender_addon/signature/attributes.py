@@ -11,18 +11,15 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bmesh
+import numpy as np
+from numpy.typing import NDArray
 
 from ..scene import mesh_arrays
-from .painting import COLOR, FAMILIES, Layer
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-else:
-    from ..lazy_numpy import np
+from .choices import COLOR, FAMILIES
+from .layers import Layer
 
 __all__ = [
     "PREFIX",

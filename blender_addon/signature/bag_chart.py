@@ -3,18 +3,17 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
 import bpy
 import bpy.utils.previews
 
+from .. import state
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
     from PIL import Image
-else:
-    from ..lazy_numpy import np
 
 __all__ = ["clear", "draw_chart", "icon_of", "show"]
 
@@ -22,9 +21,6 @@ SIZE = 256
 MOST_CHARTS = 64
 _MARGIN, _BASE, _TOP, _TEXT = 10, 30, 12, 20
 _PAPER, _INK, _LINE = (38, 38, 38), (230, 230, 230), (96, 96, 96)
-
-_previews: list[Any] = []
-_shown: OrderedDict[int, str] = OrderedDict()
 
 
 def draw_chart(bag: NDArray[np.float64]) -> Image.Image:
@@ -40,6 +36,7 @@ def draw_chart(bag: NDArray[np.float64]) -> Image.Image:
     image : PIL.Image.Image
         Square, "RGBA".
     """
+    import numpy as np
     from PIL import Image, ImageDraw, ImageFont
 
     from shapegoogle_core.rendering import word_palette
@@ -73,28 +70,34 @@ def show(item: Any, bag: NDArray[np.float64]) -> None:
     item : bpy.types.Object
     bag : (V,) array
     """
-    if not _previews:
-        _previews.append(bpy.utils.previews.new())
-    previews, name = _previews[0], str(item.session_uid)
-    preview = previews.get(name) or previews.new(name)
+    import numpy as np
+
+    signature = state.current().signature
+    if signature.charts is None:
+        signature.charts = bpy.utils.previews.new()
+    charts, charted, name = signature.charts, signature.charted, str(item.session_uid)
+    preview = charts.get(name) or charts.new(name)
     # Blender counts rows from below.
     pixels = np.asarray(draw_chart(bag), np.float32)[::-1] / 255
     preview.image_size = SIZE, SIZE
     preview.image_pixels_float.foreach_set(pixels.ravel())
-    _shown[item.session_uid] = name
-    _shown.move_to_end(item.session_uid)
-    while len(_shown) > MOST_CHARTS:
-        del previews[_shown.popitem(last=False)[1]]
+    charted[item.session_uid] = name
+    charted.move_to_end(item.session_uid)
+    while len(charted) > MOST_CHARTS:
+        del charts[charted.popitem(last=False)[1]]
 
 
 def icon_of(item: Any) -> int:
     """Return the number of the icon with an object's chart; 0 if there is none."""
-    name = _shown.get(item.session_uid)
-    return 0 if name is None else int(_previews[0][name].icon_id)
+    signature = state.current().signature
+    name = signature.charted.get(item.session_uid)
+    return 0 if name is None else int(signature.charts[name].icon_id)
 
 
 def clear() -> None:
-    """Forget all charts."""
-    _shown.clear()
-    while _previews:
-        bpy.utils.previews.remove(_previews.pop())
+    """Remove all charts."""
+    signature = state.current().signature
+    signature.charted.clear()
+    if signature.charts is not None:
+        bpy.utils.previews.remove(signature.charts)
+        signature.charts = None

@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..scene import split_evaluated
-from . import painted, spectra
-from .painting import CHANNELS, DETECTORS, KINDS, LAPLACIANS, Painting, times_of
+from ..scene.selection import split_evaluated
+from . import painting, results
+from .choices import CHANNELS, DETECTORS, KINDS, LAPLACIANS, TIMED, Painting
+from .distance import distance_text
+from .layers import times_of
+from .results import Known
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
-
-    from .spectra import Known
 
 __all__ = ["main"]
 
@@ -183,7 +184,7 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
             wanted = [item for item in layer.objects if names is None or item.name in names]
             shown, disabled = split_evaluated(wanted, bpy.context)
             hidden.update((item, item.name) for item in disabled if item.type == "MESH")
-            items, refused = painted.targets(shown)
+            items, refused = painting.targets(shown)
             for item in wanted:
                 missing.pop(item.name, None)
                 if item.type != "MESH" and names is not None:
@@ -204,17 +205,17 @@ def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
 
 def _paint(item: Any, chosen: Painting, model: ShapeModel | None, options: argparse.Namespace) -> str:
     """Paint one attribute; return a note on it."""
-    key = spectra.key_of(item, chosen, model)
-    entry = spectra.known(key)
+    key = results.key_of(item, chosen, model)
+    entry = results.known(key)
     if entry is None:
-        task = spectra.task_of(item, chosen, model, key)
-        entry = spectra.remember(task, task.function(*task.arguments))
+        task = results.task_of(item, chosen, model, key)
+        entry = results.remember(task, task.function(*task.arguments))
     if chosen.kind == "HEAT" and options.vertex is not None and options.vertex >= len(item.data.vertices):
         from shapegoogle_core import MeshError
 
         last = len(item.data.vertices) - 1
         raise MeshError(f"{item.name!r} has no vertex {options.vertex}; its last one is {last}")
-    painted.apply(item, chosen, entry, color=not options.no_color, source=options.vertex)
+    painting.apply(item, chosen, entry, color=not options.no_color, source=options.vertex)
     return _note(chosen, entry, bpy.context.scene.unit_settings)
 
 
@@ -226,10 +227,10 @@ def _note(chosen: Painting, entry: Known, units: Any) -> str:
         return f"{name} of {chosen.channel}"
     if not isinstance(entry.result, VertexSpectrum):
         return f"{len(entry.result)} {name} of {chosen.detector}"
-    if chosen.kind not in painted.TIMED:
+    if chosen.kind not in TIMED:
         return name
     time_taken = times_of(chosen, entry.result.spectrum)[0]
-    return f"{name} at t = {time_taken:.4g} ({painted.distance_text(time_taken**0.5, entry.size, units)})"
+    return f"{name} at t = {time_taken:.4g} ({distance_text(time_taken**0.5, entry.size, units)})"
 
 
 def _painting(options: argparse.Namespace, kind: str) -> Painting:

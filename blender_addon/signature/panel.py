@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..search.panel import warm_up
-from . import bag_chart, painted
+from ..library.warm_up import warm_up
+from . import bag_chart, distance
+from .choices import TIMED
 from .properties import settings_of
 
 __all__ = ["register", "unregister"]
@@ -38,12 +39,12 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
         layout.prop(settings, "kind", text="")
         item = context.active_object
         column = layout.column()
-        if settings.kind in painted.TIMED:
+        if settings.kind in TIMED:
             column.prop(settings, "scale", slider=True)
             text = (
                 ""
                 if item is None
-                else painted.scale_text(item, settings_of(context.scene), context.scene.unit_settings)
+                else distance.scale_text(item, settings_of(context.scene), context.scene.unit_settings)
             )
             column.label(text=text or "Paint to see how far it spreads", icon="DRIVER_DISTANCE")
             if settings.kind == "HEAT":

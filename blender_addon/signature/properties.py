@@ -6,14 +6,15 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
-from . import painted
-from .painting import CHANNELS, DETECTORS, KINDS, LAPLACIANS, Painting
+from .choices import CHANNELS, DETECTORS, KINDS, LAPLACIANS, Painting
 
 __all__ = ["register", "settings_of", "unregister"]
 
 
 def _repaint(_settings: Any, context: Any) -> None:
-    painted.repaint(context, settings_of(context.scene), context.scene.shape_google_painting.color)
+    from . import painting
+
+    painting.repaint(context, settings_of(context.scene), context.scene.shape_google_painting.color)
 
 
 class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):

@@ -7,17 +7,16 @@ from typing import Any, ClassVar
 
 import bpy
 
-from .. import scene
-from . import attributes
-from .operators import MODES
-from .painting import KEYPOINT
+from ..scene.selection import mesh_objects
+from .choices import KEYPOINT
+from .painter import MODES
 
 __all__ = ["register", "unregister"]
 
 
 def _painted(context: Any) -> list[Any]:
     """Return the selected objects with keypoints on a mesh that can be edited, the active one first."""
-    items = scene.mesh_objects(context.selected_objects)
+    items = mesh_objects(context.selected_objects)
     items.sort(key=lambda item: item != context.active_object)
     return [item for item in items if item.data.is_editable and KEYPOINT in item.data.attributes]
 
@@ -46,6 +45,8 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Select them."""
+        from . import attributes
+
         items = _painted(context)
         points = {item.data: attributes.positive_vertices(item.data, KEYPOINT) for item in items}
         total = sum(map(len, points.values()))

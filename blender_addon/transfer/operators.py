@@ -4,33 +4,26 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import bpy
 
-from .. import jobs, scene
+from .. import jobs, state
 from ..gallery import placing
-from ..gallery.operators import OnMatch
+from ..gallery.on_match import OnMatch
 from ..gallery.placing import PlacingError
-from ..session import session_of
-from . import layers as transferring
-from .layers import Source, Target, Transferred
+from ..scene.selection import mesh_objects
+from ..state import TransferState, session_of
 
-__all__ = ["register", "running", "unregister"]
+if TYPE_CHECKING:
+    from .carry_over import Source, Target, Transferred
+
+__all__ = ["register", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.1
 # Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
 # costs less than so many times as much, left and right may be exchanged.
 POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.25
-
-# The one transfer that waits for the worker, so that it can be shown and cancelled. No property of the
-# session: opening a file ends the operator, and what the session holds is carried over to the new file.
-_running: list[SHAPEGOOGLE_OT_transfer_match] = []
-
-
-def running() -> str:
-    """Return what the transfer that is going on waits for, as the panel says it; empty if there is none."""
-    return _running[0].waits_for if _running else ""
 
 
 class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
@@ -52,7 +45,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         """There is a match, an object to give to, and something to carry over."""
         if not super().poll(context):
             return False
-        if _running:
+        if state.current().transfer.operator is not None:
             cls.poll_message_set("Transferring already")
             return False
         session = session_of(context)
@@ -77,7 +70,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
         manager.modal_handler_add(self)
-        _running[:] = [self]
+        state.current().transfer.operator = self
         self._say(context, f"Matching {self._target.mesh.name} …")
         return {"RUNNING_MODAL"}
 
@@ -98,7 +91,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     def cancel(self, context: Any) -> None:
         """Stop waiting; Blender calls it too, when it opens a file or ends."""
         self._future.cancel()
-        _running.clear()
+        state.current().transfer.operator = None
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
         jobs.redraw()
@@ -123,13 +116,15 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         from shapegoogle_core import MeshError
         from shapegoogle_core.correspondence import match_with_points
 
+        from . import carry_over
+
         session = session_of(context)
         placing.to_object_mode(context)
         item = context.active_object
         # By number: references do not outlast an undo while the worker computes.
         self._item, self._replace = item.session_uid, session.transfer_replace
         try:
-            self._target: Target = transferring.read_target(item)
+            self._target: Target = carry_over.read_target(item)
             self._source: Source = self._read_match(context, item)
         except (MeshError, PlacingError) as error:
             self.report({"ERROR"}, str(error))
@@ -137,7 +132,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if not self._source.layers:
             self.report({"ERROR"}, f"{self._source.mesh.name!r} has nothing of what is to be transferred")
             return None
-        wanted, kept = transferring.without_kept(item, self._source.layers, replace=self._replace)
+        wanted, kept = carry_over.without_kept(item, self._source.layers, replace=self._replace)
         if not wanted:  # known before the shapes are matched, which takes seconds
             self._report_kept(kept)
             return None
@@ -147,6 +142,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
 
     def _read_match(self, context: Any, item: Any) -> Source:
         """Read the match, which is brought in for that and removed again if it is not in the scene."""
+        from . import carry_over
+
         session = session_of(context)
         match = session.matches[session.active_match]
         wanted = {
@@ -160,11 +157,11 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if here is not None and here.type == "POINTCLOUD":
             raise PlacingError(f"{match.name!r} is a point cloud, which has nothing to transfer")
         if here is not None and here.type == "MESH":
-            return transferring.read_source(here, **wanted)
+            return carry_over.read_source(here, **wanted)
         selected = list(context.view_layer.objects.selected)
         before = set(bpy.data.user_map())
         try:
-            found = scene.mesh_objects(placing.bring_in(context, match.source, match.object_name))
+            found = mesh_objects(placing.bring_in(context, match.source, match.object_name))
             if not found:
                 raise PlacingError(
                     f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after "
@@ -176,7 +173,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
                     "the scene to transfer from the whole"
                 )
             context.view_layer.update()
-            return transferring.read_source(found[0], **wanted)
+            return carry_over.read_source(found[0], **wanted)
         finally:
             placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
             for each in context.view_layer.objects:
@@ -185,6 +182,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
 
     def _finish(self) -> set[str]:
         from shapegoogle_core import ShapeGoogleError
+
+        from . import carry_over
 
         try:
             match, centers = self._future.result()
@@ -201,7 +200,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if (len(item.data.vertices), len(item.data.loops)) != count:
             self.report({"ERROR"}, f"{self._target.mesh.name!r} was changed meanwhile; transfer again")
             return {"CANCELLED"}
-        done = transferring.transfer(item, self._source, self._target, match, centers, replace=self._replace)
+        done = carry_over.transfer(item, self._source, self._target, match, centers, replace=self._replace)
         if done.kept:
             self._report_kept(done.kept)
         if done.refused:
@@ -247,7 +246,7 @@ def _listed(names: list[str]) -> str:
 
 
 class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
-    """Stop transferring."""
+    """Stop carry_over."""
 
     bl_idname = "shape_google.cancel_transfer"
     bl_label = "Cancel Transfer"
@@ -256,11 +255,13 @@ class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
     @classmethod
     def poll(cls, _context: Any) -> bool:
         """There is something to stop."""
-        return bool(_running)
+        return state.current().transfer.operator is not None
 
     def execute(self, _context: Any) -> set[str]:
         """Stop it."""
-        _running[0].stopped = True  # it ends at its next tick
+        running = state.current().transfer.operator
+        if running is not None:
+            running.stopped = True  # it ends at its next tick
         return {"FINISHED"}
 
 
@@ -270,6 +271,6 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 
 def unregister() -> None:
-    """Take them back; Blender ends a transfer that is going on without a word to it."""
+    """Unregister the operators; Blender ends a running transfer without telling it."""
     _unregister()
-    _running.clear()
+    state.current().transfer = TransferState()

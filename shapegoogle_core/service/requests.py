@@ -14,12 +14,12 @@ from pathlib import Path
 from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
+from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.shape_model import ShapeSignature
-from shapegoogle_core.rendering.text import evidence_text
 
 __all__ = [
     "Answer",
@@ -28,18 +28,10 @@ __all__ = [
     "describe",
     "describe_meshes",
     "explain",
-    "kind_of_match",
     "library_duplicates",
     "query",
     "warm_up",
 ]
-
-# Distance of bags that are the same but for the half floats of the library and other rounding.
-SAME_BAG = 1e-4
-# Relative difference of sizes that is none.
-SAME_SIZE = 1e-3
-# Similarity from which a match is more likely the same shape than the nearest of many others.
-LIKELY = 0.5
 
 StoredExample = tuple[int, str]
 """Id and name of a shape of a library."""
@@ -132,8 +124,10 @@ def query(
     )
 
 
-def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]) -> dict[int, str]:
-    """Say what kind of match each of some shapes is.
+def explain(
+    path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]
+) -> dict[int, Evidence | None]:
+    """Compare the surfaces of matches with that of the query.
 
     Parameters
     ----------
@@ -146,8 +140,8 @@ def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[
 
     Returns
     -------
-    kinds : dict of int to str
-        By the id of the shape: see `evidence_text`, and where there is no evidence `kind_of_match`.
+    evidence : dict of int to Evidence or None
+        By the id of the shape; None where there is no surface to compare.
 
     Raises
     ------
@@ -155,7 +149,7 @@ def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[
         If the library cannot be opened or read.
     """
     explained = _library(path).explain(signatures, matches, len(matches))
-    return {match.shape_id: _kind(signatures, match) for match in explained}
+    return {match.shape_id: match.evidence for match in explained}
 
 
 def _stored_signature(library: Library, example: StoredExample) -> ShapeSignature:
@@ -166,44 +160,6 @@ def _stored_signature(library: Library, example: StoredExample) -> ShapeSignatur
         raise LibraryError(
             f"the example {name!r} cannot be used: {error}; take it off the list of examples"
         ) from error
-
-
-def _kind(signatures: Sequence[ShapeSignature], match: Match) -> str:
-    if match.evidence is None:
-        return kind_of_match(_like_counts(signatures, match), match)
-    text = evidence_text(match.evidence)
-    return text[0].upper() + text[1:]
-
-
-def _like_counts(signatures: Sequence[ShapeSignature], match: Match) -> ShapeSignature:
-    """Return the example that may be the mesh of a match; else the first one."""
-    counts = match.vertex_count, match.face_count
-    same = (one for one in signatures if (one.vertex_count, one.face_count) == counts)
-    return next(same, signatures[0])
-
-
-def kind_of_match(query: ShapeSignature, match: Match) -> str:
-    """Say what a match probably is, by distance, counts and area alone; no geometry is compared.
-
-    Parameters
-    ----------
-    query : ShapeSignature
-    match : Match
-
-    Returns
-    -------
-    kind : str
-        "Same mesh" (as many vertices and faces, and the same bag), with the factor of its size if that is
-        another; "Same mesh, re-posed" (as many vertices and faces, and likely the same shape); "Same shape"
-        (likely, of another mesh); "Similar".
-    """
-    same_counts = (query.vertex_count, query.face_count) == (match.vertex_count, match.face_count)
-    size = float((match.area / query.area) ** 0.5)
-    if same_counts and match.distance <= SAME_BAG:
-        return "Same mesh" if abs(size - 1) <= SAME_SIZE else f"Same mesh, ×{size:.3g}"
-    if match.similarity >= LIKELY:
-        return "Same mesh, re-posed" if same_counts else "Same shape"
-    return "Similar"
 
 
 @dataclass(frozen=True, eq=False)

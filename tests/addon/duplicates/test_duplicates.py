@@ -461,7 +461,7 @@ def test_similar_shapes_are_listed_to_select_only(shown):
 def test_a_library_is_listed_and_its_shapes_here_can_be_selected(addon, shown, tmp_path, preferences):
     from shapegoogle_core import Library
 
-    scene = module(addon, "scene")
+    scene = module(addon, "scene.meshes")
     blend = tmp_path / "scene.blend"
     first = add("a", lump())
     second = add("b", lump())

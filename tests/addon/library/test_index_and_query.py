@@ -124,7 +124,7 @@ def test_find_similar(indexed: Path, preferences, session) -> None:
 
 
 def test_filters(addon, indexed: Path, preferences, session) -> None:
-    shown_matches = importlib.import_module(f"{addon.__name__}.session").shown_matches
+    shown_matches = importlib.import_module(f"{addon.__name__}.gallery.filters").shown_matches
     lumpy("Query", 2)
     bpy.ops.shape_google.find_similar()
     # Plum and the .obj made of it are the same mesh.
@@ -185,7 +185,7 @@ def test_copies_of_two_examples_are_not_taken_for_one_shape(
     addon, indexed: Path, preferences, session
 ) -> None:
     """All have distance 0, and as poses of one mesh as many vertices; Plum and nut.obj are one shape."""
-    shown_matches = importlib.import_module(f"{addon.__name__}.session").shown_matches
+    shown_matches = importlib.import_module(f"{addon.__name__}.gallery.filters").shown_matches
     lumpy("Second", 2)
     lumpy("First", 0).select_set(True)
     bpy.data.objects["Second"].select_set(True)
@@ -298,7 +298,7 @@ def scan(kind: str, count: int = 6000):
 def test_points_find_their_mesh_and_mesh_its_points(addon, preferences, session) -> None:
     """Vertices without faces are looked for; kept are only objects of the kind point cloud."""
     kinds = ("horse", "octopus", "human")
-    new_object = importlib.import_module(f"{addon.__name__}.scene").new_object
+    new_object = importlib.import_module(f"{addon.__name__}.scene.meshes").new_object
     for kind in kinds:
         new_object(bpy.context, make_creature(kind, 100, 2000).pose(0), kind)
     preferences.use_scene = True
@@ -479,7 +479,7 @@ def test_the_scene_and_its_file_are_two_sources(addon, folder: Path, preferences
     assert session.matches[0].name == "Unsaved"
     # Pear is in the file and in the scene: what can be selected is shown.
     shown = importlib.import_module(
-        f"{type(preferences).__module__.rpartition('.')[0]}.session"
+        f"{type(preferences).__module__.rpartition('.')[0]}.gallery.filters"
     ).shown_matches
     assert [match.in_scene for _, match in shown(session) if match.name == "Pear"] == [True]
     bpy.ops.wm.read_homefile(use_empty=True)

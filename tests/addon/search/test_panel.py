@@ -96,17 +96,3 @@ def test_examples_are_listed_and_a_match_can_become_one(addon, draw) -> None:
     assert "Like Horse" in draw()
     session.examples[0].library = "another one"
     assert "Like Horse" not in draw()
-
-
-@pytest.mark.parametrize(
-    ("kind", "short"),
-    [
-        ("Re-posed ×0.978", "Re-posed"),
-        ("Scaled ×2.54", "Scaled ×2.54"),
-        ("The query is 49 % of it ×1.1", "49 % of it"),
-        ("Same mesh, re-posed", "Re-posed"),
-        ("Same mesh, ×2", "Same mesh"),
-    ],
-)
-def test_what_is_below_a_picture_fits(addon, kind, short) -> None:
-    assert importlib.import_module(f"{addon.__name__}.search.panel").short_kind(kind) == short

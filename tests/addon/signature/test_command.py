@@ -127,11 +127,10 @@ def test_keypoints_of_a_detector(main, source, addon, capsys):
     assert " keypoints of harris-3d; 162 vertices" in capsys.readouterr().err
     bpy.ops.wm.open_mainfile(filepath=str(output))
     item = bpy.data.objects["Ball"]
-    modules = [
-        importlib.import_module(f"{addon.__name__}.{name}") for name in ("signature.attributes", "scene")
-    ]
-    found = sg.vertex_keypoints(modules[1].base_mesh(item), "harris-3d")
-    assert np.allclose(modules[0].values_of(item.data, "sg_keypoint"), found.responses)
+    attributes = importlib.import_module(f"{addon.__name__}.signature.attributes")
+    meshes = importlib.import_module(f"{addon.__name__}.scene.meshes")
+    found = sg.vertex_keypoints(meshes.base_mesh(item), "harris-3d")
+    assert np.allclose(attributes.values_of(item.data, "sg_keypoint"), found.responses)
 
 
 def test_the_source_is_never_saved_over(main, source, capsys, tmp_path):

@@ -12,6 +12,7 @@ import pytest
 
 import shapegoogle_core as sg
 from benchmarks.creatures import make_creature
+from shapegoogle_core.descriptors import time_at, time_range
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.rendering import word_palette
 from tests.addon.conftest import addon_name
@@ -33,8 +34,8 @@ def modules(addon):
 
     class Modules:
         def __getattr__(self, name):
-            home = addon.__name__ if name == "scene" else f"{addon.__name__}.signature"
-            return importlib.import_module(f"{home}.{name}")
+            home = "scene.meshes" if name == "scene" else f"signature.{name}"
+            return importlib.import_module(f"{addon.__name__}.{home}")
 
     return Modules()
 
@@ -56,7 +57,7 @@ def add_blob(subdivisions: int = 4, name: str = "Blob"):
 def add_creature(kind: str = "horse", vertex_count: int = 2000):
     """A body with limbs, which has keypoints of every detector."""
     mesh = make_creature(kind, 120, vertex_count).pose("rest")
-    item = importlib.import_module(f"{addon_name()}.scene").new_object(bpy.context, mesh, "Creature")
+    item = importlib.import_module(f"{addon_name()}.scene.meshes").new_object(bpy.context, mesh, "Creature")
     bpy.context.view_layer.objects.active = item
     item.select_set(True)
     bpy.context.view_layer.update()
@@ -101,7 +102,7 @@ class TestValues:
         item = add_blob()
         paint("HKS_TIMES", count=4, eigenpairs=50)
         spectrum = sg.compute_spectrum(modules.scene.base_mesh(item), 50)
-        times = np.geomspace(*modules.painting.time_range(spectrum), 4)
+        times = np.geomspace(*time_range(spectrum), 4)
         written = [modules.attributes.values_of(item.data, f"sg_hks_{number}") for number in range(1, 5)]
         expected = sg.heat_kernel_signature(spectrum, times)
         assert np.allclose(np.stack(written, axis=1), expected, rtol=1e-5, atol=0)
@@ -133,7 +134,7 @@ class TestValues:
             assert np.allclose(modules.attributes.values_of(item.data, name), theta, atol=1e-6)
 
     def test_word_colours_are_linear_and_the_same_on_every_shape(self, modules):
-        palette = modules.painting.linear_rgb(word_palette(40))
+        palette = modules.layers.linear_rgb(word_palette(40))
         for subdivisions in (4, 3):
             item = add_blob(subdivisions)
             paint("WORDS")
@@ -176,7 +177,7 @@ class TestValues:
         bpy.ops.object.mode_set(mode="OBJECT")
         heat = modules.attributes.values_of(item.data, "sg_heat")
         spectrum = sg.compute_spectrum(modules.scene.base_mesh(item), 100)
-        expected = sg.heat_kernel(spectrum, 77, modules.painting.time_at(spectrum, 0.2))
+        expected = sg.heat_kernel(spectrum, 77, time_at(spectrum, 0.2))
         assert np.allclose(heat, expected, rtol=1e-5, atol=1e-5 * expected.max())
         assert heat @ spectrum.mass == pytest.approx(1, rel=1e-4)
         # The selection is kept in object mode, and so is the active vertex.
@@ -194,7 +195,7 @@ class TestValues:
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
         bpy.ops.object.mode_set(mode="OBJECT")
-        with pytest.raises(RuntimeError, match="'Blob' has no selected vertex"):
+        with pytest.raises(RuntimeError, match="'Blob': no vertex of its surface is selected"):
             paint("HEAT")
         assert not own_names(item)
 
@@ -212,18 +213,18 @@ class TestKeypoints:
         assert np.allclose(response[expected.indices], expected.response)
 
     def test_choices_are_those_of_the_core(self, modules):
-        assert [name for name, _, _ in modules.painting.DETECTORS] == list(DETECTORS)
+        assert [name for name, _, _ in modules.choices.DETECTORS] == list(DETECTORS)
 
     def test_spots_are_seen_and_the_strongest_is_reddest(self, modules):
         item = add_creature()
         paint("KEYPOINTS")
         response = modules.attributes.values_of(item.data, "sg_keypoint")
         colors = modules.attributes.values_of(item.data, "sg_color")[:, :3]
-        surface = modules.painting.linear_rgb(np.array(modules.painting.NO_POINT))
+        surface = modules.layers.linear_rgb(np.array(modules.layers.NO_POINT))
         plain = np.isclose(colors, surface, atol=1e-5).all(axis=1)
         assert 0.8 < plain.mean() < 0.99
         assert not plain[response > 0].any()
-        strongest = modules.painting.linear_rgb(np.array(modules.painting.STRONG_POINT))
+        strongest = modules.layers.linear_rgb(np.array(modules.layers.STRONG_POINT))
         assert np.allclose(colors[response.argmax()], strongest, atol=1e-5)
 
     def test_are_selected_in_edit_mode(self, modules):
@@ -381,14 +382,14 @@ class TestShowing:
         paint("HKS")
         units = bpy.context.scene.unit_settings
         painting = modules.properties.settings_of(bpy.context.scene)
-        text = modules.painted.scale_text(item, painting, units)
+        text = modules.distance.scale_text(item, painting, units)
         assert " m · " in text or "cm · " in text
         assert text.endswith(" % of its size")
         units.system = "NONE"
-        assert modules.painted.scale_text(item, painting, units).split(" ")[0].replace(".", "").isdigit()
+        assert modules.distance.scale_text(item, painting, units).split(" ")[0].replace(".", "").isdigit()
         units.system = "METRIC"
         other = bpy.data.objects.new("Other", item.data)
-        assert modules.painted.scale_text(other, painting, units) == ""
+        assert modules.distance.scale_text(other, painting, units) == ""
 
     def test_chart_has_a_bar_for_each_frequent_word(self, modules):
         bag = np.zeros(40)
@@ -463,7 +464,7 @@ class TestUndoAndClear:
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_hks"), values)
         word = modules.attributes.values_of(item.data, "sg_word")
         assert item.data.attributes.active_color_name == "sg_color"
-        palette = modules.painting.linear_rgb(word_palette(40))
+        palette = modules.layers.linear_rgb(word_palette(40))
         colors = modules.attributes.values_of(item.data, "sg_color")
         assert np.allclose(colors[:, :3], palette[word], atol=1e-6)
         bpy.ops.object.mode_set(mode="EDIT")
@@ -501,14 +502,14 @@ class TestCache:
         assert len(digests) == 2
 
     def test_is_bounded(self, modules, monkeypatch):
-        spectra = modules.spectra
-        spectra.clear()
+        spectra = modules.results
+        importlib.import_module(f"{addon_name()}.state").current().signature.results.clear()
         items = [add_blob(3, f"Blob{number}") for number in range(3)]
         for number, item in enumerate(items):
             item.data.vertices[0].co.x += 0.1 * number
-        paint_each = [spectra.key_of(item, modules.painting.Painting(), None) for item in items]
+        paint_each = [spectra.key_of(item, modules.choices.Painting(), None) for item in items]
         for index, item in enumerate(items):
-            task = spectra.task_of(item, modules.painting.Painting(), None, paint_each[index])
+            task = spectra.task_of(item, modules.choices.Painting(), None, paint_each[index])
             entry = spectra.remember(task, task.function(*task.arguments))
             monkeypatch.setattr(spectra, "MOST_BYTES", 2 * entry.bytes)
         assert [spectra.known(key) is not None for key in paint_each] == [False, True, True]
@@ -516,12 +517,12 @@ class TestCache:
     def test_is_dropped_with_the_file(self, modules, tmp_path):
         item = add_blob()
         paint("HKS")
-        key = modules.spectra.key_of(item, modules.properties.settings_of(bpy.context.scene), None)
-        assert modules.spectra.known(key) is not None
+        key = modules.results.key_of(item, modules.properties.settings_of(bpy.context.scene), None)
+        assert modules.results.known(key) is not None
         path = str(tmp_path / "empty.blend")
         bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
         bpy.ops.wm.open_mainfile(filepath=path)
-        assert modules.spectra.known(key) is None
+        assert modules.results.known(key) is None
 
 
 class TestPoll:
@@ -539,7 +540,7 @@ class TestPoll:
         twin = bpy.data.objects.new("Twin", item.data)
         bpy.context.collection.objects.link(twin)
         twin.hide_viewport = True
-        items, refused = modules.painted.targets([twin, item])
+        items, refused = modules.painting.targets([twin, item])
         assert items == [item]
         assert [reason for reason in refused if "'Twin' is disabled" in reason]
 
@@ -548,6 +549,6 @@ class TestPoll:
         twin = bpy.data.objects.new("Twin", item.data)
         bpy.context.collection.objects.link(twin)
         twin.select_set(True)
-        items, refused = modules.painted.targets(bpy.context.selected_objects)
+        items, refused = modules.painting.targets(bpy.context.selected_objects)
         assert len(items) == 1
         assert not refused

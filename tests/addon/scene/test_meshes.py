@@ -17,7 +17,12 @@ from tests.addon.conftest import to_point_cloud
 
 @pytest.fixture
 def scene(addon):
-    return importlib.import_module(f"{addon.__name__}.scene")
+    return importlib.import_module(f"{addon.__name__}.scene.meshes")
+
+
+@pytest.fixture
+def split_evaluated(addon):
+    return importlib.import_module(f"{addon.__name__}.scene.selection").split_evaluated
 
 
 def add(name: str, collection=None, scale: float = 1):
@@ -38,7 +43,7 @@ def add_collection(name: str, parent=None):
     return collection
 
 
-def test_what_the_view_layer_does_not_evaluate(scene, tmp_path: Path) -> None:
+def test_what_the_view_layer_does_not_evaluate(split_evaluated, tmp_path: Path) -> None:
     """The world matrix of such an object is wrong once the file was opened again."""
     layers = bpy.context.view_layer.layer_collection.children
     shown = [add("shown", scale=2)]
@@ -68,11 +73,11 @@ def test_what_the_view_layer_does_not_evaluate(scene, tmp_path: Path) -> None:
     path = str(tmp_path / "scene.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
-    found = scene.split_evaluated(bpy.context.scene.objects, bpy.context)
+    found = split_evaluated(bpy.context.scene.objects, bpy.context)
     assert [{item.name for item in part} for part in found] == [set(part) for part in names]
     assert np.allclose(bpy.data.objects["shown"].matrix_world.to_scale(), 2)
-    assert scene.split_evaluated([bpy.data.objects["shown"]], bpy.context)[0]
-    assert not scene.split_evaluated([bpy.data.objects["disabled"]], bpy.context)[0]
+    assert split_evaluated([bpy.data.objects["shown"]], bpy.context)[0]
+    assert not split_evaluated([bpy.data.objects["disabled"]], bpy.context)[0]
     # Nothing of the user's was changed to find out.
     assert bpy.data.objects["disabled"].hide_viewport
     assert bpy.context.view_layer.layer_collection.children["Excluded"].exclude

@@ -1,32 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spectra, words and keypoints of objects, kept while the file is open: the slider has to follow the hand."""
+"""Spectra, words and keypoints of objects, kept while the file is open so that the slider repaints fast."""
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from .. import scene
-from . import attributes, painting
-from .painting import Layer, Painting
+import numpy as np
+
+from .. import state
+from ..scene.meshes import base_mesh
+from . import attributes, layers
+from .choices import Painting
+from .layers import Layer
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
 
     Result = VertexSpectrum | VertexWords | VertexKeypoints
-else:
-    from ..lazy_numpy import np
 
-__all__ = ["Known", "Task", "clear", "key_of", "known", "paint_layers", "remember", "task_of"]
+__all__ = ["Key", "Known", "Task", "key_of", "known", "paint_layers", "remember", "task_of"]
 
 Key = tuple[object, ...]
 MOST_BYTES = 512 * 2**20
-
-_cache: OrderedDict[Key, Known] = OrderedDict()
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +117,7 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
     """
     from shapegoogle_core import MeshError, vertex_keypoints, vertex_spectrum, vertex_words
 
-    mesh = scene.base_mesh(item)
+    mesh = base_mesh(item)
     count = len(mesh.vertices)
     used = np.zeros(count, bool)
     used[mesh.faces] = True
@@ -144,23 +141,20 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
 
 def known(key: Key) -> Known | None:
     """Return what was computed before, if it was."""
-    entry = _cache.get(key)
+    results = state.current().signature.results
+    entry = results.get(key)
     if entry is not None:
-        _cache.move_to_end(key)
+        results.move_to_end(key)
     return entry
 
 
 def remember(task: Task, result: Result) -> Known:
     """Keep a result; the oldest ones go when all together take more than `MOST_BYTES`."""
-    entry = _cache[task.key] = Known(result, task.size)
-    while len(_cache) > 1 and sum(each.bytes for each in _cache.values()) > MOST_BYTES:
-        _cache.popitem(last=False)
+    results = state.current().signature.results
+    entry = results[task.key] = Known(result, task.size)
+    while len(results) > 1 and sum(each.bytes for each in results.values()) > MOST_BYTES:
+        results.popitem(last=False)
     return entry
-
-
-def clear() -> None:
-    """Forget everything."""
-    _cache.clear()
 
 
 def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None = None) -> list[Layer]:
@@ -186,12 +180,12 @@ def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None =
     from shapegoogle_core import MeshError, VertexKeypoints, VertexWords
 
     if isinstance(entry.result, VertexKeypoints):
-        return painting.paint_keypoints(entry.result)
+        return layers.paint_keypoints(entry.result)
     if isinstance(entry.result, VertexWords):
-        return painting.paint_words(chosen, entry.result)
+        return layers.paint_words(chosen, entry.result)
     if chosen.kind == "HEAT" and source is None:
         source = attributes.picked_vertex(item)
     try:
-        return painting.paint_spectrum(chosen, entry.result, source)
+        return layers.paint_spectrum(chosen, entry.result, source)
     except MeshError as error:
-        raise MeshError(f"{item.name!r} {error}") from error
+        raise MeshError(f"{item.name!r}: {error}") from error

@@ -6,21 +6,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .. import scene
+import numpy as np
+from numpy.typing import NDArray
+
 from ..scene import mesh_arrays
+from ..scene.meshes import base_mesh
 from ..signature import attributes
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from shapegoogle_core import Mesh, VertexMatch
     from shapegoogle_core.correspondence import SurfacePoints
 
-    FloatArray = NDArray[np.float64]
-    Indices = NDArray[np.int64]
-else:
-    from ..lazy_numpy import np
+FloatArray = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 __all__ = [
     "Layers",
@@ -273,7 +271,7 @@ def transfer(
 
 
 def _mesh_and_loops(item: Any) -> tuple[Mesh, Indices]:
-    mesh = scene.base_mesh(item)
+    mesh = base_mesh(item)
     loops = mesh_arrays.read(item.data.loop_triangles, "loops", 3, np.int32)
     if np.linalg.det(np.array(item.matrix_world, np.float64)[:3, :3]) < 0:
         loops = loops[:, ::-1]  # as `base_mesh` turns the faces of a mirrored object

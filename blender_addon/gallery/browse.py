@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Choose a match in the gallery, and turn its pages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.props import IntProperty
+
+from ..library.scene_source import is_here
+from ..state import session_of
+from . import pictures
+from .labels import tooltip
+
+__all__ = ["register", "unregister"]
+
+
+class SHAPEGOOGLE_OT_choose_match(bpy.types.Operator):
+    """Choose a match."""
+
+    bl_idname = "shape_google.choose_match"
+    bl_label = "Choose Match"
+    bl_options = {"INTERNAL"}
+
+    index: IntProperty(options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context: Any, properties: Any) -> str:
+        """Return the tooltip of a match."""
+        matches = session_of(context).matches
+        if not 0 <= properties.index < len(matches):
+            return "Choose this match"
+        return tooltip(matches[properties.index])
+
+    def execute(self, context: Any) -> set[str]:
+        """Choose it."""
+        session = session_of(context)
+        if not 0 <= self.index < len(session.matches):
+            return {"CANCELLED"}
+        session.active_match = self.index
+        return {"FINISHED"}
+
+
+class SHAPEGOOGLE_OT_turn_page(bpy.types.Operator):
+    """Show other matches."""
+
+    bl_idname = "shape_google.turn_page"
+    bl_label = "Show More Matches"
+    bl_description = "Show the next or the previous matches"
+    bl_options = {"INTERNAL"}
+
+    page: IntProperty(min=0, options={"SKIP_SAVE"})
+
+    def execute(self, context: Any) -> set[str]:
+        """Show them."""
+        session_of(context).page = self.page
+        return {"FINISHED"}
+
+
+@bpy.app.handlers.persistent
+def _look_again(*_arguments: Any) -> None:
+    """Find out again which matches are in the scene: another file is open."""
+    for line in session_of(bpy.context).matches:
+        line.in_scene = is_here(line.source, line.object_name)
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_choose_match, SHAPEGOOGLE_OT_turn_page)
+)
+
+
+def register() -> None:
+    """Register the operators."""
+    _register()
+    bpy.app.handlers.load_post.append(_look_again)
+
+
+def unregister() -> None:
+    """Unregister the operators and remove the pictures."""
+    bpy.app.handlers.load_post.remove(_look_again)
+    _unregister()
+    pictures.clear()

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of the matches, as Blender's icons."""
+
+from __future__ import annotations
+
+import bpy
+import bpy.utils.previews
+
+from .. import state
+
+__all__ = ["clear", "icon_of", "keep"]
+
+
+def keep(shape_id: int, png: bytes | None) -> None:
+    """Make the icon of a shape.
+
+    Parameters
+    ----------
+    shape_id : int
+    png : bytes or None
+        Without a picture the shape has no icon.
+    """
+    if png is None:
+        return
+    import io
+
+    import numpy as np
+    from PIL import Image
+
+    gallery = state.current().gallery
+    if gallery.pictures is None:
+        gallery.pictures = bpy.utils.previews.new()
+    with Image.open(io.BytesIO(png)) as image:
+        # Blender counts rows from below.
+        pixels = np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
+    preview = gallery.pictures.new(str(shape_id))
+    preview.image_size = pixels.shape[1], pixels.shape[0]
+    preview.image_pixels_float.foreach_set(pixels.ravel())
+
+
+def icon_of(shape_id: int) -> int:
+    """Return the number of a shape's icon; 0 if it has no picture."""
+    pictures = state.current().gallery.pictures
+    preview = None if pictures is None else pictures.get(str(shape_id))
+    return 0 if preview is None else int(preview.icon_id)
+
+
+def clear() -> None:
+    """Remove the icons of all shapes."""
+    gallery = state.current().gallery
+    if gallery.pictures is not None:
+        bpy.utils.previews.remove(gallery.pictures)
+        gallery.pictures = None

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Properties of the session that the gallery shows: matches, the page, and the filters."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    StringProperty,
+)
+
+__all__ = ["GalleryProperties", "register", "unregister"]
+
+_SOURCES = (
+    ("ANY", "Anywhere", "Matches of all files"),
+    ("SCENE", "This Scene", "Only objects that are in the open scene"),
+    ("FILES", "Other Files", "Only shapes that are not in the open scene"),
+)
+
+
+class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
+    """One line of an answer."""
+
+    shape_id: IntProperty()
+    source: StringProperty(name="Source")
+    object_name: StringProperty(name="Object")
+    similarity: FloatProperty(name="Similarity")
+    distance: FloatProperty(name="Distance")
+    kind: StringProperty(name="Kind", description="Evidence in words; see gallery.labels")
+    relation: StringProperty(description="The kind without the size")
+    label: StringProperty(description="The kind below the picture")
+    size: FloatProperty(name="Size", description="How many times as large as the query")
+    vertex_count: IntProperty(name="Vertices")
+    in_scene: BoolProperty(name="In This Scene")
+
+
+class GalleryProperties:
+    """Part of the session: matches, and which of them are shown."""
+
+    matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
+    active_match: IntProperty(name="Match", default=-1)
+    page: IntProperty(name="Page", description="Which page of the gallery is shown, from 0", min=0)
+    least_similarity: FloatProperty(
+        name="Similarity",
+        description="Least similarity of the matches shown; 0.5: as likely the same shape as another one",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    use_size: BoolProperty(
+        name="Same Size", description="Show only matches of about the size of the query", default=False
+    )
+    size_tolerance: FloatProperty(
+        name="Tolerance",
+        description="How far the size of a match may be from that of the query",
+        default=10.0,
+        min=0.1,
+        max=100.0,
+        subtype="PERCENTAGE",
+    )
+    source: EnumProperty(name="Source", description="Where matches may come from", items=_SOURCES)
+    text: StringProperty(
+        name="Text",
+        description="Show only matches with this text in their name or path",
+        options={"TEXTEDIT_UPDATE"},
+    )
+    collapse: BoolProperty(
+        name="Collapse Duplicates", description="Show equal shapes only once", default=True
+    )
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_match,))

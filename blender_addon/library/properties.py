@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Properties of the session that the panel Library shows: progress, summary and errors of indexing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
+
+__all__ = ["IndexingProperties", "add_error", "register", "unregister"]
+
+
+class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
+    """A file that was not indexed, and the reason."""
+
+    path: StringProperty(name="File")
+    reason: StringProperty(name="Reason")
+
+
+class IndexingProperties:
+    """Part of the session: indexing and training."""
+
+    indexing: BoolProperty(name="Indexing")
+    done: IntProperty()
+    total: IntProperty()
+    progress: StringProperty(name="Progress")
+    summary: StringProperty(name="Summary")
+    shape_count: IntProperty(name="Shapes")
+    errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
+    active_error: IntProperty(name="Error")
+    training: StringProperty(name="Training")
+
+
+def add_error(session: Any, path: str, reason: str) -> None:
+    """Add an error to the list, once.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+    path : str
+        The file.
+    reason : str
+        The error, and how to correct it.
+    """
+    if any(error.path == path and error.reason == reason for error in session.errors):
+        return
+    error = session.errors.add()
+    error.name, error.path, error.reason = Path(path).name, path, reason
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_error,))

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`Painter`: computing and painting objects, as the operators that paint have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from .. import jobs
+from ..library.model import current_model
+from .choices import TIMED, Painting
+from .distance import scale_text
+from .properties import settings_of
+
+if TYPE_CHECKING:
+    from .results import Known, Task
+
+__all__ = ["MODES", "Painter"]
+
+# Longer computations run in the worker process, so that the window stays usable.
+MOST_SECONDS = 0.7
+SECONDS_BETWEEN_LOOKS = 0.1
+MODES = {"OBJECT", "EDIT_MESH"}
+
+
+class Painter:
+    """Base of the operators that paint; long computations run in the worker process."""
+
+    def paint_in_background(self, context: Any, objects: Sequence[Any]) -> set[str]:
+        """Paint objects, at once if it is quick; else the window stays usable meanwhile."""
+        self._failed: list[str] = []
+        tasks = self._tasks(context, objects)
+        if tasks is None:
+            return self._give_up(context)
+        if sum(task.seconds for task in tasks) < MOST_SECONDS:
+            return self._paint_now(context, objects, tasks)
+        self._names = [item.name for item in objects]
+        self._waiting: list[tuple[Task, Future[Any]]] = [
+            (task, jobs.worker().submit(task.function, *task.arguments)) for task in tasks
+        ]
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
+        manager.modal_handler_add(self)
+        context.workspace.status_text_set(f"Computing {tasks[0].name} … (Esc: cancel)")
+        return {"RUNNING_MODAL"}
+
+    def paint_at_once(self, context: Any, objects: Sequence[Any]) -> set[str]:
+        """Paint objects before returning."""
+        self._failed = []
+        tasks = self._tasks(context, objects)
+        return self._give_up(context) if tasks is None else self._paint_now(context, objects, tasks)
+
+    def lacking(self, items: Sequence[Any]) -> str:  # noqa: ARG002
+        """Return why it is not enough to paint these objects, all that can be painted; empty if it is."""
+        return ""
+
+    def take_back(self, context: Any) -> None:
+        """Undo what was done in preparation of a painting that comes to nothing."""
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Wait for the worker; the window stays usable."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel(context)
+            self.report({"INFO"}, "Painting cancelled")  # type: ignore[attr-defined]
+            return self._give_up(context)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        while self._waiting and self._waiting[0][1].done():
+            task, future = self._waiting.pop(0)
+            self._finish(task, future.result)
+            if self._waiting:
+                context.workspace.status_text_set(f"Computing {self._waiting[0][0].name} … (Esc: cancel)")
+        if self._waiting or context.mode not in MODES:  # painting waits while the user sculpts
+            return {"PASS_THROUGH"}
+        self.cancel(context)
+        scene_objects = context.view_layer.objects
+        return self._paint(context, [scene_objects[name] for name in self._names if name in scene_objects])
+
+    def cancel(self, context: Any) -> None:
+        """Stop waiting; what a worker has begun it ends for nothing."""
+        for _, future in self._waiting:
+            future.cancel()
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+
+    def _paint_now(self, context: Any, objects: Sequence[Any], tasks: Sequence[Task]) -> set[str]:
+        for task in tasks:
+            self._finish(task, lambda task=task: task.function(*task.arguments))
+        return self._paint(context, objects)
+
+    def _give_up(self, context: Any, reason: str = "") -> set[str]:
+        self.take_back(context)
+        if reason:
+            self.report({"ERROR"}, reason)  # type: ignore[attr-defined]
+        return {"CANCELLED"}
+
+    def _finish(self, task: Task, result: Any) -> None:
+        from shapegoogle_core import MeshError
+
+        from .results import remember
+
+        try:
+            remember(task, result())
+        except MeshError as error:
+            self._failed.append(str(error))
+        except Exception as error:  # such as a worker process that ran out of memory and was killed
+            self._failed.append(f"{task.name!r} could not be computed: {error!r}")
+
+    def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
+        """Find out what has to be computed; None, and a report, if nothing can be."""
+        from shapegoogle_core import MeshError, ShapeGoogleError
+
+        from . import painting, results
+
+        chosen = settings_of(context.scene)
+        try:
+            model = current_model(context) if chosen.kind == "WORDS" else None
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            return None
+        tasks = []
+        for item in painting.targets(objects)[0]:
+            key = results.key_of(item, chosen, model)
+            if results.known(key) is None:
+                try:
+                    tasks.append(results.task_of(item, chosen, model, key))
+                except MeshError as error:
+                    self._failed.append(str(error))
+        return tasks
+
+    def _paint(self, context: Any, objects: Any) -> set[str]:
+        from shapegoogle_core import MeshError
+
+        from . import painting, results
+
+        chosen = settings_of(context.scene)
+        color = context.scene.shape_google_painting.color
+        model = current_model(context) if chosen.kind == "WORDS" else None
+        items, refused = painting.targets(objects)
+        self._failed += refused
+        known = [(item, results.known(results.key_of(item, chosen, model))) for item in items]
+        # One without an entry has failed before, or was changed since.
+        lacking = self.lacking([item for item, entry in known if entry is not None])
+        done = []
+        for item, entry in known:
+            if entry is None or lacking:
+                continue
+            try:
+                painting.apply(item, chosen, entry, color=color)
+            except MeshError as error:
+                self._failed.append(str(error))
+            else:
+                done.append((item, entry))
+        for reason in self._failed if done or lacking else self._failed[:-1]:
+            self.report({"WARNING"}, reason)  # type: ignore[attr-defined]
+        if not done:
+            failed = self._failed[-1] if self._failed else "The objects were changed; paint again"
+            return self._give_up(context, lacking or failed)
+        if color:
+            _show_colors(context)
+        summary = _summary(chosen, done, context.scene.unit_settings)
+        self.report({"INFO"}, summary)  # type: ignore[attr-defined]
+        return {"FINISHED"}
+
+
+def _show_colors(context: Any) -> None:
+    """Let the 3D view in which the button was pressed show attribute colours."""
+    space = context.space_data
+    if space is not None and space.type == "VIEW_3D":
+        space.shading.type = "SOLID"
+        space.shading.color_type = "VERTEX"
+
+
+def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str:
+    from shapegoogle_core import VertexKeypoints, VertexSpectrum, VertexWords
+
+    objects = repr(done[0][0].name) if len(done) == 1 else f"{len(done)} objects"
+    results = [entry.result for _, entry in done]
+    if isinstance(results[0], VertexWords):
+        return f"Painted {objects}: {len(results[0].bag)} words of {chosen.channel}"
+    simplified = any(
+        isinstance(result, (VertexSpectrum, VertexKeypoints)) and result.simplified for result in results
+    )
+    copy = f", computed on a copy of {chosen.budget:,} vertices" if simplified else ""
+    if chosen.kind == "KEYPOINTS":
+        count = sum(len(result) for result in results if isinstance(result, VertexKeypoints))
+        points = "1 keypoint" if count == 1 else f"{count or 'no'} keypoints"
+        return f"Painted {objects}: {points} of {chosen.detector}{copy}"
+    if len(done) == 1 and chosen.kind in TIMED:
+        return f"Painted {objects} at {scale_text(done[0][0], chosen, units)}{copy}"
+    return f"Painted {objects}{copy}"

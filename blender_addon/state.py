@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that the add-on keeps in memory while it is switched on, in one object.
+
+Values that Blender can show or save are properties of Blender's own data (`session`, `preferences`,
+``properties.py`` of the features). The rest is here: processes, computed results, icons, and what must
+outlast a change of file. `register` makes the one `State` of a Blender session, `unregister` drops it.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from shapegoogle_core import ShapeModel
+    from shapegoogle_core.processes.worker import Worker
+    from shapegoogle_core.service.requests import Answer
+
+    from .duplicates.background import BackgroundSearch
+    from .jobs import BackgroundRun
+    from .library.scene_source import SceneIndexing
+    from .session import SHAPEGOOGLE_PG_session
+    from .signature.distance import TimeRange
+    from .signature.results import Key, Known
+    from .transfer.operators import SHAPEGOOGLE_OT_transfer_match
+
+__all__ = ["SignatureState", "State", "current", "is_registered", "session_of", "start", "stop"]
+
+
+@dataclass
+class JobsState:
+    """Processes that this Blender has started.
+
+    Attributes
+    ----------
+    worker : Worker or None
+        The worker process; None until the first task.
+    runs : list of BackgroundRun
+        Commands that run in other processes.
+    """
+
+    worker: Worker | None = None
+    runs: list[BackgroundRun] = field(default_factory=list)
+
+
+@dataclass
+class LibraryState:
+    """State of indexing, training and loading models.
+
+    Attributes
+    ----------
+    warm : set of Path
+        Libraries that the worker process has opened, or is about to.
+    indexing : list of BackgroundRun or SceneIndexing
+        Runs that fill the library, the present one first.
+    training : BackgroundRun or None
+        The run that trains a model.
+    model : tuple of (str, float, ShapeModel) or None
+        The model loaded last, with the path or name and the time of the file it came from.
+    """
+
+    warm: set[Path] = field(default_factory=set)
+    indexing: list[BackgroundRun | SceneIndexing] = field(default_factory=list)
+    training: BackgroundRun | None = None
+    model: tuple[str, float, ShapeModel] | None = None
+
+
+@dataclass
+class SearchState:
+    """State of the search.
+
+    Attributes
+    ----------
+    waiting : Future or None
+        The query that is being answered.
+    answer : Answer or None
+        The answer that is shown.
+    """
+
+    waiting: Future[Answer] | None = None
+    answer: Answer | None = None
+
+
+@dataclass
+class GalleryState:
+    """State of the gallery.
+
+    Attributes
+    ----------
+    pictures : bpy.utils.previews.ImagePreviewCollection or None
+        Icons of the shapes shown, by their id.
+    """
+
+    pictures: Any = None
+
+
+@dataclass
+class SignatureState:
+    """Results of painting; they are dropped when another file is opened.
+
+    Attributes
+    ----------
+    results : OrderedDict of Key to Known
+        Spectra, words and keypoints of objects, the most recently used last.
+    times : dict of int to TimeRange
+        Range of times of each painted object, by its session uid.
+    charts : bpy.utils.previews.ImagePreviewCollection or None
+        Bar charts of bags of words.
+    charted : OrderedDict of int to str
+        Name of each object's chart by its session uid, the latest last.
+    """
+
+    results: OrderedDict[Key, Known] = field(default_factory=OrderedDict)
+    times: dict[int, TimeRange] = field(default_factory=dict)
+    charts: Any = None
+    charted: OrderedDict[int, str] = field(default_factory=OrderedDict)
+
+
+@dataclass
+class DuplicatesState:
+    """State of the search for duplicates.
+
+    Attributes
+    ----------
+    search : BackgroundSearch or None
+        The search that runs in the worker process.
+    """
+
+    search: BackgroundSearch | None = None
+
+
+@dataclass
+class TransferState:
+    """State of the transfer.
+
+    Attributes
+    ----------
+    operator : SHAPEGOOGLE_OT_transfer_match or None
+        The one transfer that waits for the worker. It is no property of the session: opening a file ends the
+        operator, while the session is carried over to the new file.
+    """
+
+    operator: SHAPEGOOGLE_OT_transfer_match | None = None
+
+
+@dataclass
+class State:
+    """State of the add-on, by feature.
+
+    Attributes
+    ----------
+    jobs, library, search, gallery, signature, duplicates, transfer
+        Parts that belong to one feature each.
+    kept_session : dict or None
+        Values of the session while another file is being opened.
+    command : object or None
+        Blender's handle of `blender --command shape_google`.
+    """
+
+    jobs: JobsState = field(default_factory=JobsState)
+    library: LibraryState = field(default_factory=LibraryState)
+    search: SearchState = field(default_factory=SearchState)
+    gallery: GalleryState = field(default_factory=GalleryState)
+    signature: SignatureState = field(default_factory=SignatureState)
+    duplicates: DuplicatesState = field(default_factory=DuplicatesState)
+    transfer: TransferState = field(default_factory=TransferState)
+    kept_session: dict[str, Any] | None = None
+    command: object = None
+
+
+class _Holder:
+    """Holds the one state between `start` and `stop`."""
+
+    state: State | None = None
+
+
+def start() -> None:
+    """Make the state; for `register`."""
+    _Holder.state = State()
+
+
+def stop() -> None:
+    """Drop the state; for `unregister`."""
+    _Holder.state = None
+
+
+def is_registered() -> bool:
+    """Whether the add-on is switched on; timers that outlast it must ask."""
+    return _Holder.state is not None
+
+
+def current() -> State:
+    """Return the state of the add-on.
+
+    Returns
+    -------
+    state : State
+
+    Raises
+    ------
+    RuntimeError
+        If the add-on is switched off.
+    """
+    if _Holder.state is None:
+        raise RuntimeError("Shape Google is switched off; enable the add-on in Blender's preferences")
+    return _Holder.state
+
+
+def session_of(context: Any) -> SHAPEGOOGLE_PG_session:
+    """Return what Blender itself keeps of this session, as properties on the window manager; see `session`.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Returns
+    -------
+    session : SHAPEGOOGLE_PG_session
+    """
+    session: SHAPEGOOGLE_PG_session = context.window_manager.shape_google
+    return session
