@@ -26,7 +26,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ModelSettings
 from shapegoogle_core.model.augmentation import scale_factor
-from shapegoogle_core.model.describe import working_shape
+from shapegoogle_core.model.working_shape import working_shape
 
 __all__ = ["TOLERANCE", "NullShape", "Repeatability", "found_points", "places_on_null", "repeatability"]
 
@@ -153,7 +153,7 @@ def found_points(
         By detector, in the place and unit of the mesh as given, the strongest first.
     """
     shape = working_shape(settings, mesh)
-    vertices = shape.placement.back(shape.mesh).vertices
+    vertices = shape.placement.restore(shape.mesh).vertices
     chosen = {name: {} for name in DETECTORS} if detectors is None else detectors
     return {
         name: vertices[detect_keypoints(shape.mesh, shape.spectrum, name, **parameters).indices]

@@ -22,7 +22,7 @@ from shapegoogle_core import Library, Mesh, heat_kernel_signature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.mesh import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import WorkingShape, working_shape
+from shapegoogle_core.model.working_shape import WorkingShape, working_shape
 
 __all__ = ["add_options", "run"]
 
@@ -58,7 +58,7 @@ def scan(mesh: Mesh, count: int, noise: float, sparse: float, seed: int) -> Mesh
 
 def signature_difference(shape: WorkingShape, other: WorkingShape) -> FloatArray:
     """Compute the median relative difference between signatures at points and at another shape's nearest."""
-    points, vertices = (each.placement.back(each.mesh).vertices for each in (shape, other))
+    points, vertices = (each.placement.restore(each.mesh).vertices for each in (shape, other))
     _, nearest = KDTree(vertices).query(points)
     known = heat_kernel_signature(other.spectrum, TIMES)[nearest]
     found = heat_kernel_signature(shape.spectrum, TIMES)

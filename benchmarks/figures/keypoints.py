@@ -16,7 +16,7 @@ from shapegoogle_core import Mesh
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
 from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.model.describe import working_shape
+from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.rendering import canonical_view, contact_sheet, render
 
 __all__ = ["draw"]

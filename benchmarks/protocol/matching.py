@@ -15,7 +15,7 @@ from benchmarks.protocol.collection import BenchmarkShape
 from benchmarks.protocol.spectra_cache import Arrays
 from benchmarks.protocol.workshop import Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["Matched", "Variant", "VariantGroup", "between", "median_seconds", "stacked"]
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from benchmarks.errors import BenchmarkError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ModelSettings
-from shapegoogle_core.model.describe import Placement, WorkingShape, working_shape
+from shapegoogle_core.model.working_shape import Placement, WorkingShape, working_shape
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = [

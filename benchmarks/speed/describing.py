@@ -28,8 +28,9 @@ from benchmarks.speed.measuring import Options, Row
 from benchmarks.speed.meshes import creature, write_mesh
 from benchmarks.speed.processes import figures_of
 from benchmarks.speed.reporting import panels
-from shapegoogle_core.model import describe as describing
+from shapegoogle_core.model import shape_bags as bags
 from shapegoogle_core.model import shape_model as model
+from shapegoogle_core.model import working_shape as working
 from shapegoogle_core.model.settings import DESCRIPTORS
 from shapegoogle_core.preprocessing import steps
 from shapegoogle_core.processes.launching import single_threaded
@@ -57,11 +58,11 @@ STAGES = (
 # What belongs to which stage. Time inside an inner one does not count for the outer one.
 WATCHED: tuple[tuple[Any, str, str], ...] = (
     (sg, "read_mesh", "reading"),
-    (describing, "prepare_placed", "preprocessing"),
+    (working, "prepare", "preprocessing"),
     (steps, "resample", "simplifying"),
     (steps, "smooth", "smoothing"),
-    (describing, "compute_spectrum", "spectrum"),
-    (describing, "soft_words", "words"),
+    (working, "compute_spectrum", "spectrum"),
+    (bags, "soft_words", "words"),
     (model, "shape_bags", "bags"),
     (model, "sample_surface", "sample"),
     (sg.ShapeModel, "codes", "codes"),

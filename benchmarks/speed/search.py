@@ -39,7 +39,7 @@ from shapegoogle_core.library.search.codes.hamming import (
 )
 from shapegoogle_core.library.search.search import CANDIDATES, ROUGH_PER_CANDIDATE
 from shapegoogle_core.model import ChannelSettings, ModelSettings
-from shapegoogle_core.model.describe import ChannelWords
+from shapegoogle_core.model.shape_bags import ChannelWords
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -23,8 +23,9 @@ from benchmarks.protocol.workshop import Source
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ModelSettings
-from shapegoogle_core.model.describe import WorkingShape, counted_points
 from shapegoogle_core.model.settings import DESCRIPTORS
+from shapegoogle_core.model.shape_bags import counted_points
+from shapegoogle_core.model.working_shape import WorkingShape
 from shapegoogle_core.words import bag_of_features, hard_words, soft_words, spatially_sensitive_bag
 
 __all__ = ["BagKey", "BagsTask", "Descriptor", "Preparation", "SampleTask", "Vocabularies"]

@@ -26,7 +26,7 @@ from benchmarks.protocol.spectra_cache import Arrays, code_digest, digest
 from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants.bag_tasks import BagKey, BagsTask, Descriptor, Preparation, SampleTask
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["BAG_NAMES", "BagGroup", "Descriptor", "Preparation", "bag_group"]
 

@@ -34,7 +34,7 @@ from benchmarks.variants.baselines import (
 )
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["BaselineGroup", "mesh_groups", "spectrum_groups"]

@@ -31,7 +31,7 @@ from shapegoogle_core.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model, row_distances
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["ModelGroup", "model_group"]
 

@@ -22,7 +22,7 @@ from shapegoogle_core.library.search.settings import EvidenceSettings
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import FoundShape
     from shapegoogle_core.library import Library, Match
-    from shapegoogle_core.model.shape_model import ShapeSignature
+    from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["COMMAND"]
 

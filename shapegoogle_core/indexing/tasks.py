@@ -24,7 +24,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.readers import FoundShape, ReaderError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.launching import divert_output
 from shapegoogle_core.rendering import thumbnail
 

@@ -29,7 +29,7 @@ from shapegoogle_core.library.storage.signature_check import check_signature
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["Library"]
 

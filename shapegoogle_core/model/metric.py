@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import FloatBags
-from shapegoogle_core.model.shape_model import row_distances
+from shapegoogle_core.model.distances import row_distances
+from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["RIVALS", "Calibration", "calibrate", "choose_pairs", "learn_projection", "rival_pairs"]
 

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.model.describe import ChannelWords
 from shapegoogle_core.model.settings import ModelSettings
+from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
 
 __all__ = ["arrays_of", "damage_refused", "identifier_of", "pack", "read_file", "unpack"]

@@ -20,7 +20,7 @@ from shapegoogle_core.registration.local_words import LocalSettings
 from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectral import Spectrum
 
-__all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "PRESETS", "ChannelSettings", "ModelSettings"]
+__all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "ChannelSettings", "ModelSettings"]
 
 
 def _check(right: bool, name: str, wanted: str, value: object) -> None:
@@ -277,61 +277,3 @@ class ModelSettings:
             return cls(**known)
         except (KeyError, TypeError, ValueError) as error:
             raise ModelError(f"the settings of the model are damaged ({error!r})") from error
-
-
-# The authors' times 1024 … 4096, for shapes of area 40,000 (paper, section 6).
-PAPER_AREA = 40_000.0
-PAPER_TIMES = (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
-
-
-def _octaves(first: float, last: float) -> tuple[float, ...]:
-    """Return times 2^first … 2^last in the authors' unit, two for each octave; here for unit area."""
-    exponents = np.arange(first, last + 0.25, 0.5)
-    return tuple(float(f"{2.0**exponent / PAPER_AREA:.4g}") for exponent in exponents)
-
-
-_ALL_BAGS = ("area", "plain", "pairs")
-
-PRESETS: dict[str, ModelSettings] = {
-    # Chosen on procedural creatures and CC0 models that were not trained on (docs/measurements/libraries.md).
-    "default": ModelSettings(
-        name="default",
-        channels=(
-            ChannelSettings(
-                "hks",
-                {"times": _octaves(5, 12), "multiply_by_time": True, "normalize": True},
-                words=40,
-                bags=_ALL_BAGS,
-            ),
-            ChannelSettings("log-hks", {"times": _octaves(2, 10)}, words=40, bags=_ALL_BAGS),
-            ChannelSettings(
-                "si-hks",
-                {"alpha": 2.0, "tau_start": -13.0, "tau_end": 0.0, "tau_step": 0.125, "frequencies": 6},
-                words=40,
-                bags=_ALL_BAGS,
-            ),
-        ),
-        code_directions="rotated",
-        sample=SampleSettings(),
-        local=LocalSettings(),
-    ),
-    "paper": ModelSettings(
-        name="paper",
-        channels=(
-            ChannelSettings(
-                "hks",
-                {"times": PAPER_TIMES, "multiply_by_time": True, "normalize": True},
-                words=48,
-                bags=("plain-pairs",),
-                pair_time=1024.0,
-            ),
-        ),
-        preprocessing=None,
-        area=PAPER_AREA,
-        laplacian="cotangent",
-        eigenpairs=200,
-        square_root=False,
-        metric="l1",
-        code_bits=96,
-    ),
-}

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import ChannelWords, FloatBags, channel_words, shape_bags, working_shape
+from shapegoogle_core.model.distances import row_distances
 from shapegoogle_core.model.model_file import (
     arrays_of,
     damage_refused,
@@ -25,10 +25,12 @@ from shapegoogle_core.model.model_file import (
     unpack,
 )
 from shapegoogle_core.model.settings import ModelSettings
+from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, channel_words, shape_bags
 from shapegoogle_core.model.signature import ShapeSignature, WordMap
+from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, sample_surface
 
-__all__ = ["ShapeModel", "ShapeSignature", "WordMap", "load_model", "row_distances"]
+__all__ = ["ShapeModel", "load_model"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,7 +174,7 @@ class ShapeModel:
             sample=sample,
             local_code=local_code,
             extents=mesh.extents,
-            surface=shape.placement.back(shape.mesh) if keep_surface and not cloud else None,
+            surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
         )
 
     def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:
@@ -376,25 +378,6 @@ class ShapeModel:
             Path(path).write_bytes(self.to_bytes())
         except OSError as error:
             raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
-
-
-def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:
-    """Distance between the rows of two arrays.
-
-    Parameters
-    ----------
-    metric : {"cosine", "l1"}
-    first, second : (n, p) arrays
-        From `ShapeModel.comparable`; one of them may have a single row.
-
-    Returns
-    -------
-    distances : (n,) array
-        ≥ 0.
-    """
-    if metric == "l1":
-        return np.asarray(np.abs(first - second).sum(axis=1, dtype=np.float64))
-    return np.asarray(np.clip(1 - (first * second).sum(axis=1, dtype=np.float64), 0, 2))
 
 
 def load_model(path: str | Path | None = None) -> ShapeModel:

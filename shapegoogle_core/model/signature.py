@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["ShapeSignature", "WordMap"]

@@ -18,8 +18,9 @@ from shapegoogle_core.mesh.checks import check_surface
 from shapegoogle_core.mesh.connectivity import unique_edges
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
-from shapegoogle_core.model.describe import channel_words, working_shape
+from shapegoogle_core.model.shape_bags import channel_words
 from shapegoogle_core.model.shape_model import ShapeModel
+from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.preprocessing import repair_mapped
 from shapegoogle_core.preprocessing.resampling import simplify
 from shapegoogle_core.spectral import Spectrum, compute_spectrum
@@ -261,7 +262,7 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     with threadpool_limits(1, user_api="blas"):
         shape = working_shape(settings, mesh)
         words = channel_words(settings, channel, model.vocabularies[channel], shape)
-    points = shape.placement.of(mesh.vertices)
+    points = shape.placement.apply(mesh.vertices)
     matrix = vertex_prolongation(shape.mesh, mesh, points, np.full(len(points), -1))
     return VertexWords(words, matrix, bag_of_features(words, shape.spectrum.mass))
 

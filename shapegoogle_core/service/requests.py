@@ -18,8 +18,7 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, load_model
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 
 __all__ = [
     "Answer",

@@ -17,7 +17,7 @@ from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Workshop
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
-from shapegoogle_core.model.describe import ChannelWords
+from shapegoogle_core.model.shape_bags import ChannelWords
 from tests.core.conftest import bumpy, data_folder, make_mesh, shapes  # noqa: F401
 
 # Worker processes must be able to import `benchmark_tasks` too; they are given the same path.

@@ -13,7 +13,7 @@ from shapegoogle_core.indexing import describe_shape, find_meshes, read_shapes
 from shapegoogle_core.indexing.files import examine
 from shapegoogle_core.library import Library, NewShape
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
-from shapegoogle_core.model.describe import ChannelWords
+from shapegoogle_core.model.shape_bags import ChannelWords
 
 
 def build_model(seed: int = 0) -> ShapeModel:

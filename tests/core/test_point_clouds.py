@@ -18,7 +18,7 @@ from benchmarks.creatures import make_creature
 from shapegoogle_core.cli import main
 from shapegoogle_core.mesh import check_cloud, face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.model.describe import working_shape
+from shapegoogle_core.model.working_shape import working_shape
 
 Creatures = dict[str, Mesh]
 
@@ -89,7 +89,7 @@ def test_descriptors_are_those_of_the_mesh(creatures: Creatures, model: sg.Shape
     medians = []
     for mesh in creatures.values():
         known, found = (working_shape(model.settings, each) for each in (mesh, scan(mesh, 5000)))
-        points, vertices = (each.placement.back(each.mesh).vertices for each in (found, known))
+        points, vertices = (each.placement.restore(each.mesh).vertices for each in (found, known))
         nearest = KDTree(vertices).query(points)[1]
         ratio = (
             sg.heat_kernel_signature(found.spectrum, times)

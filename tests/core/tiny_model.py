@@ -11,8 +11,8 @@ import pytest
 
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
-from shapegoogle_core.model.describe import ChannelWords
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.shape_bags import ChannelWords
+from shapegoogle_core.model.signature import ShapeSignature
 
 SignatureMaker = Callable[..., ShapeSignature]
 

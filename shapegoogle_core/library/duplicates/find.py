@@ -23,7 +23,7 @@ from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["find_duplicates"]
 

@@ -19,8 +19,8 @@ from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
-from shapegoogle_core.model.describe import FloatBags
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.shape_bags import FloatBags
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["cluster_similar", "distance_at", "group_similar"]
 

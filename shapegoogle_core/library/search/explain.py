@@ -23,7 +23,7 @@ from shapegoogle_core.library.storage.samples import unpack_sample
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, align
 from shapegoogle_core.registration.isometry import functional_map, spectral_difference
 from shapegoogle_core.registration.prepared_sample import PART_SCALES

@@ -32,7 +32,7 @@ from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["FARTHEST", "Question", "pool_distances"]

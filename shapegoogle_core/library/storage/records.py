@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["NewShape", "ShapeRecord", "SourceRecord", "StoreSummary"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["check_signature"]
 

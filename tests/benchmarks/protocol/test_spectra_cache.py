@@ -23,7 +23,7 @@ from benchmarks.protocol.spectra_cache import (
 )
 from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.model import PRESETS
-from shapegoogle_core.model.describe import working_shape
+from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.words import soft_words, spatially_sensitive_bag
 
 
@@ -105,7 +105,7 @@ def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy) -> Non
     assert first.spectrum.eigenvectors.dtype == np.float64
     np.testing.assert_array_equal(first.mesh.vertices, again.mesh.vertices)
     np.testing.assert_array_equal(first.mesh.faces, again.mesh.faces)
-    np.testing.assert_allclose(again.placement.of(bumpy.vertices), again.mesh.vertices, atol=1e-9)
+    np.testing.assert_allclose(again.placement.apply(bumpy.vertices), again.mesh.vertices, atol=1e-9)
 
 
 def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:

@@ -20,8 +20,9 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import PRESETS, ModelSettings
-from shapegoogle_core.model.describe import Placement, WorkingShape, counted_points, working_shape
 from shapegoogle_core.model.settings import DESCRIPTORS
+from shapegoogle_core.model.shape_bags import counted_points
+from shapegoogle_core.model.working_shape import Placement, WorkingShape, working_shape
 from shapegoogle_core.spectral import Spectrum
 from shapegoogle_core.words import bag_of_features, soft_words, spatially_sensitive_bag
 from tests.benchmarks.conftest import relevant_columns

@@ -13,8 +13,9 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import PRESETS, ChannelSettings, ModelSettings
-from shapegoogle_core.model.describe import ChannelWords, Placement, WorkingShape, shape_bags
 from shapegoogle_core.model.settings import BAGS, DESCRIPTORS
+from shapegoogle_core.model.shape_bags import ChannelWords, shape_bags
+from shapegoogle_core.model.working_shape import Placement, WorkingShape
 from shapegoogle_core.spectral import compute_spectrum
 from shapegoogle_core.words import bag_of_features, soft_words
 

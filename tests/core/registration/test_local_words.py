@@ -12,7 +12,7 @@ from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.model.describe import FloatBags
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import (
     LocalSettings,
     LocalWords,

@@ -17,7 +17,7 @@ from shapegoogle_core.library.storage.sqlite.code_blocks import (
 )
 from shapegoogle_core.library.storage.sqlite.database import Database
 from shapegoogle_core.library.storage.store import CodeKind, CodePage
-from shapegoogle_core.model.shape_model import ShapeSignature
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["CodeTables"]
 
