@@ -25,6 +25,8 @@ def time_range(spectrum: Spectrum) -> tuple[float, float]:
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
+        Eigenpairs of the shape.
 
     Returns
     -------
@@ -65,6 +67,7 @@ def time_at(spectrum: Spectrum, scale: float) -> float:
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
     scale : float
         From 0 (shortest time of `time_range`) to 1 (longest), logarithmic in between.
 
@@ -88,6 +91,7 @@ def default_times(spectrum: Spectrum, count: int = 100) -> FloatArray:
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
     count : int
         Number of times; 100 as in Sun et al. (2009).
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Finite elements: piecewise polynomials on the flat triangles of a mesh (paper, section 3.3).
 
-The polynomials of degree p on a triangle are known by their values at (p + 1)(p + 2)/2 nodes with barycentric
-coordinates α/p, where α = (α₁, α₂, α₃) are whole numbers that sum to p: its corners, p - 1 nodes on each side
-and, for cubic ones, its centre.
+A polynomial of degree p on a triangle is determined by its values at (p + 1)(p + 2)/2 nodes with barycentric
+coordinates α/p, where α = (α₁, α₂, α₃) are whole numbers that sum to p: the corners, p - 1 nodes on each side
+and, for cubic polynomials, the centre.
 """
 
 from __future__ import annotations
@@ -27,11 +27,12 @@ __all__ = ["fem1", "fem2", "fem3"]
 
 
 def fem1(mesh: Mesh) -> Operator:
-    """Linear finite elements: cotangent stiffness with the consistent mass (paper, equations 10 and 11).
+    """Assemble linear finite elements: cotangent weights, consistent mass (paper, equations 10 and 11).
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
 
     Returns
     -------
@@ -42,11 +43,12 @@ def fem1(mesh: Mesh) -> Operator:
 
 
 def fem2(mesh: Mesh) -> Operator:
-    """Quadratic finite elements with the consistent mass (paper, equations 10 and 11).
+    """Assemble quadratic finite elements with the consistent mass (paper, equations 10 and 11).
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
 
     Returns
     -------
@@ -55,18 +57,19 @@ def fem2(mesh: Mesh) -> Operator:
 
     Notes
     -----
-    Eigenvalues of a flat domain have an error of order h⁴, h the length of edges. On a curved surface flat
-    triangles keep it at h², whatever the elements.
+    Eigenvalues of a flat domain have an error of order h⁴, where h is the edge length. On a curved surface
+    the flat triangles themselves have an error of order h², whatever the elements.
     """
     return _lagrange(mesh, 2)
 
 
 def fem3(mesh: Mesh) -> Operator:
-    """Cubic finite elements with the consistent mass (paper, equations 10 and 11).
+    """Assemble cubic finite elements with the consistent mass (paper, equations 10 and 11).
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
 
     Returns
     -------
@@ -75,14 +78,14 @@ def fem3(mesh: Mesh) -> Operator:
 
     Notes
     -----
-    Eigenvalues of a flat domain have an error of order h⁶; on a curved surface, as for `fem2`, of h².
+    Eigenvalues of a flat domain have an error of order h⁶; those of a curved surface, as for `fem2`, of h².
     """
     return _lagrange(mesh, 3)
 
 
 @dataclass(frozen=True, eq=False)
 class _Element:
-    """Nodes of a triangle, and integrals of its b basis functions in units of its area.
+    """Nodes of a triangle, and integrals of its b basis functions as multiples of its area.
 
     Attributes
     ----------
@@ -118,7 +121,7 @@ def _element(degree: int) -> _Element:
 
 
 def _exponents(degree: int) -> NDArray[np.int64]:
-    """All α of whole numbers ≥ 0 that sum to the degree, those of the corners first and in their order."""
+    """List all α of whole numbers ≥ 0 that sum to the degree, the corners first and in their order."""
     every = [alpha for alpha in product(range(degree + 1), repeat=3) if sum(alpha) == degree]
     every.sort(key=lambda alpha: (max(alpha) < degree, tuple(-entry for entry in alpha)))
     return np.array(every)
@@ -161,16 +164,16 @@ def _lagrange(mesh: Mesh, degree: int) -> Operator:
 
 
 def _number(mesh: Mesh, nodes: NDArray[np.int64]) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
-    """Give a number to the nodes of all faces: at vertices first, then on edges, then inside.
+    """Give numbers to the nodes of all faces: at vertices first, then on edges, then inside.
 
     Returns
     -------
     freedoms : (m, b) array of int
-        Of each node of each face. Faces at an edge share its nodes.
+        Number of each node of each face. The faces at an edge share its nodes.
     count : int
-        d, how many there are.
+        d, the number of nodes.
     boundary : (·,) array of int
-        Those on the open boundary.
+        Nodes on the open boundary.
     """
     n, degree = len(mesh.vertices), int(nodes.sum(axis=1)[0])
     edges, face_counts = unique_edges(mesh)
@@ -185,7 +188,7 @@ def _number(mesh: Mesh, nodes: NDArray[np.int64]) -> tuple[NDArray[np.int64], in
         elif len(corners) == 2:
             one, other = faces[:, corners].T
             edge = np.searchsorted(keys, np.minimum(one, other) * n + np.maximum(one, other))
-            # Nodes are counted from the edge's vertex of smaller index, whichever way a face runs along it.
+            # Nodes are counted from the vertex of smaller index, whichever way a face runs along the edge.
             step = np.where(one < other, alpha[corners[1]], alpha[corners[0]])
             columns.append(n + edge * (degree - 1) + step - 1)
         else:

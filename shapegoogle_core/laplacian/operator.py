@@ -24,14 +24,30 @@ class Operator:
     Attributes
     ----------
     stiffness : (d, d) sparse array
-        W, symmetric positive semi-definite, rows sum to 0, no unit. The first n of the d degrees of freedom
-        are values at the mesh's vertices; most operators have no others.
+        W, symmetric positive semi-definite, without unit; rows sum to 0. The first n of the d degrees of
+        freedom are the values at the vertices of the mesh; most operators have no others.
     mass : (d, d) sparse array
-        A, symmetric positive definite, squared mesh units, sums to the area. Diagonal when lumped.
-    vertex_areas : (n,) array or None
-        Area of each vertex in squared mesh units. None: d = n, and these are the row sums of `mass`.
-    boundary : (b,) array of int or None
+        A, symmetric positive definite, in squared mesh units; sums to the area. Diagonal if lumped.
+    vertex_areas : (n,) array, optional
+        Area of each vertex in squared mesh units. None: d = n, and the areas are the row sums of `mass`.
+    boundary : (b,) array of int, optional
         Degrees of freedom on the open boundary. None: it is not known.
+
+    See Also
+    --------
+    build_operator : Assemble the operator of a mesh.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> mesh = sg.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> operator = sg.build_operator(mesh, "cotangent")
+    >>> operator.stiffness.toarray()
+    array([[ 1. , -0.5, -0.5],
+           [-0.5,  0.5,  0. ],
+           [-0.5,  0. ,  0.5]])
+    >>> operator.lumped_mass.round(4).tolist()
+    [0.1667, 0.1667, 0.1667]
     """
 
     stiffness: sparse.csc_array
@@ -41,7 +57,7 @@ class Operator:
 
     @property
     def lumped_mass(self) -> FloatArray:
-        """(n,) area of each vertex in squared mesh units."""
+        """Area of each vertex, an (n,) array in squared mesh units."""
         if self.vertex_areas is not None:
             return self.vertex_areas
         return np.asarray(self.mass.sum(axis=1), dtype=np.float64).ravel()

@@ -13,13 +13,14 @@ from shapegoogle_core.laplacian.cotangent import cotangent, cotangent_voronoi
 from shapegoogle_core.laplacian.fem import fem1, fem2, fem3
 from shapegoogle_core.laplacian.operator import Operator
 from shapegoogle_core.laplacian.tufted import point_cloud, robust
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.connectivity import boundary_vertices
 from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["LAPLACIANS", "POINT_CLOUD", "build_operator"]
 
 POINT_CLOUD = "point-cloud"
-"""The operator that needs no faces."""
+"""Name of the operator that needs no faces."""
 
 LAPLACIANS: dict[str, Callable[[Mesh], Operator]] = {
     "robust": robust,
@@ -30,30 +31,50 @@ LAPLACIANS: dict[str, Callable[[Mesh], Operator]] = {
     "fem3": fem3,
     POINT_CLOUD: point_cloud,
 }
-"""Operators by name."""
+"""Functions that assemble an operator, by name."""
 
 
-def build_operator(mesh: Mesh, laplacian: str = "robust") -> Operator:
-    """Assemble the Laplace–Beltrami operator named `laplacian`.
+def build_operator(mesh: MeshLike, laplacian: str = "robust") -> Operator:
+    """Assemble a discrete Laplace–Beltrami operator (paper, section 3.3).
 
     Parameters
     ----------
-    mesh : Mesh
-        Every vertex must belong to a face.
+    mesh : MeshLike
+        A mesh in which every vertex belongs to a face, or points for "point-cloud".
     laplacian : {"robust", "cotangent", "cotangent-voronoi", "fem1", "fem2", "fem3", "point-cloud"}
-        A key of `LAPLACIANS`. Only "point-cloud" needs no faces, and looks at none.
+        "robust": tufted intrinsic Delaunay (Sharp and Crane 2020), for meshes in any state. "cotangent":
+        cotangent weights and lumped areas (equations 7 to 9). "cotangent-voronoi": the same with mixed
+        Voronoi areas. "fem1", "fem2", "fem3": linear, quadratic and cubic finite elements (equations 10 and
+        11). "point-cloud": needs no faces and ignores those there are.
 
     Returns
     -------
     operator : Operator
+        Stiffness W and mass A of W φ = λ A φ.
 
     Raises
     ------
     ValueError
-        If there is no such operator.
+        If there is no operator of that name.
     MeshError
         If the mesh has no faces or a vertex without area, or if the operator cannot be assembled.
+
+    See Also
+    --------
+    compute_spectrum : Eigenpairs of an operator.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> mesh = sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> operator = sg.build_operator(mesh, "cotangent")
+    >>> operator.stiffness.shape
+    (4, 4)
+    >>> bool(abs(operator.mass.sum() - mesh.area) < 1e-9)
+    True
     """
+    mesh = as_mesh(mesh)
     if laplacian not in LAPLACIANS:
         raise ValueError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {laplacian!r}")
     if laplacian == POINT_CLOUD:
@@ -63,14 +84,13 @@ def build_operator(mesh: Mesh, laplacian: str = "robust") -> Operator:
             )
     elif mesh.is_point_cloud:
         raise MeshError(
-            f"{mesh.name!r} has no faces, and the {laplacian!r} Laplacian needs them; "
-            f"{POINT_CLOUD!r} does without"
+            f"{mesh.name!r} has no faces, which the Laplacian {laplacian!r} needs; use {POINT_CLOUD!r}"
         )
     elif unused := int((np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) == 0).sum()):
         raise MeshError(f"{mesh.name!r} has {unused} vertices that no face uses; call repair() first")
     try:
         operator = LAPLACIANS[laplacian](mesh)
-    except RuntimeError as error:  # robust_laplacian's own failures
+    except RuntimeError as error:  # from the library robust_laplacian
         raise MeshError(f"{mesh.name!r}: the Laplacian could not be assembled ({error})") from error
     if not (np.isfinite(operator.stiffness.data).all() and (operator.lumped_mass > 0).all()):
         raise MeshError(f"{mesh.name!r} has vertices without area; call repair() first")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Operators on an intrinsic triangulation, for meshes and points in any state (Sharp and Crane 2020)."""
+"""Laplacians of meshes and point clouds in any state, on intrinsic triangulations (Sharp and Crane 2020)."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["point_cloud", "robust"]
 
-# Of a point's tangent plane and local triangulation; the library's own choice.
+# Number of neighbours for a point's tangent plane and local triangulation: the default of robust_laplacian.
 NEIGHBOURS = 30
 
 
 def robust(mesh: Mesh) -> Operator:
-    """Tufted, intrinsic Delaunay Laplacian: any triangle mesh, also non-manifold (Sharp and Crane, 2020).
+    """Assemble the tufted intrinsic Delaunay Laplacian of any triangle mesh (Sharp and Crane 2020).
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles; it need not be manifold.
 
     Returns
     -------
     operator : Operator
-        Off-diagonal weights are never negative, whatever the triangles look like.
+        The weights between vertices are never negative, however thin the triangles are.
 
     References
     ----------
@@ -37,22 +38,23 @@ def robust(mesh: Mesh) -> Operator:
 
 
 def point_cloud(mesh: Mesh) -> Operator:
-    """Laplacian of points without faces (paper, section 3.3; Sharp and Crane 2020, section 5.7).
+    """Assemble the Laplacian of points without faces (paper, section 3.3; Sharp and Crane 2020, section 5.7).
 
-    Around every point its nearest neighbours are projected to their tangent plane and triangulated (Delaunay)
-    there. The triangles at all points, each of which is found up to three times, are one non-manifold mesh
-    with a third of the weight; its operator is `robust`'s. The paper names Belkin, Sun and Wang (2009), who
-    also triangulate in tangent planes but integrate a heat kernel over them, which makes no sparse matrix.
+    The nearest neighbours of each point are projected to their tangent plane and triangulated (Delaunay)
+    there. The triangles at all points, each of which is found up to three times, form one non-manifold mesh
+    with a third of the weight; its operator is that of `robust`. The paper cites Belkin, Sun and Wang (2009),
+    who also triangulate in tangent planes but integrate a heat kernel over the triangles, which gives no
+    sparse matrix.
 
     Parameters
     ----------
     mesh : Mesh
-        Faces, if there are any, are not looked at.
+        Its faces, if there are any, are ignored.
 
     Returns
     -------
     operator : Operator
-        The mass of a point is its share of the area of the surface it stands on.
+        The mass of a point is its share of the area of the surface.
     """
     neighbours = min(NEIGHBOURS, len(mesh.vertices) - 1)
     stiffness, mass = robust_laplacian.point_cloud_laplacian(mesh.vertices, n_neighbors=neighbours)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The smallest eigenpairs of a large sparse pencil (W, A), counted so that none is missed (section 3.3).
+"""Smallest eigenpairs of a large sparse pencil (W, A), counted so that none is missed (paper, section 3.3).
 
 Block Lanczos on the shift-inverted operator B = (W - σA)⁻¹A, whose eigenvalues are θ = 1/(λ - σ). With σ
-inside the wanted range the wanted θ are the outermost on both sides, and converge in two thirds of the steps
-that a shift below all of them takes. A factorisation W - μA = LDLᵀ has as many negative pivots as there are
-eigenvalues below μ (Sylvester's law of inertia): counting them at σ and just above the last wanted eigenvalue
-proves that the set is complete. What is missing is looked for again, orthogonal to what was found.
+inside the wanted range, the wanted θ are the outermost on both sides and converge in fewer steps than with a
+shift below all of them. A factorisation W - μA = LDLᵀ has as many negative pivots as there are eigenvalues
+below μ (Sylvester's law of inertia): counting them at σ and just above the last wanted eigenvalue proves that
+the set is complete. Missing pairs are searched again, orthogonal to those found.
 
 References
 ----------
@@ -27,22 +27,23 @@ from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["smallest_pairs"]
 
-# Right-hand sides of one solve. More make faster products, but the Krylov space must be larger; measured flat
-# from 5 to 10.
+# Right-hand sides of one solve. More make faster products, but need a larger Krylov space.
 BLOCK = 6
-# A pair is found when its residual in B is this share of |θ|. The error of an eigenvalue is of second order.
+# Largest residual of a converged pair in B, as a share of |θ|. The error of its eigenvalue is of second
+# order.
 TOLERANCE = 1e-8
-# The share of the wanted eigenvalues that σ should leave below it: nothing lies beyond them, so they
-# converge sooner than those at the upper end. Between the bounds another factorisation would not pay.
+# Share of the wanted eigenvalues that σ should leave below it: more than half, as nothing lies beyond them,
+# so that they converge sooner than those at the upper end. Between the bounds another factorisation does not
+# pay.
 SHARE_BELOW = 0.6
 LEAST_BELOW, MOST_BELOW = 0.35, 0.85
-# Eigenvalues closer than this, relatively, are counted as one.
+# Relative distance below which eigenvalues are counted as one.
 CLUSTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class _Pencil:
-    """W and A in an order of small bandwidth; with a lumped mass A^-½ W A^-½ and no mass at all."""
+    """W and A in an order of small bandwidth; with a lumped mass A^-½ W A^-½, and no mass."""
 
     stiffness: sparse.csc_matrix
     mass: sparse.csc_matrix | None
@@ -53,14 +54,14 @@ class _Pencil:
         return block if self.mass is None else np.asfortranarray(self.mass @ block)
 
     def inner(self, one: FloatArray, other: FloatArray) -> FloatArray:
-        """Inner products in A of the columns of one with those of the other."""
+        """Compute the inner products in A of the columns of one block with those of the other."""
         if not one.size:
             return np.empty((one.shape[1], other.shape[1]))
-        # Half the time of numpy's `one.T @ other` where the columns are few.
+        # Faster than numpy's `one.T @ other` where the columns are few.
         return np.asarray(dgemm(1.0, one, self.weigh(other), trans_a=True))
 
     def shifted(self, shift: float) -> sparse.csc_matrix:
-        """W - σA."""
+        """Form W - σA."""
         if self.mass is not None:
             return sparse.csc_matrix(self.stiffness - shift * self.mass)
         matrix = self.stiffness.copy()
@@ -70,7 +71,7 @@ class _Pencil:
 
 @dataclass(frozen=True, eq=False)
 class _Factor:
-    """W - σA, factorised."""
+    """Factorisation of W - σA."""
 
     shift: float
     lu: SuperLU
@@ -102,14 +103,15 @@ def smallest_pairs(
     Parameters
     ----------
     stiffness : (n, n) sparse array
-        W, symmetric. Fast for discrete Laplace operators of connected surfaces, right for any.
+        W, symmetric. Any will do; discrete Laplace operators of connected surfaces are fast.
     mass : (n, n) sparse array
         A, symmetric positive definite; its entries sum to the area. Diagonal or not.
     k : int
-        At least 1, at most n / 3.
+        Number of eigenpairs, at least 1 and at most n / 3.
     constant : bool
-        Whether W takes the constant function to 0, and nothing lies below. It is then returned exactly, the
-        others orthogonal to it to rounding. Otherwise no eigenvalue is assumed to be 0.
+        Whether W maps the constant function to 0, and no eigenvalue is negative. The function is then
+        returned exactly, and the others are orthogonal to it up to rounding. Otherwise no eigenvalue is
+        assumed to be 0.
 
     Returns
     -------
@@ -123,7 +125,7 @@ def smallest_pairs(
     ValueError
         If k is out of its range.
     numpy.linalg.LinAlgError
-        If the pencil cannot be factorised, or the count of eigenvalues never agrees with those found.
+        If the pencil cannot be factorised, or the count of eigenvalues does not agree with those found.
 
     Notes
     -----
@@ -141,7 +143,7 @@ def smallest_pairs(
     pairs = _complete_pairs(pencil, k, known)
     vectors = np.empty_like(pairs.vectors)
     place = np.argsort(order)
-    # Column by column, each of which fits a cache.
+    # Column by column, as a column fits a cache.
     for target, vector in zip(vectors.T, pairs.vectors.T, strict=True):
         target[:] = (vector if scale is None else vector * scale)[place]
     return pairs.values, vectors
@@ -150,9 +152,9 @@ def smallest_pairs(
 def _prepare(
     stiffness: sparse.csc_array, mass: sparse.csc_array, order: np.ndarray
 ) -> tuple[_Pencil, FloatArray | None]:
-    """Permute; divide by a diagonal mass. The second value takes the eigenvectors back to it."""
+    """Permute, and divide by a diagonal mass; the second value scales the eigenvectors back."""
     spacing = 4 * np.pi / mass.sum()
-    # SuperLU's own ordering takes a fraction of its time on a matrix of small bandwidth.
+    # SuperLU finds its own ordering much faster on a matrix of small bandwidth.
     permuted = sparse.csc_matrix(stiffness[order][:, order])
     if mass.nnz > mass.shape[0]:
         return _Pencil(permuted, sparse.csc_matrix(mass[order][:, order]), spacing), None
@@ -162,19 +164,19 @@ def _prepare(
 
 
 def _complete_pairs(pencil: _Pencil, k: int, found: _Pairs) -> _Pairs:
-    """Search for those not found yet, count, and search again for what is missing."""
+    """Search for the pairs not found yet, count, and search again for those that are missing."""
     random = np.random.default_rng(0)
     factor = _factor_inside(pencil, k, random)
     n = pencil.stiffness.shape[0]
     wanted = max(k, factor.below)
-    following = np.inf  # the least estimate of what comes after those found
+    following = np.inf  # least estimate of the eigenvalue after those found
     while True:
         found_below = int((found.values < factor.shift).sum())
         missing_below = max(factor.below - found_below, 0)
         missing_above = max(wanted - factor.below - (len(found.values) - found_below), 0)
         new, estimate = _block_lanczos(pencil, factor, missing_below, missing_above, found.vectors, random)
         if (missing_below + missing_above and not len(new.values)) or len(found.values) > n // 2:
-            raise np.linalg.LinAlgError(f"found {len(found.values)} of {wanted} eigenvalues, and no more")
+            raise np.linalg.LinAlgError(f"found only {len(found.values)} of {wanted} eigenvalues")
         found = found.joined(new)
         following = min(
             (value for value in (following, estimate) if value > found.values[-1]), default=np.inf
@@ -193,20 +195,20 @@ def _complete_pairs(pencil: _Pencil, k: int, found: _Pairs) -> _Pairs:
 
 
 def _gap(values: FloatArray, following: float, k: int, rounding: float) -> tuple[float, int]:
-    """Choose where to count: a gap among the eigenvalues, and how many lie below it.
+    """Choose a gap among the eigenvalues at which to count, and say how many lie below it.
 
-    The first gap above the k-th eigenvalue, or the last one below it if it belongs to a cluster that goes on
-    beyond those found. What could be missing above the bound then equals the cluster within `CLUSTER`.
-    Differences below `rounding` tell nothing apart.
+    The first gap above the k-th eigenvalue; or the last gap below it if it belongs to a cluster that
+    continues beyond the eigenvalues found. Those that could be missing above the bound then equal the cluster
+    within `CLUSTER`. Differences below `rounding` separate nothing.
     """
     edges = np.append(values, following)
     gaps = np.diff(edges)
-    # How many eigenvalues lie below each wide gap.
+    # Number of eigenvalues below each wide gap.
     below = np.flatnonzero(gaps > CLUSTER * np.abs(edges[1:]) + rounding) + 1
     if not len(below):
         return float(values[0] - CLUSTER * abs(values[0]) - rounding), 0
     expected = int(below[below >= k][0] if below[-1] >= k else below[-1])
-    # Near the lower end: the value that follows has not converged, and comes down when it does.
+    # Near the lower end of the gap: the next value has not converged, and will be smaller when it has.
     return float(values[expected - 1] + 0.25 * gaps[expected - 1]), expected
 
 
@@ -219,8 +221,8 @@ def _factorise(pencil: _Pencil, shift: float, earlier: _Factor | None = None) ->
     shift : float
         σ.
     earlier : _Factor, optional
-        With another shift. Its order of elimination is taken over, which saves the search for one: the result
-        is of the matrix in that order, good for counting.
+        With another shift. Its order of elimination is used again, which saves the search for one. The result
+        belongs to the matrix in that order, and serves for counting only.
 
     Raises
     ------
@@ -236,7 +238,7 @@ def _factorise(pencil: _Pencil, shift: float, earlier: _Factor | None = None) ->
             matrix,
             permc_spec="MMD_AT_PLUS_A" if earlier is None else "NATURAL",
             diag_pivot_thresh=0.0,
-            # The supernodes of a surface are small: SuperLU's larger defaults cost a quarter of the time.
+            # The supernodes of a surface are small: SuperLU's larger defaults are slower.
             relax=1,
             panel_size=1,
             options={"SymmetricMode": True},
@@ -261,16 +263,16 @@ def _factor_inside(pencil: _Pencil, k: int, random: np.random.Generator) -> _Fac
             if _is_accurate(pencil, factor, random):
                 return factor
             shift += 0.3 * pencil.spacing
-        else:  # Weyl's law is far off: a long strip, a surface of thin sheets
+        else:  # Weyl's law is far off, as on a long strip or thin sheets
             shift *= min(max(SHARE_BELOW * k / max(factor.below, 0.5), 0.25), 4.0)
-    # Relative to the area, so W - σA is positive definite in any unit.
+    # Relative to the area, so that W - σA is positive definite in any unit.
     return _factorise(pencil, -0.05 * pencil.spacing)
 
 
 def _is_accurate(pencil: _Pencil, factor: _Factor, random: np.random.Generator) -> bool:
-    """Tell whether a factorisation that exchanged no rows is stable, and its shift not at an eigenvalue.
+    """Tell whether a factorisation without row exchanges is stable, and its shift not at an eigenvalue.
 
-    A θ that towers above the others would take its rounding error into them.
+    A θ far larger than the others would spread its rounding error to them.
     """
     right_side = pencil.weigh(random.standard_normal((pencil.stiffness.shape[0], 1)))
     solution = factor.lu.solve(right_side)
@@ -298,18 +300,18 @@ def _block_lanczos(
     factor : _Factor
         Of W - σA.
     below, above : int
-        How many pairs to find on each side of σ: all that there are below it, the nearest above it.
+        Numbers of pairs to find on each side of σ: all below it, the nearest above it.
     known : (n, p) array
-        A-orthonormal eigenvectors to keep away from.
+        A-orthonormal eigenvectors to which the new ones are orthogonal.
     random : numpy.random.Generator
-        Makes the start.
+        Source of the first block.
 
     Returns
     -------
     pairs : _Pairs
-        Those that converged before the Krylov space was full: nearly always all.
+        The pairs that converged before the Krylov space was full: nearly always all of them.
     following : float
-        Estimate of the eigenvalue that follows above the last one; ∞ if there is none yet.
+        Estimate of the next eigenvalue above the last one; ∞ if there is none yet.
     """
     n, locked = known.shape
     capacity = min(n - locked - BLOCK, 3 * (below + above) + 30 * BLOCK)
@@ -321,8 +323,8 @@ def _block_lanczos(
     _orthonormalise(pencil, basis[:, :locked], start)
     projected = np.zeros((capacity + BLOCK, capacity + BLOCK))  # B in the basis: block tridiagonal
     size = BLOCK
-    is_orthogonal = True  # the newest block, to the whole basis
-    check_at = 1.7 * (below + above)  # none was done before
+    is_orthogonal = True  # the newest block to the whole basis
+    check_at = 1.7 * (below + above)  # none converges before
     while True:
         block = slice(size - BLOCK, size)
         remainder = basis[:, locked + size : locked + size + BLOCK]
@@ -331,8 +333,9 @@ def _block_lanczos(
         parts = _subtract_projection(pencil, basis[:, locked + recent.start : locked + size], remainder)
         projected[recent, block] = parts
         projected[block, recent] = parts.T
-        # The recurrence alone leaves about 1e-12 of the earlier blocks, a thousand times more in each further
-        # step: max |θ| / ‖coupling‖. So every other block may wait, and two in one pass read the basis once.
+        # The recurrence alone leaves about 1e-12 of the earlier blocks, and a thousand times more with each
+        # further step: max |θ| / ‖coupling‖. So every other block can wait, and one pass over the basis
+        # serves two.
         is_orthogonal = not is_orthogonal
         if is_orthogonal:
             last_two = basis[:, locked + size - BLOCK : locked + size + BLOCK]
@@ -350,13 +353,13 @@ def _block_lanczos(
             )
             if full or excess.max(initial=0.0) <= 1:
                 break
-            # A block gains about a digit at best: wait that long before the next look.
+            # A block gains about one digit at best: check again after as many as are needed.
             check_at = size + BLOCK * np.ceil(np.log10(min(excess.max(), 1e8)))
         size += BLOCK
     wanted = wanted[excess <= 1]
     wanted = wanted[np.argsort(factor.shift + 1 / thetas[wanted])]
-    # Bx/θ instead of x: a step of inverse iteration that costs no solve. It takes out the rough part of the
-    # error, which W would blow up.
+    # Bx/θ instead of x: a step of inverse iteration that costs no solve. It removes the rough part of the
+    # error, which W would amplify.
     steps = np.concatenate([directions[:, wanted], coupling @ directions[block, wanted] / thetas[wanted]])
     vectors = np.asarray(dgemm(1.0, basis[:, locked : locked + size + BLOCK], steps))
     has_next = size - above - 1 >= below and thetas[size - above - 1] > 0
@@ -365,7 +368,7 @@ def _block_lanczos(
 
 
 def _subtract_projection(pencil: _Pencil, basis: FloatArray, block: FloatArray) -> FloatArray:
-    """Make a block A-orthogonal to an A-orthonormal basis, in place, and return QᵀA times the block."""
+    """Make a block A-orthogonal to an A-orthonormal basis Q, in place, and return QᵀA times the block."""
     parts = pencil.inner(basis, block)
     if parts.size:
         # block -= basis @ parts, without a copy of that size
@@ -378,22 +381,24 @@ def _orthonormalise(
 ) -> FloatArray:
     """Make the columns of a block A-orthonormal in place, and return R of block = QR.
 
-    By eigenvectors of the Gram matrix, repeated until it is the identity (A. Stathopoulos, K. Wu: A Block
-    Orthogonalization Procedure with Constant Synchronization Requirements, 2002). What is left of a block of
-    less than full rank is rounding: it becomes new directions, which R says are not coupled.
+    By the eigenvectors of the Gram matrix, repeated until that is the identity (A. Stathopoulos, K. Wu: A
+    Block Orthogonalization Procedure with Constant Synchronization Requirements, 2002). If the block has not
+    full rank, the rest of it is rounding and becomes new directions, which are not coupled according to R.
 
     Parameters
     ----------
     pencil : _Pencil
     basis : (n, m) array
-        The block is orthogonal to it, and stays so.
+        A-orthonormal basis to which the block is orthogonal, and stays so.
     block : (n, b) array
+        Columns to change.
     reference : float
-        Size of what the block is the remainder of, in A's norm.
+        Norm in A of the block before the projection on the basis was subtracted.
 
     Returns
     -------
     coupling : (b, b) array
+        R.
     """
     coupling = np.eye(block.shape[1])
     for _ in range(8):

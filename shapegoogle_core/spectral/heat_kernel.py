@@ -6,7 +6,8 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from shapegoogle_core.laplacian import Operator, build_operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh import MeshLike
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.rational import rational_diagonal, rational_kernel
 from shapegoogle_core.spectral.spectrum import Spectrum
 from shapegoogle_core.spectral.truncated import truncated_diagonal, truncated_kernel
@@ -18,7 +19,7 @@ METHODS = ("spectral", "rational")
 
 
 def heat_kernel(
-    shape: Spectrum | Operator | Mesh,
+    shape: Spectrum | Operator | MeshLike,
     source: int,
     time: float,
     *,
@@ -31,7 +32,7 @@ def heat_kernel(
 
     Parameters
     ----------
-    shape : Spectrum, Operator or mesh-like
+    shape : Spectrum, Operator or MeshLike
         A `Spectrum` for the method "spectral"; an operator with a value for each vertex, see
         `build_operator`, or a mesh for the method "rational".
     source : int
@@ -82,13 +83,14 @@ def heat_kernel(
     >>> bool(np.allclose(exact, heat, rtol=1e-3))
     True
     """
-    if isinstance(spectrum := _checked_shape(shape, method), Spectrum):
-        return truncated_kernel(spectrum, source, time)
-    return rational_kernel(spectrum, source, time, tolerance)
+    checked = _checked_shape(shape, method)
+    if isinstance(checked, Spectrum):
+        return truncated_kernel(checked, source, time)
+    return rational_kernel(checked, source, time, tolerance)
 
 
 def heat_kernel_diagonal(
-    shape: Spectrum | Operator | Mesh,
+    shape: Spectrum | Operator | MeshLike,
     times: ArrayLike,
     *,
     method: str = "spectral",
@@ -101,7 +103,7 @@ def heat_kernel_diagonal(
 
     Parameters
     ----------
-    shape : Spectrum, Operator or mesh-like
+    shape : Spectrum, Operator or MeshLike
         See `heat_kernel`.
     times : (d,) array_like
         Times t > 0, in squared mesh units. With "rational" and without a spectrum at most ten times the area.
@@ -138,7 +140,7 @@ def heat_kernel_diagonal(
     return rational_diagonal(checked, times, spectrum, tolerance)
 
 
-def _checked_shape(shape: Spectrum | Operator | Mesh, method: str) -> Spectrum | Operator:
+def _checked_shape(shape: Spectrum | Operator | MeshLike, method: str) -> Spectrum | Operator:
     """Return the spectrum or the operator that the method works on."""
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")

@@ -44,21 +44,21 @@ LATEST = 10.0
 
 @dataclass(frozen=True, eq=False)
 class _Ladder:
-    """Weights that turn resolvents into heat kernels.
+    """Poles of resolvents, and the weights that turn these into heat kernels.
 
     Attributes
     ----------
     poles : (p,) array
         z, ascending, in 1 / squared mesh units.
     weights : (p - 1, d) array
-        c of each pair of neighbouring poles, for each of d times; without unit, many are 0.
+        c of each pair of neighbouring poles, for each of d times; without unit. Many are 0.
     errors : (d,) array
         ε, the largest error of exp(-tλ) as a multiple of 1 / (1 + tλ)².
     bounding : (d,) array of int
-        A pair j for which 1 / (1 + tλ)² ≤ z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})): the error of K_t(x, x) is
-        at most ε P_j(x, x).
+        Index j of a pair for which 1 / (1 + tλ)² ≤ z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})), so that the error
+        of K_t(x, x) is at most ε P_j(x, x).
     above : (d,) array of int
-        The same for (1 + tλ/2)⁻², which is at least exp(-tλ): K_t(x, x) is at most P_j(x, x).
+        The same for (1 + tλ/2)⁻², which is at least exp(-tλ), so that K_t(x, x) is at most P_j(x, x).
     """
 
     poles: FloatArray
@@ -68,7 +68,7 @@ class _Ladder:
     above: NDArray[np.int64]
 
     def pairs(self, resolvent: Callable[[float], FloatArray]) -> Iterator[FloatArray]:
-        """P_j for each pair of poles, of the part of the resolvents that `resolvent` computes."""
+        """Yield P_j of each pair of poles, of the part of the resolvents that `resolvent` computes."""
         lower, lower_part = self.poles[0], resolvent(self.poles[0])
         for pole in self.poles[1:]:
             part = resolvent(pole)
@@ -106,7 +106,7 @@ def rational_kernel(operator: Operator, source: int, time: float, tolerance: flo
     n = len(operator.lumped_mass)
     if not 0 <= source < n:
         raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
-    # Far faster to factorise in this order, of small bandwidth, than in the mesh's.
+    # In this order of small bandwidth the factorisations are far faster than in that of the mesh.
     order = level_structure(_pattern(operator)).order
     stiffness = operator.stiffness[order][:, order]
     mass = operator.mass[order][:, order]
@@ -168,7 +168,7 @@ def rational_diagonal(
         len(spectrum.mass) == len(mass) and np.allclose(spectrum.mass, mass, rtol=1e-6, atol=0)
     ):
         raise ValueError(
-            "the spectrum is of another mesh or Laplacian than the operator; take the operator's own"
+            "the spectrum is of another mesh or Laplacian than the operator; pass that of the operator"
         )
     levels = level_structure(_pattern(operator))
     if spectrum is None:
@@ -183,7 +183,7 @@ def rational_diagonal(
 
 
 def _by_resolvents(operator: Operator, levels: Levels, times: FloatArray, tolerance: float) -> FloatArray:
-    """K_t(x, x), (n, d), from the diagonals of the resolvents."""
+    """Compute K_t(x, x), an (n, d) array, from the diagonals of the resolvents."""
     shape = len(levels.order), len(times)
     values, bounds, above = np.zeros(shape), np.empty(shape), np.empty(shape)
     ladder = _ladder(times)
@@ -192,8 +192,8 @@ def _by_resolvents(operator: Operator, levels: Levels, times: FloatArray, tolera
         bounded = ladder.bounding == index
         bounds[:, bounded] = np.outer(pair, ladder.errors[bounded])
         above[:, ladder.above == index] = pair[:, None]
-    # Heat never falls below its mean. That and the bound from above hold to the last digits also where a
-    # component is so small, for the time, that the sum of resolvents has rounding in it.
+    # Heat never falls below its mean. This and the bound from above are accurate also where a component is so
+    # small for the time that the sum of resolvents suffers from rounding.
     _, component = connected_components(operator.stiffness, directed=False)
     mean = 1 / np.bincount(component, operator.lumped_mass)[component]
     values = np.maximum(np.minimum(values, above), mean[:, None])
@@ -202,7 +202,7 @@ def _by_resolvents(operator: Operator, levels: Levels, times: FloatArray, tolera
 
 
 def _left_out(operator: Operator, levels: Levels, spectrum: Spectrum, times: FloatArray) -> FloatArray:
-    """Bound (n, d) on what the truncated spectrum lacks of K_t(x, x).
+    """Bound the part of K_t(x, x) that the truncated spectrum lacks, as an (n, d) array.
 
     For λ ≥ λ_k the product (λ + λ_k) exp(-λt) is at most 2 λ_k exp(-λ_k t), if 2 λ_k t ≥ 1. The sum over
     l > k of exp(-λ_l t) φ_l² is then at most that times the sum of φ_l² / (λ_l + λ_k): the diagonal of the
@@ -212,7 +212,7 @@ def _left_out(operator: Operator, levels: Levels, spectrum: Spectrum, times: Flo
     if k == n:
         return np.zeros((n, len(times)))
     last = float(spectrum.eigenvalues[-1])
-    if last <= 0:  # it does not even hold the mean of every component
+    if last <= 0:  # some components have no eigenpair at all
         return np.full((n, len(times)), np.inf)
     known = spectrum.eigenvectors**2 @ (1 / (spectrum.eigenvalues + last))
     unknown = np.maximum(_resolvent_diagonal(operator, levels, last) - known, 0)
@@ -226,7 +226,7 @@ def _resolvent_diagonal(operator: Operator, levels: Levels, pole: float) -> Floa
 
 
 def _ladder(times: FloatArray) -> _Ladder:
-    """Fit exp(-tλ) for each of some times."""
+    """Fit exp(-tλ) for each time."""
     low, high = OCTAVES
     shortest, longest = times.min(), times.max()
     steps = np.arange(
@@ -235,11 +235,11 @@ def _ladder(times: FloatArray) -> _Ladder:
     poles = 2 ** (steps / POLES_PER_OCTAVE) / shortest
     near = (poles[:, None] * times >= 2.0**low) & (poles[:, None] * times <= 2.0**high)
     poles, near = poles[near.any(axis=1)], near[near.any(axis=1)]
-    # λt from where exp(-λt) is flat to where all fractions have the same slope; and points between them.
+    # λt from where exp(-λt) is flat to where all fractions have the same slope, and points between these.
     fitted = np.concatenate([[0.0], np.geomspace(1e-3, 1e6, 400)])
     tried = np.concatenate([[0.0], np.geomspace(1e-4, 1e8, 4000)])
     importance = (1 + fitted) ** 2
-    importance[0] = 1e4  # heat is kept: the fit at λ = 0 is the integral of the kernel
+    importance[0] = 1e4  # heat is conserved: the fit at λ = 0 is the integral of the kernel
     weights, errors = np.zeros((len(poles) - 1, len(times))), np.empty(len(times))
     for column, time in enumerate(times):
         scaled = poles[near[:, column]] * time
@@ -258,7 +258,7 @@ def _ladder(times: FloatArray) -> _Ladder:
 
 
 def _fractions(values: FloatArray, poles: FloatArray) -> FloatArray:
-    """z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})) for each λ and each pair of neighbouring poles."""
+    """Compute z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})) for each λ and each pair of neighbouring poles."""
     single = poles / (values[:, None] + poles)
     pairs: FloatArray = single[:, :-1] * single[:, 1:]
     return pairs
@@ -288,22 +288,20 @@ def _check_operator_and_tolerance(operator: Operator, tolerance: float) -> None:
 
 
 def _check_proof(bounds: FloatArray, values: FloatArray, tolerance: float) -> None:
-    """Make sure that errors of at most `bounds` are within the tolerance, as shares of the true values.
+    """Raise ValueError unless errors of at most `bounds` are within the tolerance, as shares of the values.
 
-    Hard are vertices that have far less area than their neighbours: their heat falls to a small share of
-    what it was as fast as exp(-tλ), which the bound does not.
+    Vertices with far less area than their neighbours are hard: their heat falls as fast as exp(-tλ), and the
+    bound does not.
     """
     least = values - bounds
     proved = float((bounds / least).max()) if least.min() > 0 else math.inf
     if proved > tolerance:
-        advice = f"allow {1.1 * proved:.2g}, or" if proved < 0.5 else "first"
-        raise ValueError(
-            f"a tolerance of {tolerance:g} cannot be proved on so uneven a mesh; {advice} re-mesh it"
-        )
+        advice = f"allow {1.1 * proved:.2g}, or re-mesh it" if proved < 0.5 else "re-mesh it first"
+        raise ValueError(f"a tolerance of {tolerance:g} cannot be proved on a mesh this uneven; {advice}")
 
 
 def _pattern(operator: Operator) -> sparse.csr_array:
-    """Which vertices a resolvent joins, also where their weights happen to be 0."""
+    """Mark the pairs of vertices that a resolvent joins, also where their weights happen to be 0."""
     parts = [matrix.tocsr(copy=True) for matrix in (operator.stiffness, operator.mass)]
     for part in parts:
         part.data = np.ones(part.nnz)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Diagonal of the inverse of a sparse matrix, without the rest of the inverse."""
+"""Diagonal of the inverse of a sparse matrix, without computing the rest of the inverse."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["Levels", "inverse_diagonal", "level_structure"]
 
-# Levels are joined until they have that many vertices: smaller blocks cost more in calls than in arithmetic.
+# Least number of vertices of a block; levels are joined up to it, as calls dominate the cost of smaller ones.
 LEAST_BLOCK = 48
 
 
@@ -28,7 +28,7 @@ class Levels:
     order : (n,) array of int
         Vertex at each place of the new order.
     bounds : (b + 1,) array of int
-        Where the blocks start, and n. Entries join only places of the same or of neighbouring blocks.
+        Start of each block, and n. Entries join only places of the same block or of neighbouring blocks.
     """
 
     order: NDArray[np.int64]
@@ -36,20 +36,20 @@ class Levels:
 
 
 def level_structure(pattern: sparse.csr_array) -> Levels:
-    """Order a symmetric matrix by the distance, in edges, from a vertex far out.
+    """Order a symmetric matrix by the number of edges to a vertex at the periphery.
 
-    An edge joins vertices of the same or of neighbouring levels. On a surface the levels are rings around
-    it: of n vertices, some √n in each.
+    An edge joins vertices of the same level or of neighbouring levels. On a surface of n vertices the levels
+    are rings of some √n vertices.
 
     Parameters
     ----------
     pattern : (n, n) sparse array
-        Symmetric; an entry is an edge, whatever its value.
+        Symmetric; each entry is an edge, whatever its value.
 
     Returns
     -------
     levels : Levels
-        The components stand one after another.
+        The components follow one after another.
     """
     graph = sparse.csr_array((np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=pattern.shape)
     _, component = connected_components(graph, directed=False)
@@ -62,7 +62,7 @@ def level_structure(pattern: sparse.csr_array) -> Levels:
             sizes.append(len(vertices))
             continue
         first = vertices[0]
-        # What is found last is far out; seen from there the levels are more and smaller.
+        # The vertex found last lies at the periphery, from where there are more and smaller levels.
         for _ in range(2):
             first = breadth_first_order(graph, first, return_predecessors=False)[-1]
         order, parent = breadth_first_order(graph, first)
@@ -77,7 +77,7 @@ def level_structure(pattern: sparse.csr_array) -> Levels:
 
 
 def _depths(order: NDArray[np.int32], parent: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Level of each vertex of a breadth-first order, ascending from 0."""
+    """Compute the level of each vertex of a breadth-first order, ascending from 0."""
     place = np.zeros(len(parent), np.int64)
     place[order] = np.arange(len(order))
     parent_place = place[parent[order[1:]]].tolist()
@@ -88,10 +88,10 @@ def _depths(order: NDArray[np.int32], parent: NDArray[np.int32]) -> NDArray[np.i
 
 
 def inverse_diagonal(matrix: sparse.csr_array, levels: Levels) -> FloatArray:
-    """Diagonal of the inverse of a sparse positive definite matrix, exactly.
+    """Compute the diagonal of the inverse of a sparse positive definite matrix, exactly.
 
-    With the blocks D_i on the diagonal and C_i to the right of them, elimination from the first block to the
-    last gives S_i = D_i - C_{i-1}ᵀ S_{i-1}⁻¹ C_{i-1}. From the last to the first, the diagonal blocks of the
+    With blocks D_i on the diagonal and C_i to the right of them, elimination from the first block to the last
+    gives S_i = D_i - C_{i-1}ᵀ S_{i-1}⁻¹ C_{i-1}. From the last to the first, the diagonal blocks of the
     inverse are G_i = S_i⁻¹ + S_i⁻¹ C_i G_{i+1} C_iᵀ S_i⁻¹ (Takahashi, Fagan, Chin 1973, by blocks).
 
     Parameters
@@ -99,7 +99,7 @@ def inverse_diagonal(matrix: sparse.csr_array, levels: Levels) -> FloatArray:
     matrix : (n, n) sparse array
         Symmetric positive definite.
     levels : Levels
-        Of the matrix' pattern.
+        Order of the pattern of the matrix, from `level_structure`.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def inverse_diagonal(matrix: sparse.csr_array, levels: Levels) -> FloatArray:
 
     Notes
     -----
-    For blocks of width w it takes some 6 n w² operations and n w numbers of memory; on a surface w ~ √n.
+    Blocks of width w take some 6 n w² operations and n w numbers of memory; on a surface w ~ √n.
     """
     ordered = matrix[levels.order][:, levels.order]
     count = len(levels.bounds) - 1
@@ -135,7 +135,7 @@ def inverse_diagonal(matrix: sparse.csr_array, levels: Levels) -> FloatArray:
 
 
 def _inverse(block: FloatArray) -> FloatArray:
-    """Inverse of a dense positive definite matrix, by its Cholesky factor."""
+    """Invert a dense positive definite matrix by its Cholesky factor."""
     factor, failed = lapack.dpotrf(block)
     if failed:
         raise np.linalg.LinAlgError("the matrix is not positive definite")

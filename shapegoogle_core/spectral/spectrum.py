@@ -14,33 +14,49 @@ from threadpoolctl import ThreadpoolController
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import BOUNDARIES, Operator, build_operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.eigensolver import smallest_pairs
 
 __all__ = ["Spectrum", "compute_spectrum", "operator_spectrum"]
 
-# Below this many vertices a dense solver is as fast as an iterative one, and cannot miss anything.
+# Up to this number of vertices a dense solver is as fast as an iterative one, and cannot miss a pair.
 DENSE_SIZE = 200
-# Finding the loaded libraries takes 1.5 ms, 5 % of a small spectrum: numpy's and scipy's are loaded by now.
+# Made once, as finding the loaded libraries takes a while; those of numpy and scipy are loaded by now.
 _LIBRARIES = ThreadpoolController()
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """The k smallest eigenpairs of a shape.
+    """The k smallest eigenpairs of a shape, W φ = λ A φ (paper, equations 8 and 10).
 
     Attributes
     ----------
     eigenvalues : (k,) array
         Ascending, ≥ 0, in 1 / squared mesh units. Exactly 0 once for each connected component that is not
-        held at 0 on a boundary; of more such components than k, the largest are kept, and the others have no
-        heat.
+        held at 0 on a boundary. If there are more such components than k, the largest are kept, and the
+        others have no heat.
     eigenvectors : (n, k) array
-        Orthonormal in their operator's mass: ΦᵀAΦ = I. In 1 / mesh units. The entry of largest magnitude
-        of each is positive. Of an operator with degrees of freedom that are no vertices ("fem2", "fem3"),
-        the values at the vertices: orthonormal only as nearly as `mass` integrates them.
+        Orthonormal in the mass of their operator, ΦᵀAΦ = I; in 1 / mesh units. The entry of largest magnitude
+        of each eigenvector is positive. For an operator that also has degrees of freedom elsewhere than at
+        vertices ("fem2", "fem3"), the values at the vertices, which are orthonormal only as far as `mass`
+        integrates them.
     mass : (n,) array
         Lumped vertex areas in squared mesh units.
+
+    See Also
+    --------
+    compute_spectrum : Spectrum of a mesh.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> spectrum = sg.compute_spectrum((vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]))
+    >>> spectrum.eigenvalues.round(4).tolist()
+    [0.0, 0.6667, 0.6667, 0.6667]
+    >>> spectrum.eigenvectors.shape, round(spectrum.area, 4)
+    ((4, 4), 13.8564)
     """
 
     eigenvalues: FloatArray
@@ -53,43 +69,44 @@ class Spectrum:
         return float(self.mass.sum())
 
     def at(self, vertices: NDArray[np.int64]) -> Spectrum:
-        """Keep the values of the eigenfunctions at some vertices alone.
+        """Restrict the eigenvectors to some vertices.
 
         Parameters
         ----------
         vertices : (p,) array of int
+            Indices of the vertices to keep.
 
         Returns
         -------
         spectrum : Spectrum
-            Its heat kernel is that between these vertices. Its eigenvectors are orthonormal no more, and its
-            area is that of these vertices.
+            Its heat kernel is that between these vertices. Its eigenvectors are no longer orthonormal, and
+            its area is that of these vertices.
         """
         return Spectrum(self.eigenvalues, self.eigenvectors[vertices], self.mass[vertices])
 
 
 def compute_spectrum(
-    mesh: Mesh, k: int = 100, laplacian: str = "robust", boundary: str = "neumann"
+    mesh: MeshLike, k: int = 100, laplacian: str = "robust", boundary: str = "neumann"
 ) -> Spectrum:
-    """Compute the k smallest eigenpairs of a mesh's Laplace–Beltrami operator (paper, equations 8 and 10).
+    """Compute the k smallest eigenpairs of the Laplace–Beltrami operator (paper, equations 8 and 10).
 
     Parameters
     ----------
-    mesh : Mesh
-        Every vertex must belong to a face; for "point-cloud" there need not be any.
+    mesh : MeshLike
+        A mesh in which every vertex belongs to a face, or points for "point-cloud".
     k : int
-        Number of eigenpairs; at most as many as the operator has free degrees of freedom are returned.
+        Number of eigenpairs.
     laplacian : {"robust", "cotangent", "cotangent-voronoi", "fem1", "fem2", "fem3", "point-cloud"}
-        The operator, see `shapegoogle_core.laplacian`.
+        Operator, see `build_operator`.
     boundary : {"neumann", "dirichlet"}
-        On open boundaries, the edges of one face only: "neumann", the natural condition, lets no heat
-        through; "dirichlet" holds eigenvectors at 0. A closed surface has the same spectrum with both.
+        Condition on open boundaries, the edges of only one face: "neumann", the natural condition, lets no
+        heat through; "dirichlet" holds eigenvectors at 0. A closed surface has the same spectrum with both.
 
     Returns
     -------
     spectrum : Spectrum
-        With min(k, n) pairs, n counting the vertices (of "fem2" and "fem3" all degrees of freedom) that are
-        not held at 0.
+        With min(k, n) pairs, where n counts the vertices (for "fem2" and "fem3" all degrees of freedom) that
+        are not held at 0.
 
     Raises
     ------
@@ -97,8 +114,23 @@ def compute_spectrum(
         If k < 1, or the operator or the boundary condition is unknown.
     MeshError
         If the operator cannot be assembled or its eigenproblem cannot be solved; with "dirichlet" also if
-        everything lies on the boundary, or the boundary of a point cloud is asked for.
+        all vertices lie on the boundary, or the mesh is a point cloud, whose boundary is not known.
+
+    See Also
+    --------
+    build_operator : Stiffness and mass alone.
+    heat_kernel_signature : Descriptor of each vertex, computed from a spectrum.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> mesh = sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> spectrum = sg.compute_spectrum(mesh, k=3, laplacian="cotangent")
+    >>> spectrum.eigenvalues.round(4).tolist()
+    [0.0, 0.6667, 0.6667]
     """
+    mesh = as_mesh(mesh)
     operator = build_operator(mesh, laplacian)
     if boundary == "dirichlet":
         if operator.boundary is None:
@@ -107,8 +139,8 @@ def compute_spectrum(
             )
         if len(operator.boundary) == operator.stiffness.shape[0]:
             raise MeshError(
-                f"{mesh.name!r}: all its vertices lie on open edges, where boundary='dirichlet' leaves "
-                "nothing; subdivide the mesh, or use boundary='neumann'"
+                f"{mesh.name!r}: all its vertices lie on open edges, where boundary='dirichlet' holds them "
+                "at 0; subdivide the mesh, or use boundary='neumann'"
             )
     try:
         return operator_spectrum(operator, k, boundary)
@@ -122,8 +154,9 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
     Parameters
     ----------
     operator : Operator
+        Stiffness W and mass A, see `build_operator`.
     k : int
-        Number of eigenpairs; at most as many as there are free degrees of freedom are returned.
+        Number of eigenpairs; not more are returned than there are free degrees of freedom.
     boundary : {"neumann", "dirichlet"}
         See `compute_spectrum`.
 
@@ -134,15 +167,18 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
     Raises
     ------
     ValueError
-        If k < 1, the boundary condition is unknown, or "dirichlet" leaves no freedom or no boundary is known.
+        If k < 1, the boundary condition is unknown, or, with "dirichlet", the boundary is not known or all
+        degrees of freedom lie on it.
+    numpy.linalg.LinAlgError
+        If the eigenproblem cannot be solved.
 
     Notes
     -----
-    The spectrum of a shape is the union of its components'. They are solved one by one: a Krylov method
-    would have to tell apart as many equal (zero) eigenvalues as there are components.
+    The spectrum of a shape is the union of those of its connected components. They are solved one by one: a
+    Krylov method would have to separate as many equal (zero) eigenvalues as there are components.
 
-    BLAS gets one thread meanwhile: the products are so small that several mostly wait for each other, which
-    took 5 to 20 times as long on a busy machine.
+    BLAS is limited to one thread meanwhile: the products are so small that several threads mostly wait for
+    each other (docs/performance.md).
     """
     if k < 1:
         raise ValueError(f"k must be at least 1, not {k}")
@@ -157,14 +193,14 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
 
 
 def _held_spectrum(operator: Operator, k: int) -> Spectrum:
-    """Eigenpairs that are 0 on the boundary: those of the rows and columns of the other freedoms."""
+    """Solve for eigenfunctions that are 0 on the boundary: for the rows and columns of the other freedoms."""
     count = operator.stiffness.shape[0]
     if operator.boundary is None:
-        raise ValueError("the boundary of this operator is not known, so that nothing can be held at 0 there")
+        raise ValueError("the boundary of this operator is not known, which boundary='dirichlet' needs")
     free = np.ones(count, bool)
     free[operator.boundary] = False
     if not free.any():
-        raise ValueError("all degrees of freedom lie on the boundary: none is left")
+        raise ValueError("all degrees of freedom of the operator lie on the boundary: none is left")
     inner = np.flatnonzero(free)
     stiffness = operator.stiffness[inner]
     grounded = np.diff(sparse.csr_array(stiffness[:, operator.boundary]).indptr) > 0
@@ -176,9 +212,9 @@ def _held_spectrum(operator: Operator, k: int) -> Spectrum:
 
 
 def _spectrum_at_vertices(operator: Operator, eigenvalues: FloatArray, eigenvectors: FloatArray) -> Spectrum:
-    """Leave out what is no vertex, and fix the signs."""
+    """Keep the degrees of freedom at vertices, and fix the signs."""
     areas = operator.lumped_mass
-    # A slice would keep all of the array alive.
+    # A copy, as a slice would keep the whole array alive.
     at_vertices = eigenvectors if len(areas) == len(eigenvectors) else eigenvectors[: len(areas)].copy()
     largest = np.abs(at_vertices).argmax(axis=0)
     at_vertices *= np.where(at_vertices[largest, np.arange(len(eigenvalues))] < 0, -1.0, 1.0)
@@ -188,8 +224,8 @@ def _spectrum_at_vertices(operator: Operator, eigenvalues: FloatArray, eigenvect
 def _solve(operator: Operator, k: int, grounded: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
     """Find the k smallest eigenpairs, in ascending order.
 
-    `grounded` are the degrees of freedom beside some that are held at 0: the constant function of a connected
-    component with one of them is no solution.
+    `grounded` marks the degrees of freedom next to those that are held at 0: the constant function is no
+    solution on a connected component that contains one of them.
     """
     weights = _freedom_weights(operator)
     k = min(k, len(weights))
@@ -202,15 +238,15 @@ def _solve(operator: Operator, k: int, grounded: NDArray[np.bool_]) -> tuple[Flo
 
 
 def _freedom_weights(operator: Operator) -> FloatArray:
-    """(d,) integrals of the basis functions, which sum to the area; some are 0 for quadratic elements."""
+    """Integrate the d basis functions. They sum to the area; some are 0 for quadratic elements."""
     return np.asarray(operator.mass.sum(axis=1), dtype=np.float64).ravel()
 
 
 def _constants_of_largest(mass: FloatArray, component: np.ndarray, k: int) -> tuple[FloatArray, FloatArray]:
-    """Take the constant functions of the k largest components: all wanted eigenvalues are 0.
+    """Return the constant functions of the k largest components: all wanted eigenvalues are 0.
 
-    Every choice of k components would be right; the largest ones keep most of the surface, and the choice
-    does not hang on rounding.
+    Any k components would do. The largest keep most of the surface, and the choice does not depend on
+    rounding.
     """
     areas = np.bincount(component, mass)
     largest = np.argsort(-areas, kind="stable")[:k]
@@ -225,7 +261,7 @@ def _union_of_components(
     weights = _freedom_weights(operator)
     members = np.split(np.argsort(component, kind="stable"), np.cumsum(np.bincount(component))[:-1])
     areas = np.array([weights[freedoms].sum() for freedoms in members])
-    # Weyl: a component holds eigenvalues in proportion to its area. Ask for some more, then check.
+    # Weyl's law: a component has eigenvalues in proportion to its area. Compute some more, then check.
     wanted = np.ceil(1.2 * k * areas / areas.sum()).astype(int) + 5
     pairs: list[tuple[FloatArray, FloatArray]] = [(np.empty(0), np.empty((0, 0)))] * len(members)
     pending = list(range(len(members)))
@@ -240,7 +276,7 @@ def _union_of_components(
             pairs[index] = _smallest_pairs(part, most, has_constant=not grounded[freedoms].any())
         known = np.sort(np.concatenate([values for values, _ in pairs]))
         threshold = known[k - 1] if len(known) >= k else np.inf
-        # A component whose largest known eigenvalue lies below the k-th overall may hide more below it.
+        # A component whose largest known eigenvalue lies below the k-th of all may have more below that.
         pending = [
             index
             for index, (values, _) in enumerate(pairs)
@@ -258,7 +294,7 @@ def _union_of_components(
 
 
 def _smallest_pairs(operator: Operator, k: int, has_constant: bool = True) -> tuple[FloatArray, FloatArray]:
-    """Solve one connected component, in ascending order; its first function is the constant or none is."""
+    """Solve one connected component, in ascending order. If it has a constant function, that is the first."""
     n = operator.stiffness.shape[0]
     if n <= DENSE_SIZE or k > n // 3:
         values, vectors = scipy.linalg.eigh(

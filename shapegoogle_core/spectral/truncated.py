@@ -41,6 +41,7 @@ def truncated_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs.
     source : int
         Vertex x.
     time : float
@@ -67,6 +68,7 @@ def truncated_diagonal(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs.
     times : (d,) array_like
         Times t > 0, in squared mesh units.
 
