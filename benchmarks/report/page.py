@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
 
 from benchmarks.protocol.collection import Collection
 from benchmarks.protocol.metrics import AVERAGE, STRENGTHS
@@ -99,21 +98,22 @@ def write_report(
         "number": _number,
         "tint": _tint,
     }
-    chosen = chosen_variants(result, SERIES)
+    chosen = chosen_variants(result, len(SERIES))
     search = result.search
     text = environment.get_template("page.html.jinja").render(
         result=result,
         date=_date(result),
         chosen=chosen,
+        series=SERIES,
         search=search,
         classes=class_names(result),
         hardest=_hardest(search),
         strengths=STRENGTHS,
         overview=_overview(result),
-        strength_plots=_svg(strength_plots(chosen, class_names(result))),
-        curve_plots=_svg([plot for plot in (precision_recall_plot(chosen), roc_plot(chosen)) if plot]),
-        vocabulary_plots=_svg(vocabulary_plots(result.variants)),
-        bit_plots=_svg(bit_plots(result.variants)),
+        strength_plots=strength_plots(chosen, class_names(result)),
+        curve_plots=[plot for plot in (precision_recall_plot(chosen), roc_plot(chosen)) if plot],
+        vocabulary_plots=vocabulary_plots(result.variants),
+        bit_plots=bit_plots(result.variants),
         failures=list(worst_failures(search, collection, FAILURES)) if search else [],
         database=collection.counts()["database"],
         comparison=_comparison(result, compare_with) if compare_with else None,
@@ -123,11 +123,6 @@ def write_report(
     page = folder / "index.html"
     page.write_text(text, encoding="utf-8")
     return page
-
-
-def _svg(plots: Sequence[Any]) -> list[dict[str, str]]:
-    """Hand plots to the template; what matplotlib wrote is markup, and it has escaped all names itself."""
-    return [{"title": plot.title, "svg": Markup(plot.svg)} for plot in plots]
 
 
 def _date(result: BenchmarkResult) -> str:
