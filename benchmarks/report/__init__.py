@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page that shows what a benchmark found; needs matplotlib and jinja2."""
+"""The report of a benchmark as an HTML page; needs matplotlib and jinja2."""
 
 from benchmarks.report.page import write_report
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One page of HTML that holds everything: tables, plots and pictures."""
+"""The report: one HTML page with tables, plots and pictures."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class _Column:
     title : str
     kind : {"figure", "text"}
     show : callable
-        What a cell of this value says.
+        Formats a value of a cell.
     lowest_is_best : bool or None
-        None: there is no best.
+        None if the column has no best value.
     is_parameter : bool
-        Left out on paper: the name says as much.
+        Such columns are not printed, because the variant's name has the same information.
     """
 
     title: str
@@ -67,17 +67,17 @@ def write_report(
     folder: Path,
     compare_with: BenchmarkResult | None = None,
 ) -> Path:
-    """Write what a benchmark found as a page that needs nothing beside it.
+    """Write the report as one self-contained page.
 
     Parameters
     ----------
     result : BenchmarkResult
     collection : Collection
-        That was asked; its shapes are read again for the pictures.
+        The measured collection; its shapes are read again for the pictures.
     folder : Path
         Made if it does not exist.
     compare_with : BenchmarkResult, optional
-        An earlier run, to show what changed.
+        Result of an earlier run, to show the changes.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def write_report(
 
 
 def _date(result: BenchmarkResult) -> str:
-    """Day and time to the minute, without the zone."""
+    """Format day and time to the minute, without the zone."""
     return result.date[:16].replace("T", " ")
 
 
@@ -139,9 +139,9 @@ def _hardest(search: VariantResult | None) -> list[tuple[str, float]]:
 
 
 def _overview(result: BenchmarkResult) -> dict[str, Any]:
-    """Columns and rows of the table of all variants; a row is a list of values, None where there is none."""
+    """Make columns and rows of the table of all variants; missing values are None."""
     names = class_names(result)
-    # What it brings and costs comes first: the classes do not fit on every screen.
+    # Quality and cost come first: the classes do not fit on every screen.
     columns = [
         _Column("variant", "text", str),
         _Column(AVERAGE, "figure", _figure, False),
@@ -175,7 +175,7 @@ def _all_numbers(variants: Sequence[VariantResult], key: str) -> bool:
 
 
 def _best(column: _Column, values: Sequence[Any]) -> str | None:
-    """Say what the best cell shows: what looks alike is equally good. None if all do."""
+    """Return the text of the best cell, or None if all cells are alike."""
     known = [value for value in values if value is not None]
     if column.lowest_is_best is None or len({column.show(value) for value in known}) < 2:
         return None
@@ -183,7 +183,7 @@ def _best(column: _Column, values: Sequence[Any]) -> str | None:
 
 
 def _comparison(result: BenchmarkResult, earlier: BenchmarkResult) -> dict[str, Any]:
-    """Gather what changed: of the search by class and query, of the others by their average."""
+    """Collect the changes: of the search by class and query, of the other variants by their average."""
     changes: dict[str, list[Change]] = {}
     for change in compare(earlier, result):
         changes.setdefault(change.variant, []).append(change)
@@ -203,7 +203,7 @@ def _comparison(result: BenchmarkResult, earlier: BenchmarkResult) -> dict[str, 
         "queries": queries[:CHANGED_QUERIES],
         "better": sum(change.difference > 0 for change in queries),
         "worse": sum(change.difference < 0 for change in queries),
-        "same_questions": (earlier.counts, earlier.seed) == (result.counts, result.seed),
+        "same_queries": (earlier.counts, earlier.seed) == (result.counts, result.seed),
     }
 
 
@@ -232,5 +232,5 @@ def _plain(name: str) -> str:
 
 
 def _tint(value: float) -> int:
-    """How strongly a cell is coloured, 0 … 60 %: nothing at 100, all at 40 and below."""
+    """Return the strength of a cell's colour in %: 0 at a value of 100, 60 at 40 and below."""
     return 0 if math.isnan(value) else round(min(max(100 - value, 0), 60))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The queries that fared worst, as pictures: what was asked, what was meant, what came first."""
+"""Pictures of the queries with the worst ranks: the query, its null shape and the first match."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from shapegoogle_core.rendering import canonical_view, render
 __all__ = ["Failure", "worst_failures", "worst_outcomes"]
 
 _PIXELS = 300
-"""Twice as many as the page shows, for fine screens and paper."""
+"""Twice as many as the page shows, for high-resolution screens and printing."""
 _COLORS = 48
 
 
@@ -52,23 +52,23 @@ def worst_outcomes(variant: VariantResult, count: int) -> list[QueryOutcome]:
     Returns
     -------
     outcomes : list of QueryOutcome
-        Worst first, weak transformations before strong ones; only what did not come first, and could be
-        asked at all.
+        Worst first, weak transformations before strong ones; only queries that did not fail and whose shape
+        did not come first.
     """
     missed = [outcome for outcome in variant.outcomes if outcome.rank > 1 and not outcome.failed]
     return sorted(missed, key=lambda outcome: (-outcome.rank, outcome.strength, outcome.query))[:count]
 
 
 def worst_failures(variant: VariantResult, collection: Collection, count: int = 24) -> Iterator[Failure]:
-    """Draw the queries with the worst ranks, one after the other.
+    """Draw the queries with the worst ranks.
 
-    The query is seen from where its null shape is seen, so that the two can be compared.
+    A query is drawn from the same direction as its null shape, so that the two can be compared.
 
     Parameters
     ----------
     variant : VariantResult
     collection : Collection
-        That it was measured with.
+        The measured collection.
     count : int
 
     Yields
@@ -89,7 +89,7 @@ def worst_failures(variant: VariantResult, collection: Collection, count: int = 
 
 
 class _Album:
-    """Pictures of database shapes, each drawn once: one shape is often first for many queries."""
+    """Pictures of database shapes, each drawn once, because a shape is often first for many queries."""
 
     def __init__(self, shapes: dict[str, BenchmarkShape]) -> None:
         self._shapes = shapes
@@ -110,7 +110,7 @@ class _Album:
 
 
 def _read(shape: BenchmarkShape | None) -> Mesh | None:
-    """Read a shape; None if it cannot be read (any more): the report then says so in its place."""
+    """Read a shape; None if it cannot be read, which the report then shows in its place."""
     if shape is None:
         return None
     try:

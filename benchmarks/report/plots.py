@@ -298,7 +298,7 @@ def _columns(points: Sequence[Sequence[float]]) -> tuple[list[float], list[float
 
 
 def _floor(values: Sequence[float]) -> float:
-    """Choose the start of a scale up to 100: the multiple of 10 below all values, so that differences show."""
+    """Choose the start of a scale to 100: a multiple of 10 below all values, so that differences show."""
     finite = [value for value in values if not math.isnan(value)]
     return float(min(10 * math.floor(min(finite, default=0) / 10), 90))
 

@@ -281,11 +281,11 @@ def test_comparison_shows_what_changed(
     page = Page(write_report(after, collection, tmp_path, result).read_text(encoding="utf-8"))
     assert "What changed since 2026-01-02 03:04" in page.words
     assert re.search(r"average [\d.]+ [\d.]+ \+[\d.]+", page.words)
-    assert "did not ask the same questions" not in page.words
+    assert "do not have the same queries" not in page.words
     assert "benchmark.json" in page.addresses
     other = write_report(replace(after, seed=18), collection, tmp_path, result)
     other_seed = Page(other.read_text(encoding="utf-8"))
-    assert "did not ask the same questions" in other_seed.words
+    assert "do not have the same queries" in other_seed.words
 
 
 def test_a_result_without_variants_or_search_still_makes_a_page(
