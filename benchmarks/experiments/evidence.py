@@ -6,7 +6,7 @@
 Prints the tables of docs/evidence.md: the confusion matrix, the errors of factors and shares, and the seconds
 for a pair. The creatures have seeds that no model was trained on. With --calibrate, other creatures are made
 and the weights of the probability of another pose are fitted, as they stand in
-`shapegoogle_core/library/search/explain.py`. With --similarity, a library of four individuals of each of 31
+`shapegoogle_core/library/search/settings.py`. With --similarity, a library of four individuals of each of 31
 kinds of creatures is queried with damaged and re-posed versions of one of them, and the share of right first
 matches is printed by their similarity.
 """
@@ -33,7 +33,7 @@ from benchmarks.experiments.evidence_pairs import make_pairs
 from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.library.evidence import KINDS
-from shapegoogle_core.library.search.explain import Compared, Explainer, pose_features
+from shapegoogle_core.library.search.checks import Compared, Explainer, pose_features
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from shapegoogle_core.processes.progress import progress_bar
 from shapegoogle_core.registration import SurfaceSample
@@ -187,7 +187,7 @@ def print_similarities(kinds: Sequence[str], jobs: int) -> None:
                     library.add_signature(signature, name)
             for shapes, asked in described:
                 for signature in asked:
-                    (match,) = library.query_signature(signature, top=1)
+                    (match,) = library.query(signature, top=1, explain=0)
                     found.append((match.similarity, match.name == shapes[0][0]))
     similarity, right = np.array(found).T
     print(f"{len(found)} queries\n\n| similarity of the first match | queries | right |\n|---|---|---|")

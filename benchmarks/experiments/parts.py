@@ -30,6 +30,7 @@ from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import cut, remeshed
 from shapegoogle_core import Library, Mesh, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.processes.progress import progress_bar
 
@@ -89,7 +90,7 @@ def places(
     found, seconds = [], []
     for signature, wanted in queries:
         started = time.process_time()
-        names = [match.name for match in library.query_signature(signature, top=TOP)]
+        names = [match.name for match in library.query(signature, top=TOP, explain=0)]
         seconds.append(time.process_time() - started)
         found.append([names.index(name) + 1 if name in names else np.inf for name in wanted])
     return np.array(found), float(np.median(seconds))
@@ -157,26 +158,26 @@ def print_tables(
 ) -> None:
     """Query without and with the index of parts, and print both."""
     print(f"{len(library):,} shapes, {len(asked)} queries of each kind; first without, then with the index\n")
-    local_words = library._search._local_words
+    without_index = SearchSettings(candidates=CandidateSettings(sharing=0))
+    libraries = [Library.open(library.path, read_only=True, search=without_index), library]
     print("| | MRR | first | s | MRR | first | s |\n|---|---|---|---|---|---|---|")
     for sort in remains[0]:
         queries = [
             (left[sort], [f"{kind} {seed}"]) for (kind, seed), left in zip(asked, remains, strict=True)
         ]
         cells = []
-        for index in (None, local_words):
-            library._search._local_words = index
-            found, seconds = places(library, queries)
+        for searched in libraries:
+            found, seconds = places(searched, queries)
             cells += [f"{(1 / found).mean():.3f}", f"{100 * (found == 1).mean():.0f} %", f"{seconds:.2f}"]
         print(f"| {sort} | " + " | ".join(cells) + " |")
     print("\n| half shared by two | both in 2 | 5 | 10 | both in 2 | 5 | 10 |\n|---|---|---|---|---|---|---|")
     cells = []
-    for index in (None, local_words):
-        library._search._local_words = index
+    for searched in libraries:
         queries = [
             (half, [f"{kind} {seed} on {number}" for number in range(2)])
             for (kind, seed, _), (half, _) in zip(grafts, halves, strict=True)
         ]
-        found, _ = places(library, queries)
+        found, _ = places(searched, queries)
         cells += [f"{100 * (found.max(axis=1) <= top).mean():.0f} %" for top in (2, 5, 10)]
     print("| | " + " | ".join(cells) + " |")
+    libraries[0].close()

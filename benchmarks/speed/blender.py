@@ -272,7 +272,7 @@ def measure_find(path: Path, repeats: int) -> Row:
             with watch.timed("describe"):
                 signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
             with watch.timed("search"):
-                matches = library.query_signatures(signatures, top)
+                matches = library.query(signatures, top=top, explain=0)
             with watch.timed("pictures"):
                 for match in matches:
                     library.thumbnail(match.shape_id)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import os
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -31,13 +30,14 @@ from benchmarks.speed.measuring import Options, Row
 from benchmarks.speed.processes import figures_of
 from benchmarks.speed.reporting import label, panels
 from shapegoogle_core.library import NewShape
-from shapegoogle_core.library.search.codes.code_index import CODE_TABLES, CodeTable, WordTable
+from shapegoogle_core.library.search.codes.code_index import CodeIndex
 from shapegoogle_core.library.search.codes.hamming import (
+    BitCounter,
     asymmetric_distances,
     count_bits,
     count_bits_portable,
 )
-from shapegoogle_core.library.search.search import CANDIDATES, ROUGH_PER_CANDIDATE
+from shapegoogle_core.library.search.settings import CandidateSettings
 from shapegoogle_core.model import ChannelSettings, ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 
@@ -50,13 +50,14 @@ SIZES, REPEATS = (10**3, 10**4, 10**5, 10**6, 10**7), 9
 Codes = NDArray[np.uint8]
 
 BITS = (128, 256)
+CANDIDATES, OVERSAMPLING = CandidateSettings.count, CandidateSettings.oversampling
 TOPS = (10, CANDIDATES)
 FULL_LIBRARY, LARGEST_LIBRARY = 100_000, 1_000_000
 RECALL_SIZES = (1_000, 10_000, 100_000)
 CANDIDATE_COUNTS = (10, 30, 100, CANDIDATES, 1_000)
 QUERIES = 50
 AT_ONCE = 5_000
-GOALS = {128: {1_000_000: (5, 2), 10_000_000: (100, 20)}}  # milliseconds: numpy, faiss
+GOALS = {128: {1_000_000: 5, 10_000_000: 100}}  # milliseconds
 
 
 def measure(options: Options) -> Iterator[Row]:
@@ -88,38 +89,35 @@ def measure(options: Options) -> Iterator[Row]:
 # -- codes in memory ----------------------------------------------------------------------------------------
 
 
-def tables() -> dict[str, Callable[[int], CodeTable]]:
-    """Name what compares codes here; with numpy before 2.0 "numpy" is the stand-in itself."""
-    found = {"numpy": CODE_TABLES["numpy"]}
+def counters() -> dict[str, BitCounter]:
+    """Name the ways to count bits; with numpy before 2.0 "numpy" is the portable one itself."""
+    found = {"numpy": count_bits}
     if count_bits is not count_bits_portable:
-        found["numpy < 2"] = lambda size: WordTable(size, count_bits_portable)
-    try:
-        CODE_TABLES["faiss"](1)
-        found["faiss"] = CODE_TABLES["faiss"]
-    except (ImportError, AttributeError):
-        print("faiss is not installed and left out", file=sys.stderr)
+        found["numpy < 2"] = count_bits_portable
     return found
 
 
 def measure_codes(size: int, repeats: int) -> Iterator[Row]:
-    """Search made-up codes; all tables take turns, so that a busy machine is busy for all of them."""
+    """Search made-up codes; the ways to count bits take turns, so that a busy machine is fair to them."""
     random = np.random.default_rng(0)
     for bits in BITS:
-        filled = {name: make(bits // 8) for name, make in tables().items()}
+        filled = {name: CodeIndex(counter) for name, counter in counters().items()}
         for start in range(0, size, 1_000_000):
             codes = random.integers(0, 256, (min(1_000_000, size - start), bits // 8), np.uint8)
-            for table in filled.values():
-                table.add(codes)
+            for index in filled.values():
+                index.add(start + np.arange(len(codes)), codes)
         times: dict[tuple[str, int], list[float]] = {}
         for query in random.integers(0, 256, (repeats, bits // 8), np.uint8):
             for top in TOPS:
                 answers = []
-                for name, table in filled.items():
+                for name, index in filled.items():
                     started = time.process_time()
-                    answers.append(table.nearest(query, top).tolist())
+                    answers.append(index.nearest(query, top).tolist())
                     times.setdefault((name, top), []).append(1e3 * (time.process_time() - started))
                 if any(answer != answers[0] for answer in answers):
-                    raise AssertionError(f"the tables do not agree on {size} codes of {bits} bits")
+                    raise AssertionError(
+                        f"the ways to count bits do not agree on {size} codes of {bits} bits"
+                    )
         for (name, top), values in times.items():
             cpu = round(statistics.median(values), 3)
             yield {"part": "codes", "size": size, "bits": bits, "table": name, "top": top, "cpu": cpu}
@@ -212,7 +210,7 @@ def use_library(path: Path, like: sg.ShapeSignature | None, repeats: int) -> Row
 
     def open_and_ask() -> None:
         with sg.Library.open(path, read_only=True) as library:
-            library.query_signature(query)
+            library.query(query, explain=0)
 
     with sg.Library.open(path, read_only=True) as library:
         model = library.model
@@ -222,25 +220,30 @@ def use_library(path: Path, like: sg.ShapeSignature | None, repeats: int) -> Row
             timed("first_cold", open_and_ask)
         timed("first", open_and_ask)
     with sg.Library.open(path) as library, sg.Library.open(path) as other:
-        library.query_signature(query)
+        library.query(query, explain=0)
         after = figures_of()
         if before is not None and after is not None:
             row["memory_mb"] = round(after.peak_mb - before.peak_mb)
         for seed in range(repeats):
             query = made_up_signature(model, like, 2 * 10**9 + seed)
-            timed("next", library.query_signature, query)
+            timed("next", search, library, query)
             new = made_up_signature(model, like, 3 * 10**9 + seed)
             # A writer pauses after each change, for others to read; one shape by itself never waits.
             time.sleep(0.2)
             timed("add", other.add_signature, new, "new", "new.obj")
-            timed("after_add", library.query_signature, query)
+            timed("after_add", search, library, query)
             time.sleep(0.2)
             timed("remove", other.remove, "new.obj")
-            timed("after_remove", library.query_signature, query)
+            timed("after_remove", search, library, query)
     return {
         name: round(statistics.median(value), 2) if isinstance(value, list) else value
         for name, value in row.items()
     }
+
+
+def search(library: sg.Library, query: sg.ShapeSignature) -> None:
+    """Search without evidence."""
+    library.query(query, explain=0)
 
 
 def forget_file(path: Path) -> bool:
@@ -302,13 +305,13 @@ def real_vectors(path: Path) -> Vectors:
 def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
     """Leave one out: the ten nearest others of some shapes, and whether their codes make them candidates.
 
-    "asymmetric" as a search takes them: among `ROUGH_PER_CANDIDATE` times as many nearest codes those nearest
+    "asymmetric" as a search takes them: among `OVERSAMPLING` times as many nearest codes those nearest
     to the query before it is cut to bits.
     """
     model, vectors, projections = shapes
     codes = np.packbits(projections > 0, axis=1)
-    table = CODE_TABLES["numpy"](codes.shape[1])
-    table.add(codes)
+    index = CodeIndex()
+    index.add(np.arange(len(codes)), codes)
     queries = np.random.default_rng(1).choice(len(vectors), min(QUERIES, len(vectors)), replace=False)
     counts = [count for count in CANDIDATE_COUNTS if count < len(vectors)]
     found: dict[tuple[str, int], list[float]] = {}
@@ -319,10 +322,10 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
             distances = np.abs(vectors - vectors[query]).sum(axis=1)
         distances[query] = np.inf
         nearest = np.argpartition(distances, 10)[:10]
-        by_code = table.nearest(codes[query], ROUGH_PER_CANDIDATE * max(counts) + 1)
+        by_code = index.nearest(codes[query], OVERSAMPLING * max(counts) + 1)
         by_code = by_code[by_code != query]
         for count in counts:
-            rough = by_code[: ROUGH_PER_CANDIDATE * count]
+            rough = by_code[: OVERSAMPLING * count]
             nearer = np.argsort(asymmetric_distances(codes[rough], projections[query]), kind="stable")
             for distance, candidates in (("Hamming", by_code), ("asymmetric", rough[nearer])):
                 share = float(np.isin(nearest, candidates[:count]).mean())
@@ -345,7 +348,7 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
 def draw(rows: Sequence[Row]) -> Figure:
     """Draw cost and recall against size."""
     figure, (codes, library, recall) = panels(3, 15, 4.5)
-    colors = {"numpy": "C0", "numpy < 2": "C1", "faiss": "C2"}
+    colors = {"numpy": "C0", "numpy < 2": "C1"}
     for bits, style in zip(BITS, ("-", "--"), strict=True):
         for table, color in colors.items():
             points = [
@@ -357,9 +360,8 @@ def draw(rows: Sequence[Row]) -> Figure:
                 name = f"{table}, {bits} bits"
                 codes.loglog(*zip(*points, strict=True), style, color=color, marker=".", label=name)
     for bits, goals in GOALS.items():
-        for size, (with_numpy, with_faiss) in goals.items():
-            codes.plot(size, with_numpy, "v", color=colors["numpy"], label=f"at most, numpy, {bits}")
-            codes.plot(size, with_faiss, "v", color=colors["faiss"], label=f"at most, faiss, {bits}")
+        for size, most in goals.items():
+            codes.plot(size, most, "v", color=colors["numpy"], label=f"at most, numpy, {bits}")
     codes.set(title="the ten nearest codes", xlabel="codes", ylabel="ms of processor time")
     libraries = [row for row in rows if row["part"] == "library"]
     for key, name in (

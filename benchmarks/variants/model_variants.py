@@ -71,11 +71,11 @@ class _SearchTask:
         signature = library.model.describe(mesh)
         described = time.process_time() - started
         started = time.perf_counter()
-        matches = library.query_signature(signature, top=_TOP)
+        matches = library.query(signature, top=_TOP, explain=0)
         seconds = time.perf_counter() - started
         # Who asks for ten sees no more. The places behind them are those of who asks for all.
         seen = {match.shape_id for match in matches}
-        everything = library.query_signature(signature, top=self.shapes)
+        everything = library.query(signature, top=self.shapes, explain=0)
         matches += [match for match in everything if match.shape_id not in seen]
         return {
             "sources": np.array([match.source for match in matches], dtype=np.str_),

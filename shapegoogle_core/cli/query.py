@@ -22,6 +22,7 @@ from shapegoogle_core.library.search.settings import EvidenceSettings
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import FoundShape
     from shapegoogle_core.library import Library, Match
+    from shapegoogle_core.library.search.query_shapes import QueryShapes
     from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["COMMAND"]
@@ -123,8 +124,7 @@ def _query_together(
         reasons = [reason for reason in (like, unlike) if isinstance(reason, str)]
         _print_answer(options, options.meshes, None, "; ".join(reasons))
         return False
-    matches = library.query_signatures(like, options.top, options.exact, unlike=unlike)
-    matches = library.explain(like, matches, options.evidence)
+    matches = _matches(library, like, options, unlike)
     _print_answer(options, options.meshes, None, matches, len(library))
     return True
 
@@ -148,15 +148,24 @@ def _query_file(
     answered = False
     for shape in found:
         try:
-            signature = library.model.describe(shape.mesh, keep_surface=options.evidence > 0)
-            matches = library.query_signatures([signature], options.top, options.exact, unlike=unlike)
-            matches = library.explain([signature], matches, options.evidence)
+            matches = _matches(library, shape.mesh, options, unlike)
         except (MeshError, MemoryError) as error:
             _print_answer(options, path, shape, _note_failure(path, error, options, failed))
         else:
             _print_answer(options, path, shape, matches, len(library))
             answered = True
     return answered
+
+
+def _matches(
+    library: Library,
+    shapes: QueryShapes,
+    options: argparse.Namespace,
+    unlike: list[ShapeSignature],
+) -> list[Match]:
+    return library.query(
+        shapes, top=options.top, explain=options.evidence, exact=options.exact, unlike=unlike
+    )
 
 
 def _examples(

@@ -17,17 +17,20 @@ from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
+from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.missing_files import missing_files
-from shapegoogle_core.library.search.explain import EXPLAINED, explain_matches
-from shapegoogle_core.library.search.query import Question
+from shapegoogle_core.library.search.explain import explain_matches
+from shapegoogle_core.library.search.query import Query
+from shapegoogle_core.library.search.query_shapes import QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
+from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.samples import unpack_sample
 from shapegoogle_core.library.storage.signature_check import check_signature
 from shapegoogle_core.library.storage.store import Store
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -37,6 +40,8 @@ PathLike = str | os.PathLike[str]
 
 # Shapes that a listing reads at once.
 PAGE = 1_000
+# Matches that are explained at once to find those of a kind.
+KIND_PORTION = 10
 
 
 class Library:
@@ -49,10 +54,11 @@ class Library:
     Every method raises `LibraryError` when the file cannot be read or written.
     """
 
-    def __init__(self, store: Store, model: ShapeModel) -> None:
+    def __init__(self, store: Store, model: ShapeModel, search: SearchSettings | None = None) -> None:
         self._store = store
         self._model = model
-        self._search = Search(store, model)
+        self._settings = SearchSettings() if search is None else search
+        self._search = Search(store, model, self._settings)
 
     @classmethod
     def open(
@@ -62,6 +68,7 @@ class Library:
         *,
         read_only: bool = False,
         timeout: float = 30.0,
+        search: SearchSettings | None = None,
     ) -> Self:
         """Open a library, or make a new one.
 
@@ -76,7 +83,9 @@ class Library:
         read_only : bool, optional
             Never change the file, and make none.
         timeout : float, optional
-            How long to wait while another program writes, in seconds.
+            Longest time to wait while another program writes, in seconds.
+        search : SearchSettings, optional
+            Settings of all searches in this library.
 
         Returns
         -------
@@ -91,7 +100,7 @@ class Library:
         ModelError
             If a new library is to be made and the shipped model cannot be loaded.
         """
-        return cls(*open_store(Path(path), model, read_only=read_only, timeout=timeout))
+        return cls(*open_store(Path(path), model, read_only=read_only, timeout=timeout), search)
 
     def close(self) -> None:
         """Close the file. Closing twice does no harm."""
@@ -130,9 +139,9 @@ class Library:
 
     def add(
         self,
-        mesh: Mesh,
+        mesh: MeshLike,
         name: str = "",
-        source: str = "",
+        source: PathLike = "",
         object_name: str = "",
         thumbnail: bytes | None = None,
         tags: Sequence[str] = (),
@@ -144,9 +153,10 @@ class Library:
 
         Parameters
         ----------
-        mesh : Mesh
+        mesh : MeshLike
         name : str, optional
-            What to call it; left out, the mesh's own name.
+            By default the file name of the source, such as "horse.ply"; without a source, the name of the
+            mesh.
         source : str, optional
             Path of the file it comes from.
         object_name : str, optional
@@ -165,9 +175,11 @@ class Library:
         MeshError
             If the model cannot describe the mesh.
         """
+        source = os.fspath(source)
+        mesh = as_mesh(mesh, name or Path(source).name)
         return self.add_signature(
             self._model.describe(mesh),
-            name or mesh.name,
+            name or Path(source).name or mesh.name,
             source=source,
             object_name=object_name,
             thumbnail=thumbnail,
@@ -392,34 +404,38 @@ class Library:
 
     def query(
         self,
-        mesh: Mesh | Sequence[Mesh],
-        top: int = 10,
-        exact: bool = False,
+        shapes: QueryShapes,
         *,
-        unlike: Sequence[Mesh] = (),
-        explained: int = EXPLAINED,
+        top: int = 10,
+        explain: int = 10,
+        exact: bool = False,
+        unlike: QueryShapes = (),
+        where: Filter | None = None,
     ) -> list[Match]:
-        """Find the shapes most like a mesh, or like several examples of what is looked for.
+        """Find the shapes of the library that are most similar to a shape, or to several examples of one.
 
-        The codes of all shapes are compared first; the `CANDIDATES` nearest (and never fewer than
-        `CANDIDATES_PER_MATCH` for each match asked for) are then compared by their full bags. The best of
-        these are laid over the query (see `verification`), if the model takes samples of surfaces. What
-        several examples mean together is said in `question`.
+        The binary codes of all shapes are compared first (algorithm 2 of the paper), the nearest then by
+        their full bags, and the best of these are aligned with the query, if the model takes samples of
+        surfaces. `SearchSettings` holds the numbers of candidates; `shapegoogle_core.library.search.query`
+        explains the distance to several examples.
 
         Parameters
         ----------
-        mesh : Mesh or sequence of Mesh
+        shapes : MeshLike, ShapeSignature, or sequence of them
             In any pose, at any size. Several are examples of one thing: shapes near to all of them come
-            first.
+            first. A signature is one of this library's model; described with ``keep_surface=True`` its
+            evidence is exact.
         top : int, optional
-            How many matches; fewer come back when there are fewer shapes.
+            Number of matches; fewer are returned if the library has fewer shapes, or fewer pass the filter.
+        explain : int, optional
+            Number of best matches that get evidence, see `explain`.
         exact : bool, optional
-            Compare the full bags of all shapes: nothing can be missed, but it takes time in proportion to the
-            size of the library.
-        unlike : sequence of Mesh, optional
-            Examples of what is not looked for: shapes near to one of them fall behind, its copies to the end.
-        explained : int, optional
-            So many of the best come with evidence of what kind of match they are; see `explain`.
+            Compare the full bags of all shapes: no shape can be missed, but the time grows with the library.
+        unlike : MeshLike, ShapeSignature, or sequence of them, optional
+            Examples of what is not meant: shapes near to one of them fall behind, its copies to the end.
+        where : Filter, optional
+            Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
+            matches that meet the other conditions are explained, until `top` have the kind.
 
         Returns
         -------
@@ -429,72 +445,103 @@ class Library:
         Raises
         ------
         MeshError
-            If the model cannot describe one of the meshes.
+            If one of the shapes is no mesh, or the model cannot describe it.
+        LibraryError
+            If another model made one of the signatures.
         ValueError
-            If there is no mesh, or `top` is below 1.
+            If there is no shape, if `top` is below 1 or `explain` is below 0, or if a kind of evidence is
+            asked for and the model keeps no samples of surfaces.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         _ = library.add(trimesh.creation.box(), name="box")
+        ...         _ = library.add(trimesh.creation.icosphere(2), name="ball")
+        ...         [match.name for match in library.query(trimesh.creation.box(), top=1)]
+        ['box']
         """
-        meshes = [mesh] if isinstance(mesh, Mesh) else mesh
-        signatures = [self._model.describe(example, keep_surface=explained > 0) for example in meshes]
-        others = [self._model.describe(example) for example in unlike]
-        matches = self.query_signatures(signatures, top, exact, unlike=others)
-        return self.explain(signatures, matches, explained)
+        if top < 1:
+            raise ValueError(f"top must be at least 1, not {top}")
+        if explain < 0:
+            raise ValueError(f"explain must be at least 0, not {explain}")
+        kind = None if where is None else where.kind
+        if kind is not None and self._model.settings.sample is None:
+            raise ValueError(
+                f"where.kind is {kind!r}, but the model {self._model.name!r} keeps no "
+                "samples of surfaces to find evidence with; leave the kind out"
+            )
+        examples = self._signatures(shapes, keep_surface=explain > 0 or kind is not None)
+        if not examples:
+            raise ValueError("there is nothing to search for: give at least one mesh or signature")
+        unlike_weight = self._settings.rerank.unlike_weight
+        query = Query(self._model, examples, self._signatures(unlike), unlike_weight)
+        among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
+        search = self._search.among_all if exact else self._search.among_nearest_codes
+        kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
+        matches = search(query, kept, among)
+        if where is not None and where.min_similarity is not None:
+            least = where.min_similarity
+            matches = [match for match in matches if match.similarity >= least]
+        if kind is not None:
+            return self._of_kind(kind, examples, matches[:kept], top)
+        return self.explain(examples, matches[:top], explain)
 
     def explain(
-        self, signatures: Sequence[ShapeSignature], matches: Sequence[Match], count: int = EXPLAINED
+        self, signatures: Sequence[ShapeSignature], matches: Sequence[Match], count: int | None = None
     ) -> list[Match]:
-        """Say of the best matches what kind of match they are, by checks of geometry.
+        """Find the kind of the best matches by comparing surfaces.
+
+        Alignments that the search has found are used again.
 
         Parameters
         ----------
         signatures : sequence of ShapeSignature
-            What was asked for, described with `keep_surface`: without it the figures are coarser.
+            The examples that were searched for, described with ``keep_surface=True``: without their surface
+            the figures are coarser.
         matches : sequence of Match
         count : int, optional
-            How many of them.
+            Number of matches to explain; `EvidenceSettings.explained` by default.
 
         Returns
         -------
         matches : list of Match
-            All of them; the first `count` with `Match.evidence`. A shape that was removed meanwhile, and one
-            of a library whose model keeps no samples, has none.
+            All of them; the first `count` with `Match.evidence`. Shapes that were removed meanwhile, and all
+            shapes of a library whose model keeps no samples, have none.
         """
-        return explain_matches(self._store, self._model, signatures, matches, count)
+        settings = self._settings.evidence
+        count = settings.explained if count is None else count
+        explained = explain_matches(self._store, self._model, signatures, matches[:count], settings)
+        return [*explained, *matches[count:]]
 
-    def query_signature(self, signature: ShapeSignature, top: int = 10, exact: bool = False) -> list[Match]:
-        """Find the shapes most like one that is described already; else as `query`.
+    def _signatures(self, shapes: QueryShapes, *, keep_surface: bool = False) -> list[ShapeSignature]:
+        """Describe a mesh or several; signatures are checked and kept."""
+        signatures = []
+        for shape in as_query_shapes(shapes):
+            if isinstance(shape, ShapeSignature):
+                check_signature(shape, "the query", self._model, self._store.name)
+                signatures.append(shape)
+            else:
+                mesh = as_mesh(shape, name="the query")
+                signatures.append(self._model.describe(mesh, keep_surface=keep_surface))
+        return signatures
 
-        Raises
-        ------
-        LibraryError
-            If another model made the signature.
-        """
-        return self.query_signatures([signature], top, exact)
-
-    def query_signatures(
-        self,
-        signatures: Sequence[ShapeSignature],
-        top: int = 10,
-        exact: bool = False,
-        *,
-        unlike: Sequence[ShapeSignature] = (),
+    def _of_kind(
+        self, kind: str, examples: Sequence[ShapeSignature], matches: Sequence[Match], top: int
     ) -> list[Match]:
-        """Find the shapes most like several examples that are described already; else as `query`.
-
-        Raises
-        ------
-        LibraryError
-            If another model made one of the signatures.
-        """
-        if top < 1:
-            raise ValueError(f"top must be at least 1, not {top}")
-        if not signatures:
-            raise ValueError("there is nothing to look for: give at least one example of it")
-        for signature in (*signatures, *unlike):
-            check_signature(signature, "the query", self._model, self._store.name)
-        question = Question(self._model, signatures, unlike)
-        if exact:
-            return self._search.among_all(question, top)
-        return self._search.among_nearest_codes(question, top)
+        """Explain matches in portions until enough are of a kind."""
+        found: list[Match] = []
+        for start in range(0, len(matches), KIND_PORTION):
+            portion = matches[start : start + KIND_PORTION]
+            explained = self.explain(examples, portion, len(portion))
+            found += [
+                match for match in explained if match.evidence is not None and match.evidence.kind == kind
+            ]
+            if len(found) >= top:
+                break
+        return found[:top]
 
     def duplicates(
         self,

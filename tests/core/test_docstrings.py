@@ -36,8 +36,6 @@ PENDING = frozenset(
         "Library.add",
         "Library.add_signature",
         "Library.explain",
-        "Library.query_signature",
-        "Library.query_signatures",
         "Library.remove",
         "Library.remove_shape",
         "Library.replace_source",

@@ -1,24 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""A question with examples: shapes that what is looked for is like, and shapes that it is not like.
+"""Prepared query: examples of shapes that are searched for, and of shapes that are not meant.
 
-Each example has its say as in a search of its own, by its distance; two rules make one distance of them:
+Each example has its own distance to a shape of the library; two rules combine them to one:
 
-- **Like several.** d = (d₁ d₂ … dₙ)^(1/n). The log odds behind a similarity are linear in log d (see
-  `ShapeModel.similarity`), so that this averages the log odds that the examples give: what all of them find
-  near comes before what one finds nearer still and another one far. A copy of an example keeps distance 0. On
-  creatures the arithmetic mean ranks as well, but puts an example's own copy behind others; the smallest
-  distance ranks worse, and the largest much worse, for one bad example spoils it.
-- **Not like others.** A shape is what the examples mean, with odds o = (h/d)^p; or what the nearest example
-  of the other kind means, with odds w o⁻, o⁻ likewise; or neither, with odds 1. The probability of the first
-  is o / (1 + o + w o⁻), and d (1 + w o⁻)^(1/p) is the distance that has it as its similarity. What is far
-  from all that is not meant stays where it is, what is near to it falls, its copies come last. w < 1, for
-  what is marked stands among the best matches and is much like what is meant: with w = 1 a right match that
-  was worse described than the marked one would fall with it.
+- **Several examples.** d = (d₁ d₂ … dₙ)^(1/n). The log odds behind a similarity are linear in log d (see
+  `ShapeModel.similarity`), so that this averages the log odds of the examples: a shape that all of them find
+  near comes before one that is nearer to one of them and far from another. A copy of an example keeps
+  distance 0.
+- **Examples that are not meant.** A shape is what the examples mean, with odds o = (h/d)^p; or what the
+nearest
+  example that is not meant is, with odds w o⁻, o⁻ likewise; or neither, with odds 1. The probability of the
+  first is o / (1 + o + w o⁻), and d (1 + w o⁻)^(1/p) is the distance that has this similarity. A shape far
+  from all that is not meant keeps its place, one near to it falls, and its copies come last.
 
-Where bags are not sure enough, geometry lowers the distance that the rules make, as it does that of an
-ordinary query: each match is laid over the example of what is looked for that is nearest to it.
-
-One example, and none of the other kind, is an ordinary query: both rules then change nothing.
+With one example, and none that is not meant, both rules change nothing. ``docs/search.md`` compares the rules
+with others. Geometric verification then lowers distances as in any other search: each match is aligned with
+the nearest example.
 """
 
 from __future__ import annotations
@@ -29,39 +26,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
+from shapegoogle_core.library.search.settings import RerankSettings
 from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import SurfaceSample
 
-__all__ = ["FARTHEST", "Question", "pool_distances"]
-
-# w. On creatures (31 kinds, three individuals each, the best wrong match marked) 1, 3/8 and 1/8 move another
-# pose of the marked one to the end alike, but only the last takes nothing from damaged queries.
-_UNLIKE_WEIGHT = 1 / 8
+__all__ = ["FARTHEST", "Query", "pool_distances"]
 
 FARTHEST = 2.0
-"""Cosine distance of opposite bags: what a question wants least is shown here instead of at infinity."""
+"""Cosine distance of opposite bags, shown instead of infinity for copies of what is not meant."""
 
 
-class Question:
-    """Examples of what is looked for and of what is not, ready to be compared with bags.
+class Query:
+    """Examples of shapes that are searched for and of shapes that are not, prepared to be compared with bags.
 
     Parameters
     ----------
     model : ShapeModel
-        The one that described all of them.
+        Model that described all of them.
     like : sequence of ShapeSignature
         At least one.
     unlike : sequence of ShapeSignature, optional
+    unlike_weight : float, optional
+        w above.
     """
 
     def __init__(
-        self, model: ShapeModel, like: Sequence[ShapeSignature], unlike: Sequence[ShapeSignature] = ()
+        self,
+        model: ShapeModel,
+        like: Sequence[ShapeSignature],
+        unlike: Sequence[ShapeSignature] = (),
+        unlike_weight: float = RerankSettings.unlike_weight,
     ) -> None:
         self._model = model
-        # One by one: the last bits of a product depend on how many rows it has.
+        self._unlike_weight = unlike_weight
+        # One by one: the last bits of a product depend on the number of its rows.
         bags = [round_bags(signature.bags)[None] for signature in like]
         examples = [(one, model.embed(one)) for one in bags]
         self._like = [model.comparable(*example) for example in examples]
@@ -77,16 +78,16 @@ class Question:
 
     @property
     def several(self) -> bool:
-        """Whether it has several examples of what is looked for."""
+        """Whether it has several examples of what is searched for."""
         return len(self._like) > 1
 
     @property
     def has_unlike(self) -> bool:
-        """Whether it says what is not looked for."""
+        """Whether it has examples of what is not meant."""
         return bool(self._unlike)
 
     def distances(self, bags: NDArray[np.float32]) -> FloatArray:
-        """Distance of shapes from what is asked for.
+        """Compute the distances of shapes from the query.
 
         Parameters
         ----------
@@ -95,7 +96,7 @@ class Question:
         Returns
         -------
         distances : (n,) array
-            ≥ 0, rounded; infinite for copies of what it is not like.
+            ≥ 0, rounded; infinite for copies of what is not meant.
         """
         vectors = self._model.comparable(bags)
         distances = pool_distances(self._to(self._like, vectors))
@@ -103,13 +104,13 @@ class Question:
             likeness = self._model.similarity(self._to(self._unlike, vectors).min(axis=0))
             copies = likeness == 1
             odds = likeness / np.where(copies, 1, 1 - likeness)
-            distances = distances * (1 + _UNLIKE_WEIGHT * odds) ** (1 / self._model.similarity_slope)
-            # Also of what is a copy of both kinds of examples: it was said not to be meant.
+            distances = distances * (1 + self._unlike_weight * odds) ** (1 / self._model.similarity_slope)
+            # Copies of both kinds of examples too: the user said that they are not meant.
             distances[copies] = np.inf
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
     def nearest_samples(self, bags: NDArray[np.float32]) -> NDArray[np.intp]:
-        """Which of `samples` is of the example that each shape is nearest to.
+        """Find the nearest example of each shape, among those with a surface.
 
         Parameters
         ----------
@@ -118,6 +119,7 @@ class Question:
         Returns
         -------
         positions : (n,) array of int
+            Positions in `samples`.
         """
         vectors = self._model.comparable(bags)
         examples = [self._like[index] for index in self._sampled]
@@ -125,14 +127,14 @@ class Question:
         return nearest
 
     def _to(self, examples: Sequence[NDArray[np.float32]], vectors: NDArray[np.float32]) -> FloatArray:
-        """Distances (examples, n), rounded: a copy must not seem to be none by its last bits."""
+        """Distances (examples, n), rounded so that copies are recognised despite their last bits."""
         metric = self._model.settings.metric
         distances = np.stack([row_distances(metric, example, vectors) for example in examples])
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
 
 def pool_distances(distances: FloatArray) -> FloatArray:
-    """Make one distance of those to several examples: their geometric mean.
+    """Combine the distances to several examples by their geometric mean.
 
     Parameters
     ----------
@@ -142,7 +144,7 @@ def pool_distances(distances: FloatArray) -> FloatArray:
     Returns
     -------
     distances : (n,) array
-        0 where one of them is 0. Of one example: as they are, to the last bit.
+        0 where one of them is 0. The distances to a single example are returned unchanged.
     """
     if len(distances) == 1:
         return np.asarray(distances[0])

@@ -31,7 +31,8 @@ class CandidateSettings:
         Oversampling factor before the codes are ordered by asymmetric distance.
     sharing : int
         Number of shapes with most of the query's local words whose support in space is computed, for each
-        scale of the query.
+        scale of the query; 0 to search no shapes by their
+        local words.
     supported : int
         Number of pairs of shape and scale, the best by their support, that are kept of these.
     rank_unit, rank_power : float
@@ -158,7 +159,7 @@ class EvidenceSettings:
         Largest difference of size and place of two shapes in the same place, relative to their size.
     pose_weights : (float, float, float)
         Weights of the logistic regression behind the probability of another pose, for the features of
-        `pose_features`; made by ``benchmarks/evidence.py --calibrate``.
+        `pose_features`; made by ``python -m benchmarks evidence --calibrate``.
     pose_offset : float
         Its constant.
     """

@@ -65,7 +65,7 @@ def test_a_folder_becomes_a_library(library: Library, folder: Path, model: Shape
     ]
     # What the workers send back is what the model says here.
     described = model.describe(read_mesh(folder / "apple.off"))
-    match = library.query_signature(described, top=1)[0]
+    match = library.query(described, top=1, explain=0)[0]
     assert (match.name, match.distance) == ("apple.off", 0.0)
     stored = library.signature(match.shape_id)
     np.testing.assert_array_equal(stored.code, described.code)
@@ -115,7 +115,7 @@ def test_copies_are_described_once_and_are_shapes_of_their_own(
     assert counts(index(library, folder)) == (11, 0, 0, 0)
     assert log() == ["apple.off", "pear.obj", "plum.stl"]
     assert len(library) == 11
-    match_names = [match.name for match in library.query_signature(library.signature(1), top=11)]
+    match_names = [match.name for match in library.query(library.signature(1), top=11, explain=0)]
     assert sorted(match_names) == names(library)
 
 

@@ -6,6 +6,9 @@ from __future__ import annotations
 import os
 import sqlite3
 import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ import pytest
 from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library import Library, NewShape
 from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 PNG = b"\x89PNG\r\n\x1a\n made up"
 
@@ -21,7 +25,7 @@ def names(library: Library) -> list[str]:
     return [shape.name for shape in library.shapes()]
 
 
-def test_a_new_library_is_empty_and_knows_its_model(path, model):
+def test_a_new_library_is_empty_and_knows_its_model(path: Path, model: ShapeModel) -> None:
     with Library.open(path, model) as library:
         assert len(library) == 0
         assert library.model is model
@@ -43,13 +47,15 @@ def test_a_new_library_is_empty_and_knows_its_model(path, model):
         }
 
 
-def test_it_is_one_file(path, model, make_signature):
+def test_it_is_one_file(path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]) -> None:
     with Library.open(path, model) as library:
         library.add_signature(make_signature(1), "one")
         assert [entry.name for entry in path.parent.iterdir()] == [path.name]
 
 
-def test_add_describes_the_mesh_and_remembers_what_it_was(path, model, meshes):
+def test_add_describes_the_mesh_and_remembers_what_it_was(
+    path: Path, model: ShapeModel, meshes: list[Mesh]
+) -> None:
     with Library.open(path, model) as library:
         shape_id = library.add(
             meshes[0], name="horse", source="animals.blend", object_name="Horse", thumbnail=PNG
@@ -66,13 +72,15 @@ def test_add_describes_the_mesh_and_remembers_what_it_was(path, model, meshes):
         assert library.thumbnail(shape_id) == PNG
 
 
-def test_a_shape_without_a_name_takes_the_mesh_s(path, model, meshes):
+def test_a_shape_without_a_name_takes_the_mesh_s(path: Path, model: ShapeModel, meshes: list[Mesh]) -> None:
     with Library.open(path, model) as library:
         library.add(meshes[0])
         assert names(library) == [meshes[0].name]
 
 
-def test_signature_round_trip(path, model, make_signature):
+def test_signature_round_trip(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     signature = make_signature(3)
     with Library.open(path, model) as library:
         shape_id = library.add_signature(signature, "one")
@@ -90,15 +98,20 @@ def test_signature_round_trip(path, model, make_signature):
         np.testing.assert_array_equal(again.bags, back.bags)
 
 
-def test_numpy_counts_are_taken_as_they_are(path, model, make_signature):
+def test_numpy_counts_are_taken_as_they_are(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     signature = make_signature(3)
-    odd = type(signature)(signature.bags, signature.code, np.float32(2), np.int64(7), np.int32(9))
+    counts: tuple[Any, Any, Any] = (np.float32(2), np.int64(7), np.int32(9))
+    odd = type(signature)(signature.bags, signature.code, *counts)
     with Library.open(path, model) as library:
         back = library.signature(library.add_signature(odd, "one"))
         assert (back.area, back.vertex_count, back.face_count) == (2.0, 7, 9)
 
 
-def test_adding_again_within_a_source_replaces(path, model, make_signature):
+def test_adding_again_within_a_source_replaces(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         first = library.add_signature(make_signature(1), "horse", source="a.blend", thumbnail=PNG)
         library.add_signature(make_signature(2), "cow", source="a.blend")
@@ -112,13 +125,17 @@ def test_adding_again_within_a_source_replaces(path, model, make_signature):
             library.signature(first)
 
 
-def test_adding_without_a_source_always_adds(path, model, make_signature):
+def test_adding_without_a_source_always_adds(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         ids = {library.add_signature(make_signature(1), "horse") for _ in range(3)}
         assert len(ids) == len(library) == 3
 
 
-def test_ids_are_never_given_twice(path, model, make_signature):
+def test_ids_are_never_given_twice(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         first = library.add_signature(make_signature(1), "horse")
         assert library.remove_shape(first)
@@ -126,7 +143,9 @@ def test_ids_are_never_given_twice(path, model, make_signature):
         assert library.add_signature(make_signature(2), "cow") > first
 
 
-def test_replace_source_swaps_all_shapes_of_a_file(path, model, make_signature):
+def test_replace_source_swaps_all_shapes_of_a_file(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         library.add_signature(make_signature(0), "keep", source="other.obj")
         library.replace_source(
@@ -161,7 +180,9 @@ def test_replace_source_swaps_all_shapes_of_a_file(path, model, make_signature):
     connection.close()
 
 
-def test_failed_files_are_remembered(path, model, make_signature):
+def test_failed_files_are_remembered(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         library.replace_source("a.obj", size=1, mtime_ns=2, sha256="ab", error="'a.obj' has no faces")
         library.replace_source(
@@ -178,7 +199,9 @@ def test_failed_files_are_remembered(path, model, make_signature):
         assert (info["shapes"], info["sources"], info["failed"]) == (1, 3, 1)
 
 
-def test_a_file_that_was_only_touched_gets_its_new_time(path, model, make_signature):
+def test_a_file_that_was_only_touched_gets_its_new_time(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         library.replace_source(
             "b.obj", size=1, mtime_ns=2, sha256="ab", shapes=[NewShape(make_signature(1), "b")]
@@ -189,7 +212,9 @@ def test_a_file_that_was_only_touched_gets_its_new_time(path, model, make_signat
         assert (source.size, source.mtime_ns, source.sha256, source.shape_count) == (3, 4, "ab", 1)
 
 
-def test_remove_takes_all_of_a_source(path, model, make_signature):
+def test_remove_takes_all_of_a_source(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         for seed, source in enumerate(["a.obj", "a.obj", "b.obj"]):
             library.add_signature(make_signature(seed), f"shape {seed}", source=source)
@@ -199,7 +224,9 @@ def test_remove_takes_all_of_a_source(path, model, make_signature):
         assert list(library.sources()) == ["b.obj"]
 
 
-def test_remove_missing_takes_only_indexed_files_that_are_gone(path, model, make_signature, tmp_path):
+def test_remove_missing_takes_only_indexed_files_that_are_gone(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature], tmp_path: Path
+) -> None:
     folder, elsewhere = tmp_path / "meshes", tmp_path / "elsewhere"
     folder.mkdir()
     (folder / "there.obj").touch()
@@ -218,7 +245,12 @@ def test_remove_missing_takes_only_indexed_files_that_are_gone(path, model, make
         assert set(library.sources()) == {str(folder / "there.obj"), str(elsewhere / "gone.obj"), label}
 
 
-def test_a_long_listing_comes_complete_while_the_library_changes(path, model, make_signature, monkeypatch):
+def test_a_long_listing_comes_complete_while_the_library_changes(
+    path: Path,
+    model: ShapeModel,
+    make_signature: Callable[..., ShapeSignature],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("shapegoogle_core.library.library.PAGE", 2)
     with Library.open(path, model) as library:
         for seed in range(7):
@@ -230,7 +262,9 @@ def test_a_long_listing_comes_complete_while_the_library_changes(path, model, ma
 
 
 @pytest.mark.parametrize("name", ["Stra\udcdfe.obj", "half \ud83d a face.obj", "Größe 100% #1?.obj"])
-def test_file_names_that_are_no_unicode(path, model, make_signature, name):
+def test_file_names_that_are_no_unicode(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature], name: str
+) -> None:
     with Library.open(path, model) as library:
         library.replace_source(
             name,
@@ -248,19 +282,21 @@ def test_file_names_that_are_no_unicode(path, model, make_signature, name):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only there names are any bytes")
-def test_a_library_whose_own_name_is_no_unicode(tmp_path, model):
+def test_a_library_whose_own_name_is_no_unicode(tmp_path: Path, model: ShapeModel) -> None:
     path = tmp_path / os.fsdecode(b"b\xfccher #1?.sglib")
     with Library.open(path, model):
         assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 
 
-def test_a_relative_path_and_a_string_will_do(tmp_path, model, monkeypatch):
+def test_a_relative_path_and_a_string_will_do(
+    tmp_path: Path, model: ShapeModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     with Library.open("shapes 100%.sglib", model):
         assert (tmp_path / "shapes 100%.sglib").exists()
 
 
-def test_a_bad_mesh_costs_nothing(path, model, meshes):
+def test_a_bad_mesh_costs_nothing(path: Path, model: ShapeModel, meshes: list[Mesh]) -> None:
     with Library.open(path, model) as library:
         library.add(meshes[0], name="good")
         points = Mesh(np.zeros((4, 3)), [[0, 1, 2], [0, 2, 3]], name="all in one place")
@@ -270,7 +306,9 @@ def test_a_bad_mesh_costs_nothing(path, model, meshes):
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e6])
-def test_bags_that_are_not_finite_are_refused(path, model, make_signature, value):
+def test_bags_that_are_not_finite_are_refused(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature], value: float
+) -> None:
     signature = make_signature(1)
     bags = signature.bags.copy()
     bags[2] = value
@@ -281,7 +319,12 @@ def test_bags_that_are_not_finite_are_refused(path, model, make_signature, value
         library.add_signature(type(signature)(bags, signature.code, 1.0, 3, 1), "broken")
 
 
-def test_a_signature_of_another_model_is_refused(path, model, make_model, make_signature):
+def test_a_signature_of_another_model_is_refused(
+    path: Path,
+    model: ShapeModel,
+    make_model: Callable[..., ShapeModel],
+    make_signature: Callable[..., ShapeSignature],
+) -> None:
     long_codes = make_model(code_bits=80)
     with Library.open(path, model) as library:
         signature = make_signature(1, of=long_codes)
@@ -294,12 +337,14 @@ def test_a_signature_of_another_model_is_refused(path, model, make_model, make_s
                 "a", size=1, mtime_ns=1, sha256=None, shapes=[NewShape(signature, "horse")]
             )
         with pytest.raises(LibraryError, match="another model"):
-            library.query_signature(signature)
+            library.query(signature, explain=0)
         assert len(library) == 0
         assert library.sources() == {}
 
 
-def test_one_of_many_fails_and_none_goes_in(path, model, make_signature):
+def test_one_of_many_fails_and_none_goes_in(
+    path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]
+) -> None:
     with Library.open(path, model) as library:
         library.replace_source(
             "a", size=1, mtime_ns=1, sha256="ab", shapes=[NewShape(make_signature(0), "old")]
@@ -317,7 +362,7 @@ def test_one_of_many_fails_and_none_goes_in(path, model, make_signature):
         assert len(library) == 2
 
 
-def test_unknown_shapes_are_named(path, model):
+def test_unknown_shapes_are_named(path: Path, model: ShapeModel) -> None:
     with Library.open(path, model) as library:
         for ask in (library.signature, library.thumbnail):
             with pytest.raises(LibraryError, match=r"shapes\.sglib' has no shape 7"):

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Which shape stands at which position of an index in memory, and which of them are gone.
+"""Index of codes in memory: which shape stands at which position, and which shapes are gone.
 
-Shapes that were removed since they were read need no bookkeeping of changes: the search finds them gone when
-it asks for their bags, and has them skipped from then on.
+Removing a shape needs no bookkeeping here: the search finds out that a shape is gone when it reads its bags,
+and discards it then.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,17 @@ __all__ = ["ShapeIndex"]
 
 
 class ShapeIndex(ABC):
-    """Codes of shapes by their ids; how they are kept and compared is the subclass's."""
+    """Codes of shapes by their ids, in blocks of columns: adding codes moves none of the others.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    block : int
+        Number of shapes in a block.
+    """
+
+    def __init__(self, block: int) -> None:
+        self._block = block
+        self._blocks: list[NDArray[Any]] = []
         # With room at the end; the first `_count` are used.
         self._roomy_ids = np.empty(0, np.int64)
         self._count = 0
@@ -27,12 +36,12 @@ class ShapeIndex(ABC):
 
     @property
     def last_id(self) -> int:
-        """The greatest id that was added; 0 if none was."""
+        """The greatest id that was added; 0 if there is none."""
         return int(self._roomy_ids[self._count - 1]) if self._count else 0
 
     @property
     def gone(self) -> int:
-        """How many codes are kept of shapes that are gone."""
+        """Number of codes of discarded shapes."""
         return len(self._gone)
 
     @property
@@ -49,7 +58,15 @@ class ShapeIndex(ABC):
             In ascending order, greater than all before.
         codes : (n, code_bytes) array of uint8
         """
-        self._add_codes(codes)
+        columns = self._columns(codes)
+        start = 0
+        while start < len(shape_ids):
+            used = (self._count + start) % self._block
+            if used == 0:
+                self._blocks.append(np.zeros((len(columns), self._block), columns.dtype))
+            portion = columns[:, start : start + self._block - used]
+            self._blocks[-1][:, used : used + portion.shape[1]] = portion
+            start += portion.shape[1]
         count = self._count + len(shape_ids)
         if count > len(self._roomy_ids):
             roomy = np.empty(max(count, len(self._roomy_ids) * 9 // 8), np.int64)
@@ -59,10 +76,15 @@ class ShapeIndex(ABC):
         self._count = count
 
     def discard(self, shape_ids: Collection[int]) -> None:
-        """Skip these shapes from now on; they are gone."""
+        """Skip these shapes from now on, because they are gone."""
         positions = np.searchsorted(self._shape_ids, np.fromiter(shape_ids, np.int64))
         self._gone = np.union1d(self._gone, positions)
 
+    def _positions(self, among: NDArray[np.int64]) -> NDArray[np.intp]:
+        """Find the positions of shapes, in ascending order, without unknown and discarded ones."""
+        known = np.flatnonzero(np.isin(self._shape_ids, among))
+        return np.asarray(np.setdiff1d(known, self._gone, assume_unique=True), np.intp)
+
     @abstractmethod
-    def _add_codes(self, codes: NDArray[np.uint8]) -> None:
-        """Append codes (n, code_bytes), the first of them at position `_count`."""
+    def _columns(self, codes: NDArray[np.uint8]) -> NDArray[Any]:
+        """Convert codes (n, code_bytes) to columns (rows, n) of a block."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is said of matches whose kind is known, by the default model, through a library as users have it."""
+"""Evidence of matches whose kind is known, by the default model and through a library as users have it."""
 
 from __future__ import annotations
 
@@ -26,18 +26,20 @@ def pairs() -> list[EvidencePair]:
 
 
 @pytest.fixture(scope="module")
-def answers(tmp_path_factory, pairs) -> Iterator[tuple[Library, dict[str, Evidence]]]:
-    """All candidates of one query in a library, and what is said of each."""
+def answers(
+    tmp_path_factory: pytest.TempPathFactory, pairs: list[EvidencePair]
+) -> Iterator[tuple[Library, dict[str, Evidence]]]:
+    """All candidates of one query in a library, and the evidence of each."""
     path: Path = tmp_path_factory.mktemp("evidence") / "shapes.sglib"
     query = pairs[0].query
     with Library.open(path) as library:
         for pair in pairs:
             if pair.query is query:
                 library.add(pair.candidate, pair.detail)
-        yield library, {match.name: kept(match) for match in library.query(query, top=20)}
+        yield library, {match.name: kept(match) for match in library.query(query, top=20, explain=20)}
 
 
-def test_every_kind_is_made(pairs):
+def test_every_kind_is_made(pairs: list[EvidencePair]) -> None:
     assert {pair.kind for pair in pairs} == set(KINDS)
 
 
@@ -57,11 +59,13 @@ def test_every_kind_is_made(pairs):
         ("another kind", "similar"),
     ],
 )
-def test_kinds_are_told(answers, detail, kind):
+def test_kinds_are_recognised(answers: tuple[Library, dict[str, Evidence]], detail: str, kind: str) -> None:
     assert answers[1][detail].kind == kind
 
 
-def test_figures_are_those_of_the_pairs(answers, pairs):
+def test_figures_are_those_of_the_pairs(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
     for pair in pairs:
         said = answers[1].get(pair.detail)
         if said is None or said.kind != pair.kind or pair.kind == "similar":
@@ -73,7 +77,7 @@ def test_figures_are_those_of_the_pairs(answers, pairs):
             assert said.share == pytest.approx(pair.share, abs=0.05)
 
 
-def test_a_part_finds_its_whole(tmp_path, pairs):
+def test_a_part_finds_its_whole(tmp_path: Path, pairs: list[EvidencePair]) -> None:
     chosen = next(pair for pair in pairs if pair.kind == "part of")
     with Library.open(tmp_path / "shapes.sglib") as library:
         library.add(chosen.candidate, "whole")
@@ -83,48 +87,56 @@ def test_a_part_finds_its_whole(tmp_path, pairs):
     assert match.evidence.share == pytest.approx(chosen.share, abs=0.05)
 
 
-def test_only_so_many_are_explained(answers, pairs):
+def test_only_the_best_are_explained(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
     library, _ = answers
-    matches = library.query(pairs[0].query, top=6, explained=2)
+    matches = library.query(pairs[0].query, top=6, explain=2)
     assert [match.evidence is not None for match in matches] == [True, True, False, False, False, False]
-    assert all(match.evidence is None for match in library.query(pairs[0].query, top=3, explained=0))
+    assert all(match.evidence is None for match in library.query(pairs[0].query, top=3, explain=0))
 
 
-def test_evidence_leaves_the_ranking_as_it_is(answers, pairs):
+def test_evidence_leaves_the_ranking_as_it_is(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
     library, _ = answers
-    plain = library.query(pairs[0].query, top=20, explained=0)
-    explained = library.query(pairs[0].query, top=20)
+    plain = library.query(pairs[0].query, top=20, explain=0)
+    explained = library.query(pairs[0].query, top=20, explain=20)
     assert [replace(match, evidence=None) for match in explained] == plain
 
 
-def test_with_several_examples_the_nearest_one_is_compared(answers, pairs):
+def test_with_several_examples_the_nearest_one_is_compared(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
     library, _ = answers
     stranger = next(pair.candidate for pair in pairs if pair.detail == "another kind")
-    matches = library.query([pairs[0].query, stranger], top=20)
+    matches = library.query([pairs[0].query, stranger], top=20, explain=20)
     kinds = {match.name: kept(match).kind for match in matches}
     assert kinds["a copy"] == kinds["another kind"] == "identical"
 
 
-def test_what_was_removed_meanwhile_has_no_evidence(tmp_path, pairs):
+def test_what_was_removed_meanwhile_has_no_evidence(tmp_path: Path, pairs: list[EvidencePair]) -> None:
     with Library.open(tmp_path / "shapes.sglib") as library:
         shape_id = library.add(pairs[0].candidate, "gone soon")
         signature = library.model.describe(pairs[0].query, keep_surface=True)
-        matches = library.query_signature(signature)
+        matches = library.query(signature, explain=0)
         library.remove_shape(shape_id)
         assert library.explain([signature], matches)[0].evidence is None
 
 
-def test_samples_alone_tell_the_same(answers, pairs):
-    """As for duplicates: of neither shape the surface is at hand."""
+def test_samples_alone_give_the_same_kinds(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
+    """As for duplicates: neither shape has its surface."""
     library, exact = answers
     signature = replace(library.model.describe(pairs[0].query), surface=None)
-    matches = library.explain([signature], library.query_signature(signature, top=20))
+    matches = library.explain([signature], library.query(signature, top=20, explain=0))
     assert {match.name: kept(match).kind for match in matches} == {
         name: said.kind for name, said in exact.items()
     }
 
 
-def test_duplicates_are_grouped_by_what_they_are(answers):
+def test_duplicates_are_grouped_by_kind(answers: tuple[Library, dict[str, Evidence]]) -> None:
     library, _ = answers
     groups = {group.kind: [member.name for member in group.members] for group in library.duplicates(0.5)}
     first = "a copy"
@@ -136,7 +148,9 @@ def test_duplicates_are_grouped_by_what_they_are(answers):
     assert set(groups["re-posed"]) >= {first, "other pose"}
 
 
-def test_exact_copies_are_told_without_laying_anything_over(answers, pairs):
+def test_exact_copies_are_recognised_without_alignment(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
     library, _ = answers
     groups = library.duplicates(0.5, explained=0)
     kinds = {group.kind: group for group in groups}

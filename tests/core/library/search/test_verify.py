@@ -3,26 +3,63 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import sqlite3
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import cut
-from shapegoogle_core import Library, Mesh, compute_spectrum
+from shapegoogle_core import Library, Match, Mesh, ShapeModel, compute_spectrum
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.search import search
-from shapegoogle_core.library.search import verify as verification
+from shapegoogle_core.library.search.aligned_match import known_alignment
+from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings, VerificationSettings
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import PreprocessingSettings
-from shapegoogle_core.registration import LocalSettings, SampleSettings, fit_local_words, sample_surface
-from shapegoogle_core.registration.exact_fit import RoughPose
-from shapegoogle_core.registration.frames import Frame
+from shapegoogle_core.registration import (
+    PART_SCALES,
+    Alignment,
+    Frame,
+    LocalSettings,
+    PreparedSample,
+    RoughPose,
+    SampleSettings,
+    align,
+    fit_local_words,
+    rough_pose,
+    sample_surface,
+)
+
+VERIFY = "shapegoogle_core.library.search.verify"
+CHECKS = "shapegoogle_core.library.search.checks"
+
+
+def execute(library: Library, statement: str, *parameters: object) -> None:
+    """Change the library file behind the library's back."""
+    with closing(sqlite3.connect(library.path)) as connection, connection:
+        connection.execute(statement, parameters)
+
+
+def watch_alignments(
+    module: str, monkeypatch: pytest.MonkeyPatch
+) -> list[tuple[PreparedSample, PreparedSample]]:
+    """Pairs of query and candidate that a module aligns from now on."""
+    aligned: list[tuple[PreparedSample, PreparedSample]] = []
+
+    def watched(query: PreparedSample, candidate: PreparedSample) -> Alignment:
+        aligned.append((query, candidate))
+        return align(query, candidate)
+
+    monkeypatch.setattr(f"{module}.align", watched)
+    return aligned
 
 
 @pytest.fixture(scope="module")
-def verifying(make_model):
+def verifying(make_model: Callable[..., ShapeModel]) -> ShapeModel:
     """An untrained model: its bags know little, so that geometry must decide."""
     model = make_model()
     settings = replace(
@@ -38,55 +75,65 @@ def shapes_in_it() -> list[Mesh]:
 
 
 @pytest.fixture
-def library(path, verifying, shapes_in_it):
+def library(path: Path, verifying: ShapeModel, shapes_in_it: list[Mesh]) -> Iterator[Library]:
     with Library.open(path, verifying) as library:
         for mesh in shapes_in_it:
             library.add(mesh)
         yield library
 
 
-def test_a_damaged_shape_comes_first(library, shapes_in_it):
+def test_a_damaged_shape_comes_first(library: Library, shapes_in_it: list[Mesh]) -> None:
     ranks, plain = [], []
     for index in range(0, 24, 4):
         query = transform(shapes_in_it[index], "partial", 3, seed=index)
         signature = library.model.describe(query)
-        names = [match.name for match in library.query_signature(signature, top=24)]
+        names = [match.name for match in library.query(signature, top=24, explain=0)]
         ranks.append(names.index(f"shape {index}"))
-        alone = [m.name for m in library.query_signature(replace(signature, sample=None), top=24)]
+        alone = [m.name for m in library.query(replace(signature, sample=None), top=24, explain=0)]
         plain.append(alone.index(f"shape {index}"))
         assert sorted(names) == sorted(alone)
     assert np.mean(np.array(ranks) == 0) >= 0.8
     assert np.mean(1 / (1 + np.array(plain))) < np.mean(1 / (1 + np.array(ranks)))
 
 
-def test_matches_are_in_order_and_no_farther_than_before(library, shapes_in_it):
+def test_matches_are_in_order_and_no_farther_than_before(library: Library, shapes_in_it: list[Mesh]) -> None:
     signature = library.model.describe(transform(shapes_in_it[3], "holes", 3, seed=0))
     for exact in (False, True):
-        matches = library.query_signature(signature, top=24, exact=exact)
+        matches = library.query(signature, top=24, exact=exact, explain=0)
         assert [match.distance for match in matches] == sorted(match.distance for match in matches)
         assert [match.similarity for match in matches] == sorted(
             (match.similarity for match in matches), reverse=True
         )
         before = {
-            m.shape_id: m.distance for m in library.query_signature(replace(signature, sample=None), top=24)
+            m.shape_id: m.distance for m in library.query(replace(signature, sample=None), top=24, explain=0)
         }
         assert all(match.distance <= before[match.shape_id] for match in matches)
         assert len(matches) == 24
 
 
-def test_what_stands_far_behind_is_found_by_its_support(library, shapes_in_it, monkeypatch):
-    """With two looked at first and five next, the right one must come in by the support it has."""
-    monkeypatch.setattr(verification, "_LIKELY", 2.0)  # the untrained model is sure of everything
-    monkeypatch.setattr(verification, "_FIRST", 2)
-    monkeypatch.setattr(verification, "_NEXT", 5)
+def reopened(
+    library: Library, selection: CandidateSettings | None = None, **verification_settings: float
+) -> Library:
+    """The same library with other settings."""
+    settings = SearchSettings(
+        candidates=selection or CandidateSettings(),
+        verification=VerificationSettings(**verification_settings),  # type: ignore[arg-type]
+    )
+    return Library.open(library.path, search=settings)
+
+
+def test_what_stands_far_behind_is_found_by_its_support(library: Library, shapes_in_it: list[Mesh]) -> None:
+    """With two aligned first and five next, the right one must come in by the support it has."""
     firsts = 0
-    for index in range(0, 24, 4):
-        query = transform(shapes_in_it[index], "partial", 3, seed=index)
-        firsts += library.query(query, top=1)[0].name == f"shape {index}"
+    # The untrained model is certain of everything.
+    with reopened(library, likely=2.0, first=2, next=5) as other:
+        for index in range(0, 24, 4):
+            query = transform(shapes_in_it[index], "partial", 3, seed=index)
+            firsts += other.query(query, top=1)[0].name == f"shape {index}"
     assert firsts >= 5
 
 
-def test_samples_come_back_and_go_with_their_shape(library, shapes_in_it):
+def test_samples_come_back_and_go_with_their_shape(library: Library, shapes_in_it: list[Mesh]) -> None:
     shape_id = library.add(shapes_in_it[0], name="again")
     sample = library.signature(shape_id).sample
     assert sample is not None
@@ -95,54 +142,100 @@ def test_samples_come_back_and_go_with_their_shape(library, shapes_in_it):
     assert library._store.samples([shape_id]) == {}
 
 
-def test_a_damaged_sample_is_named(library, shapes_in_it):
+def test_a_damaged_sample_is_named(library: Library, shapes_in_it: list[Mesh]) -> None:
     query = transform(shapes_in_it[0], "noise", 2, seed=0)
-    library._store.connection.execute("UPDATE samples SET content = x'0102'")
+    execute(library, "UPDATE samples SET content = x'0102'")
     with pytest.raises(LibraryError, match=r"surface of shape .* cannot be read"):
         library.query(query)
     with pytest.raises(LibraryError, match=r"surface of shape 1 cannot be read"):
         library.signature(1)
     other = sample_surface(shapes_in_it[0], compute_spectrum(shapes_in_it[0], k=20), SampleSettings(50, 20))
-    library._store.connection.execute("UPDATE samples SET content = ?", (other.to_bytes(),))
+    execute(library, "UPDATE samples SET content = ?", other.to_bytes())
     with pytest.raises(LibraryError, match=r"another size than its model's"):
         library.query(query)
 
 
-def test_a_signature_with_a_sample_does_not_fit_a_model_without(path, make_model, verifying, shapes_in_it):
+def test_a_signature_with_a_sample_does_not_fit_a_model_without(
+    path: Path, make_model: Callable[..., ShapeModel], verifying: ShapeModel, shapes_in_it: list[Mesh]
+) -> None:
     signature = verifying.describe(shapes_in_it[0])
     with Library.open(path, make_model()) as library, pytest.raises(LibraryError, match="another model"):
         library.add_signature(signature, "shape")
 
 
-def test_shapes_without_a_sample_stand_among_the_others(library, shapes_in_it):
+def test_shapes_without_a_sample_stand_among_the_others(library: Library, shapes_in_it: list[Mesh]) -> None:
     """As after an interrupted repair by hand: they are compared by their bags."""
-    library._store.connection.execute("DELETE FROM samples WHERE shape_id % 2 = 0")
+    execute(library, "DELETE FROM samples WHERE shape_id % 2 = 0")
     matches = library.query(shapes_in_it[0], top=24)
     assert len(matches) == 24
     assert matches[0].name == "shape 0"
 
 
-def test_geometry_is_asked_only_where_it_is_needed(library, shapes_in_it, monkeypatch):
-    monkeypatch.setattr(verification, "_FIRST", 2)
-    looked_at = []
-    original = verification.align
-    monkeypatch.setattr(
-        verification, "align", lambda query, other: looked_at.append(1) or original(query, other)
-    )
-    certain = library.query(shapes_in_it[5])  # itself: distance 0
-    assert certain[0].similarity == 1
-    assert len(looked_at) == 0
-    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))  # likely, once it has been looked at
-    assert len(looked_at) == 2
-    monkeypatch.setattr(verification, "_LIKELY", 2.0)
-    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))  # lies on it exactly
-    assert len(looked_at) == 2 + 2
-    monkeypatch.setattr(verification, "_SURELY_EXACT", 2.0)
-    library.query(transform(shapes_in_it[5], "noise", 1, seed=0))
-    assert len(looked_at) == 4 + 24
+def test_shapes_are_aligned_only_where_it_is_needed(
+    library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    aligned = watch_alignments(VERIFY, monkeypatch)
+    noisy = transform(shapes_in_it[5], "noise", 1, seed=0)
+    with reopened(library, first=2) as other:
+        certain = other.query(shapes_in_it[5], explain=0)  # itself: distance 0
+        assert certain[0].similarity == 1
+        assert len(aligned) == 0
+        other.query(noisy, explain=0)  # likely, once it is aligned
+        assert len(aligned) == 2
+    with reopened(library, first=2, likely=2.0) as other:
+        other.query(noisy, explain=0)  # fits exactly
+        assert len(aligned) == 2 + 2
+    with reopened(library, first=2, likely=2.0, surely_exact=2.0) as other:
+        other.query(noisy, explain=0)
+        assert len(aligned) == 4 + 24
 
 
-def test_a_model_without_samples_still_answers(path, make_model, shapes_in_it):
+def test_matches_carry_the_alignment_that_verification_found(
+    library: Library, shapes_in_it: list[Mesh]
+) -> None:
+    """From the query to the match: it maps the query's points to the surface of the match."""
+    signature = library.model.describe(transform(shapes_in_it[5], "noise", 1, seed=0))
+    assert signature.sample is not None
+    best = library.query(signature, explain=0)[0]
+    alignment = known_alignment(best, signature.sample)
+    assert alignment is not None
+    assert alignment.agreement > 0.5
+    other = library.signature(1).sample
+    assert other is not None
+    assert known_alignment(best, other) is None
+    plain = Match(**{field.name: getattr(best, field.name) for field in fields(Match)})
+    assert (best == plain, plain == best, hash(best) == hash(best)) == (True, True, True)
+    assert best != replace(plain, distance=2.0)
+    assert known_alignment(plain, signature.sample) is None
+
+
+def test_alignments_of_verification_are_not_computed_again(
+    library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signature = library.model.describe(transform(shapes_in_it[5], "noise", 1, seed=0), keep_surface=True)
+    matches = library.query(signature, top=3, explain=0)
+    plain = [
+        Match(**{field.name: getattr(match, field.name) for field in fields(Match)}) for match in matches
+    ]
+    aligned = watch_alignments(CHECKS, monkeypatch)
+    anew = library.explain([signature], plain)
+    computed = sum(query.scales == PART_SCALES and query.sample is signature.sample for query, _ in aligned)
+    aligned.clear()
+    passed_on = library.explain([signature], matches)
+    again = sum(query.scales == PART_SCALES and query.sample is signature.sample for query, _ in aligned)
+    assert 2 * again == computed > 0  # what is left are mirror images
+    assert [kind_of(match) for match in passed_on] == [kind_of(match) for match in anew]
+    assert library.query(signature, top=3) == passed_on
+
+
+def kind_of(match: Match) -> str:
+    assert match.evidence is not None
+    return match.evidence.kind
+
+
+def test_a_model_without_samples_still_answers(
+    path: Path, make_model: Callable[..., ShapeModel], shapes_in_it: list[Mesh]
+) -> None:
     with Library.open(path, make_model()) as library:
         library.add(shapes_in_it[0])
         library.add(shapes_in_it[1])
@@ -151,9 +244,10 @@ def test_a_model_without_samples_still_answers(path, make_model, shapes_in_it):
 
 
 @pytest.fixture(scope="module")
-def indexing(verifying, shapes_in_it):
+def indexing(verifying: ShapeModel, shapes_in_it: list[Mesh]) -> ShapeModel:
     local = LocalSettings(words=256)
-    words = fit_local_words([verifying.describe(mesh).sample for mesh in shapes_in_it], local)
+    samples = [verifying.describe(mesh).sample for mesh in shapes_in_it]
+    words = fit_local_words([sample for sample in samples if sample is not None], local)
     return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
 
 
@@ -162,67 +256,74 @@ def _with_local_words(library: Library) -> list[int]:
 
 
 class TestPartsIndex:
-    """What bags do not find, local words bring before geometry."""
+    """Local words find candidates that bags do not find."""
 
     @pytest.fixture
-    def library(self, path, indexing, shapes_in_it):
+    def library(self, path: Path, indexing: ShapeModel, shapes_in_it: list[Mesh]) -> Iterator[Library]:
         with Library.open(path, indexing) as library:
             for mesh in shapes_in_it:
                 library.add(mesh)
             yield library
 
     @pytest.mark.parametrize("exact", [False, True])
-    def test_a_shape_far_by_its_bags_is_found(self, library, shapes_in_it, monkeypatch, exact):
+    def test_a_shape_far_by_its_bags_is_found(
+        self, library: Library, shapes_in_it: list[Mesh], exact: bool
+    ) -> None:
         query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
-        monkeypatch.setattr(search, "CANDIDATES", 3)
-        monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
-        monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
-        monkeypatch.setattr(search, "SCREENED", 3)
-        with monkeypatch.context() as patch:
-            patch.setattr(library._search, "_local_words", None)
-            assert "shape 8" not in [m.name for m in library.query_signature(strange, top=3, exact=exact)]
-        monkeypatch.setattr(search, "LOCAL_CANDIDATES", 2)
-        assert library.query_signature(strange, top=1, exact=exact)[0].name == "shape 8"
+        few = CandidateSettings(count=3, per_match=1, oversampling=1, sharing=0)
+        with reopened(library, few, candidates=3) as other:
+            matches = other.query(strange, top=3, exact=exact, explain=0)
+            assert "shape 8" not in [match.name for match in matches]
+        with reopened(library, replace(few, sharing=2), candidates=3) as other:
+            assert other.query(strange, top=1, exact=exact, explain=0)[0].name == "shape 8"
 
-    def test_a_wrong_rough_pose_does_not_hide_a_shape(self, library, shapes_in_it, monkeypatch):
+    def test_a_wrong_rough_pose_does_not_hide_a_shape(
+        self, library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         far_away = Frame(1.0, np.eye(3), np.full(3, 10.0))
-        monkeypatch.setattr(verification, "rough_pose", lambda *_: RoughPose(covered=1.0, frame=far_away))
-        monkeypatch.setattr(verification, "_FIRST", 2)
-        monkeypatch.setattr(search, "CANDIDATES", 3)
-        monkeypatch.setattr(search, "CANDIDATES_PER_MATCH", 1)
-        monkeypatch.setattr(search, "ROUGH_PER_CANDIDATE", 1)
-        assert library.query_signature(strange, top=1)[0].name == "shape 8"
+        monkeypatch.setattr(f"{VERIFY}.rough_pose", lambda *_: RoughPose(covered=1.0, frame=far_away))
+        few = CandidateSettings(count=3, per_match=1, oversampling=1)
+        with reopened(library, few, first=2) as other:
+            assert other.query(strange, top=1, explain=0)[0].name == "shape 8"
 
-    def test_support_decides_among_those_with_the_words(self, library, shapes_in_it, monkeypatch):
+    def test_support_decides_among_those_with_the_words(
+        self, library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         """All have some of the words; only one place is given away, by what agrees in space."""
         query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
-        laid = []
-        original = verification.rough_pose
-        monkeypatch.setattr(
-            verification, "rough_pose", lambda *pair: laid.append(pair[1].points) or original(*pair)
-        )
-        monkeypatch.setattr(verification, "_FIRST", 1)
-        monkeypatch.setattr(verification, "_LIKELY", 2.0)
-        monkeypatch.setattr(search, "SUPPORTED", 1)
-        assert library.query_signature(strange, top=1)[0].name == "shape 8"
-        (points,) = laid
-        np.testing.assert_array_equal(points, library.signature(9).sample.points)
+        aligned = []
 
-    def test_shapes_that_another_process_removed_are_skipped(self, path, library, shapes_in_it, monkeypatch):
+        def watched(query: PreparedSample, candidate: PreparedSample, among: Sequence[int]) -> RoughPose:
+            aligned.append(candidate.points)
+            return rough_pose(query, candidate, among)
+
+        monkeypatch.setattr(f"{VERIFY}.rough_pose", watched)
+        with reopened(library, CandidateSettings(supported=1), first=1, likely=2.0) as other:
+            assert other.query(strange, top=1, explain=0)[0].name == "shape 8"
+        (points,) = aligned
+        sample = library.signature(9).sample
+        assert sample is not None
+        np.testing.assert_array_equal(points, sample.points)
+
+    def test_shapes_that_another_process_removed_are_skipped(
+        self, library: Library, shapes_in_it: list[Mesh]
+    ) -> None:
         query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
-        monkeypatch.setattr(verification, "_FIRST", 1)
-        monkeypatch.setattr(verification, "_LIKELY", 2.0)
-        library.query_signature(query)
-        with Library.open(path) as other:
-            other.remove_shape(9)
-        assert "shape 8" not in [match.name for match in library.query_signature(query, top=24)]
-        assert library._search._local_words.current().gone == 1
+        with reopened(library, first=1, likely=2.0) as other:
+            other.query(query, explain=0)
+            library.remove_shape(9)
+            assert "shape 8" not in [match.name for match in other.query(query, top=24, explain=0)]
+            index = other._search._shared_words.index
+            assert index is not None
+            assert index.current().gone == 1
 
-    def test_local_words_come_back_and_go_with_their_shape(self, library, shapes_in_it):
+    def test_local_words_come_back_and_go_with_their_shape(
+        self, library: Library, shapes_in_it: list[Mesh]
+    ) -> None:
         code = library.model.describe(shapes_in_it[4]).local_code
         np.testing.assert_array_equal(library.signature(5).local_code, code)
         assert len(_with_local_words(library)) == 24
@@ -230,7 +331,9 @@ class TestPartsIndex:
         assert len(library._store.codes("local_words", [5], 32)[0]) == 0
         assert len(_with_local_words(library)) == 23
 
-    def test_a_model_without_them_still_answers(self, path, verifying, shapes_in_it):
+    def test_a_model_without_them_still_answers(
+        self, path: Path, verifying: ShapeModel, shapes_in_it: list[Mesh]
+    ) -> None:
         with Library.open(path, verifying) as library:
             library.add(shapes_in_it[0])
             library.add(shapes_in_it[1])
@@ -238,19 +341,22 @@ class TestPartsIndex:
             assert library.query(query, top=1)[0].name == "shape 1"
             assert library.signature(1).local_code is None
 
-    def test_what_fits_exactly_comes_before_what_bags_prefer(self, library, shapes_in_it, monkeypatch):
+    def test_what_fits_exactly_comes_before_what_bags_prefer(
+        self, library: Library, shapes_in_it: list[Mesh]
+    ) -> None:
         """Half of a shape, with bags that say nothing."""
         query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy())
-        with monkeypatch.context() as patch:
-            patch.setattr(verification, "_EXACT_GAIN", 0.0)
-            before = [match.name for match in library.query_signature(strange, top=24)]
-        after = [match.name for match in library.query_signature(strange, top=24)]
+        with reopened(library, exact_gain=0.0) as other:
+            before = [match.name for match in other.query(strange, top=24, explain=0)]
+        after = [match.name for match in library.query(strange, top=24, explain=0)]
         assert sorted(after) == sorted(before)
         assert after.index("shape 8") <= before.index("shape 8")
         assert after[0] == "shape 8"
 
-    def test_a_signature_with_another_local_code(self, path, library, verifying, shapes_in_it):
+    def test_a_signature_with_another_local_code(
+        self, path: Path, library: Library, verifying: ShapeModel, shapes_in_it: list[Mesh]
+    ) -> None:
         signature = library.model.describe(shapes_in_it[0])
         with pytest.raises(LibraryError, match="its local code does not fit"):
             library.add_signature(replace(signature, local_code=np.zeros(3, np.uint8)), "shape")

@@ -194,7 +194,7 @@ def test_rows_of_the_wrong_length(filled: Path, make_signature: SignatureMaker, 
     change(filled, statement)
     with Library.open(filled) as library:
         with pytest.raises(LibraryError, match=r"is damaged .*another length than its model's"):
-            library.query_signature(make_signature(1))
+            library.query(make_signature(1), explain=0)
         with pytest.raises(LibraryError, match="is damaged"):
             library.signature(1)
 
@@ -259,7 +259,7 @@ def test_write_protected_files_are_searched(
     unprivileged_folder.chmod(0o555)
     with Library.open(path, read_only=read_only) as library:
         assert library.read_only
-        assert library.query_signature(make_signature(1))[0].name == "one"
+        assert library.query(make_signature(1), explain=0)[0].name == "one"
         with pytest.raises(LibraryError, match="is read-only"):
             library.add_signature(make_signature(2), "two")
 
@@ -273,7 +273,7 @@ def test_a_file_that_can_be_written_in_a_folder_that_cannot(
         library.add_signature(make_signature(1), "one")
     unprivileged_folder.chmod(0o555)
     with Library.open(path) as library:
-        assert library.query_signature(make_signature(1))[0].name == "one"
+        assert library.query(make_signature(1), explain=0)[0].name == "one"
         with pytest.raises(LibraryError, match="or its folder is read-only"):
             library.add_signature(make_signature(2), "two")
         assert len(library) == 1
@@ -306,8 +306,8 @@ def test_closed(filled: Path, make_signature: SignatureMaker) -> None:
     for use in (
         lambda: len(library),
         lambda: list(library.shapes()),
-        lambda: library.query_signature(make_signature(1)),
-        lambda: library.query_signature(make_signature(1), exact=True),
+        lambda: library.query(make_signature(1), explain=0),
+        lambda: library.query(make_signature(1), exact=True, explain=0),
         lambda: library.add_signature(make_signature(1), "new"),
         library.info,
         library.sources,

@@ -103,7 +103,7 @@ def test_another_program_leaves_gaps_that_are_filled_later(
             old.commit()
         assert list(blocks_of(path)) == [1]
         check(path, model)
-        assert library.query_signature(make_signature(5), 1)[0].name != "5"
+        assert library.query(make_signature(5), top=1, explain=0)[0].name != "5"
         for seed in range(20, 24):
             library.add_signature(make_signature(seed), f"{seed}")
         assert blocks_of(path) == {
@@ -157,7 +157,7 @@ def test_a_block_cut_short_is_damage(path: Path, model: ShapeModel, make_signatu
             connection.execute("UPDATE code_blocks SET codes = substr(codes, 1, 70)")
             connection.commit()
         with pytest.raises(LibraryError, match=r"shapes\.sglib' is damaged .*code has another length"):
-            library.query_signature(make_signature(1))
+            library.query(make_signature(1), explain=0)
 
 
 @settings(deadline=None, max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -192,6 +192,6 @@ def test_any_changes(
                     )
             check(path, model)
             with open_library(path, model) as fresh:
-                expected = fresh.query_signature(make_signature(number), 5)
-            assert first.query_signature(make_signature(number), 5) == expected
-            assert second.query_signature(make_signature(number), 5) == expected
+                expected = fresh.query(make_signature(number), top=5, explain=0)
+            assert first.query(make_signature(number), top=5, explain=0) == expected
+            assert second.query(make_signature(number), top=5, explain=0) == expected

@@ -136,7 +136,7 @@ def test_a_writer_killed_within_a_transaction_is_undone(
     assert Path(f"{made}-journal").stat().st_size > 0
     assert made.stat().st_size > 10_000_000
     with Library.open(made, read_only=read_only) as library:
-        assert [match.name for match in library.query_signature(make_signature(1))] == ["old"]
+        assert [match.name for match in library.query(make_signature(1), explain=0)] == ["old"]
         assert [shape.name for shape in library.shapes()] == ["old"]
     check_file(made)
     assert made.stat().st_size < 1_000_000
@@ -194,7 +194,7 @@ def test_readers_see_whole_files_while_a_writer_writes(made: Path, make_signatur
     with Library.open(made, read_only=True) as first, Library.open(made, read_only=True) as second:
         while len(seen) < 20 and writer.poll() is None:
             for library, exact in ((first, False), (second, True)):
-                names = [match.name for match in library.query_signature(make_signature(2), exact=exact)]
+                names = [match.name for match in library.query(make_signature(2), exact=exact, explain=0)]
                 assert len(names) in (0, 5)
                 assert len(set(names)) <= 1
                 seen |= set(names)
@@ -296,7 +296,7 @@ def test_a_full_disk_keeps_what_was_added(made: Path, make_signature: SignatureM
                 message = str(error)
         assert "the disk is full; make room" in message
         assert 0 < added == len(library)
-        assert library.query_signature(make_signature(0), 1)[0].name == "0"
+        assert library.query(make_signature(0), top=1, explain=0)[0].name == "0"
         # Room again: the same object goes on.
         store.value("PRAGMA max_page_count = 1000000")
         library.add_signature(make_signature(added), "one more")
@@ -342,7 +342,7 @@ def test_the_operating_system_refuses_to_write_more(made: Path, make_signature: 
     assert 3 <= added <= 15
     with Library.open(made) as library:
         assert len(library) == added
-        assert library.query_signature(make_signature(2), 1)[0].name == "2"
+        assert library.query(make_signature(2), top=1, explain=0)[0].name == "2"
         library.replace_source(
             "b", size=1, mtime_ns=1, sha256="ab", shapes=[NewShape(make_signature(50), "more")]
         )

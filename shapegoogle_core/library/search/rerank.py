@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: MIT
+"""Second stage of a search: re-ranking of candidates by their full bags."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.query import Query
+from shapegoogle_core.library.search.settings import RerankSettings
+from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.model import ShapeModel
+
+__all__ = ["Ranking", "Reranker"]
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Candidates in the order of their distances.
+
+    Attributes
+    ----------
+    matches : list of Match
+        Best first.
+    gone : set of int
+        Ids of candidates that were removed from the library meanwhile.
+    """
+
+    matches: list[Match]
+    gone: set[int]
+
+
+class Reranker:
+    """Compares full bags.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Model that described the shapes.
+    settings : RerankSettings
+    """
+
+    def __init__(self, store: Store, model: ShapeModel, settings: RerankSettings) -> None:
+        self._store = store
+        self._model = model
+        self._at_once = max(1, settings.entries_at_once // model.bag_size)
+
+    def rank(self, query: Query, candidates: Sequence[int], count: int) -> Ranking:
+        """Compare candidates with the query.
+
+        Parameters
+        ----------
+        query : Query
+        candidates : sequence of int
+            Ids of shapes, each once.
+        count : int
+            Number of matches to keep.
+
+        Returns
+        -------
+        ranking : Ranking
+        """
+        best: list[Match] = []
+        gone: set[int] = set()
+        for start in range(0, len(candidates), self._at_once):
+            portion = candidates[start : start + self._at_once]
+            shape_ids, bags = self._store.bags(portion, self._model.bag_size)
+            gone |= set(portion).difference(shape_ids)
+            best = self._merge(best, query, shape_ids, bags, count)
+        return Ranking(best, gone)
+
+    def rank_all(self, query: Query, count: int, among: NDArray[np.int64] | None = None) -> list[Match]:
+        """Compare all shapes with the query.
+
+        Parameters
+        ----------
+        query : Query
+        count : int
+            Number of matches to keep.
+        among : (m,) array of int64, optional
+            Ids of the shapes to compare; all shapes by default.
+
+        Returns
+        -------
+        matches : list of Match
+            Best first.
+        """
+        best: list[Match] = []
+        for shape_ids, bags in self._portions(among):
+            best = self._merge(best, query, shape_ids, bags, count)
+        return best
+
+    def nearest_samples(self, query: Query, matches: Sequence[Match]) -> dict[int, int]:
+        """Find the sample of the query that each match is nearest to by its bags, by shape id."""
+        shape_ids, bags = self._store.bags([match.shape_id for match in matches], self._model.bag_size)
+        return dict(zip(shape_ids, query.nearest_samples(bags).tolist(), strict=True))
+
+    def _portions(self, among: NDArray[np.int64] | None) -> Iterator[tuple[list[int], NDArray[np.float32]]]:
+        """Read all bags, in one snapshot for each portion: no writer waits until all are compared."""
+        if among is not None:
+            for start in range(0, len(among), self._at_once):
+                with self._store.snapshot():
+                    portion = among[start : start + self._at_once].tolist()
+                    yield self._store.bags(portion, self._model.bag_size)
+            return
+        last_id = 0
+        while True:
+            with self._store.snapshot():
+                shape_ids, bags = self._store.bags_after(last_id, self._at_once, self._model.bag_size)
+                if not shape_ids:
+                    return
+                yield shape_ids, bags
+            last_id = shape_ids[-1]
+
+    def _merge(
+        self, best: list[Match], query: Query, shape_ids: list[int], bags: NDArray[np.float32], count: int
+    ) -> list[Match]:
+        """Compare a portion of the library with the query and keep the `count` best so far."""
+        distances = query.distances(bags)
+        if len(distances) > count:
+            # Equals of the last one are kept: their names decide, and names are read only for these few.
+            chosen = np.flatnonzero(distances <= np.partition(distances, count - 1)[count - 1])
+        else:
+            chosen = np.arange(len(distances))
+        records = self._store.shapes([shape_ids[position] for position in chosen])
+        similarities = self._model.similarity(distances[chosen])
+        matches = [
+            Match(
+                name=record.name,
+                source=record.source,
+                object_name=record.object_name,
+                distance=float(distance),
+                similarity=float(similarity),
+                shape_id=record.shape_id,
+                vertex_count=record.vertex_count,
+                face_count=record.face_count,
+                area=record.area,
+            )
+            for record, distance, similarity in zip(records, distances[chosen], similarities, strict=True)
+        ]
+        return heapq.nsmallest(count, [*best, *matches], key=lambda match: match.rank_key)

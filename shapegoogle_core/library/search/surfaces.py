@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""Surface samples of candidates, read a few at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.storage.samples import unpack_sample
+from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
+
+__all__ = ["StoredSurfaces", "Surfaces", "candidate_supports", "prepared_candidates"]
+
+# Samples read at once: 4 MB.
+_AT_ONCE = 256
+
+
+class Surfaces(Protocol):
+    """Source of surface samples."""
+
+    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
+        """Yield the ids and samples of those of these shapes that have one."""
+        ...
+
+
+class StoredSurfaces:
+    """Surface samples of a library.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Model that described the shapes.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel) -> None:
+        self._store = store
+        self._model = model
+
+    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
+        """Yield the ids and samples of those of these shapes that have one.
+
+        Raises
+        ------
+        LibraryError
+            If a sample is damaged.
+        """
+        stored = self._store.samples(shape_ids)
+        for shape_id in shape_ids:
+            content = stored.get(shape_id)
+            if content is not None:
+                yield shape_id, unpack_sample(self._store, self._model, shape_id, content)
+
+
+def prepared_candidates(
+    surfaces: Surfaces, matches: Sequence[Match]
+) -> Iterator[tuple[Match, PreparedSample | None]]:
+    """Pair matches with their prepared samples, one at a time: prepared, a sample takes ten times the room.
+
+    Parameters
+    ----------
+    surfaces : Surfaces
+    matches : sequence of Match
+
+    Yields
+    ------
+    match, prepared : Match, PreparedSample or None
+        In the order of `matches`; None for a shape without a surface, or one that was removed meanwhile.
+    """
+    waiting = iter(matches)
+    for shape_id, sample in surfaces.samples([match.shape_id for match in matches]):
+        for match in waiting:
+            if match.shape_id == shape_id:
+                yield match, PreparedSample(sample)
+                break
+            yield match, None
+    for match in waiting:
+        yield match, None
+
+
+def candidate_supports(
+    surfaces: Surfaces, query: PreparedSample, scales: Mapping[int, Collection[int]]
+) -> dict[int, NDArray[np.float32]]:
+    """Compute the support in space that shapes have from a query, see `supports`.
+
+    Parameters
+    ----------
+    surfaces : Surfaces
+    query : PreparedSample
+    scales : mapping of int to collection of int
+        By the ids of the shapes: positions of the query's scales to try.
+
+    Returns
+    -------
+    supports : dict of int to (s,) array
+        By shape id; shapes without a surface are left out.
+    """
+    found: dict[int, NDArray[np.float32]] = {}
+    shape_ids = list(scales)
+    for start in range(0, len(shape_ids), _AT_ONCE):
+        samples = dict(surfaces.samples(shape_ids[start : start + _AT_ONCE]))
+        wanted = np.zeros((len(samples), len(query.scales)), bool)
+        for row, shape_id in enumerate(samples):
+            wanted[row, list(scales[shape_id])] = True
+        found |= zip(samples, supports(query, list(samples.values()), wanted), strict=True)
+    return found
