@@ -1,18 +1,40 @@
 # SPDX-License-Identifier: MIT
-"""What can go wrong, one class for each kind of input."""
+"""Errors of this package: one class for each kind of input."""
 
 __all__ = ["LibraryError", "MeshError", "ModelError", "ShapeGoogleError"]
 
 
 class ShapeGoogleError(Exception):
-    """Base of all errors that this package raises on purpose.
+    """Base class of all errors that this package raises on purpose.
 
     The message is one sentence that names the input, says what is wrong with it and what to do.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> try:
+    ...     sg.read_mesh("horse.ply")
+    ... except sg.ShapeGoogleError as error:
+    ...     print(error)
+    'horse.ply' does not exist; give the path of a mesh file
     """
 
 
 class MeshError(ShapeGoogleError, ValueError):
-    """A mesh, or a file that should hold one, cannot be used."""
+    """A mesh, or a file that should hold one, cannot be used.
+
+    It is a `ValueError` too, since the arguments of a function are often the cause.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> try:
+    ...     sg.Mesh([[0, 0, 0], [1, 0, 0]], [[0, 1, 2]], name="horse")
+    ... except sg.MeshError as error:
+    ...     print(error)
+    'horse': a face names vertex 2, but there are only 2 vertices (counted from 0); the mesh is damaged or was
+    cut short
+    """
 
 
 class LibraryError(ShapeGoogleError):

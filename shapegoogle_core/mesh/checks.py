@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Checks that a mesh or a point cloud can be described."""
+"""Checks that a surface or a point cloud can be described."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shapegoogle_core.mesh.mesh import Mesh
 __all__ = ["FEWEST_POINTS", "check_cloud", "check_surface"]
 
 FEWEST_POINTS = 10
-"""Fewer points than these are no shape."""
+"""Fewest different points of a point cloud that can be described."""
 
 # A cloud that is thinner in two directions than this share of its extent is a line.
 _LEAST_WIDTH = 1e-6
@@ -68,12 +68,12 @@ def check_surface(mesh: Mesh) -> None:
 
 
 def check_cloud(mesh: Mesh) -> None:
-    """Raise unless points without faces can be described.
+    """Raise unless the vertices are a point cloud that can be described.
 
     Parameters
     ----------
     mesh : Mesh
-        Faces, if there are any, are not looked at.
+        Faces are ignored.
 
     Raises
     ------

@@ -14,7 +14,7 @@ _NEIGHBOURS = 16
 
 
 def point_normals(points: FloatArray) -> FloatArray:
-    """Take the normals of the planes that fit the neighbours of each point best (Hoppe et al. 1992).
+    """Compute the normals of the planes that best fit the neighbours of each point (Hoppe et al. 1992).
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def point_normals(points: FloatArray) -> FloatArray:
     Returns
     -------
     normals : (n, 3) array
-        Directions of least variance, of unit length; which side they are on means nothing.
+        Directions of least variance, of unit length; their sign is arbitrary.
     """
     _, near = KDTree(points).query(points, min(_NEIGHBOURS, len(points)))
     offsets = points[near] - points[near].mean(axis=1, keepdims=True)

@@ -16,7 +16,7 @@ __all__ = ["boundary_vertices", "unique_edges", "used_vertices"]
 
 
 def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
-    """Undirected edges and how many faces use each.
+    """Find the undirected edges and the number of faces at each.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
     count = len(mesh.vertices)
     start, end = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     ends = np.minimum(start, end), np.maximum(start, end)
-    # Rows of a sparse matrix are sorted by counting, six times faster than numbers of edges are.
+    # A sparse matrix sorts its rows by counting, which is faster than sorting the edges.
     faces_at = coo_array((np.ones(len(start), np.int32), ends), shape=(count, count)).tocsr()
     faces_at.sort_indices()
     first = np.repeat(np.arange(count, dtype=np.int32), np.diff(faces_at.indptr))
@@ -40,7 +40,7 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
 
 
 def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
-    """Mask of the vertices on open boundaries."""
+    """Mask, (n,), of the vertices on open boundaries."""
     edges, face_counts = unique_edges(mesh)
     mask = np.zeros(len(mesh.vertices), bool)
     mask[edges[face_counts == 1]] = True
@@ -48,13 +48,13 @@ def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
 
 
 def used_vertices(faces: NDArray[np.integer], count: int) -> tuple[NDArray[np.int64], NDArray[np.integer]]:
-    """Vertices that faces use, and the faces counted among these: ``numpy.unique`` without sorting.
+    """Find the vertices that faces use, and renumber the faces: ``numpy.unique`` without sorting.
 
     Parameters
     ----------
     faces : (m, 3) array of int
     count : int
-        How many vertices there are.
+        Number of vertices.
 
     Returns
     -------

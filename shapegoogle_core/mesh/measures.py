@@ -38,7 +38,7 @@ def face_areas(mesh: Mesh) -> FloatArray:
 
 
 def vertex_areas(mesh: Mesh) -> FloatArray:
-    """Area of each vertex: a third of that of its faces.
+    """Area of each vertex: a third of the area of its faces.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def vertex_areas(mesh: Mesh) -> FloatArray:
 
 
 def vertex_normals(mesh: Mesh) -> FloatArray:
-    """Take the mean of the normals of each vertex's faces, by area.
+    """Compute the normal of each vertex: the mean of the normals of its faces, weighted by area.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def vertex_normals(mesh: Mesh) -> FloatArray:
 def face_blocks(
     vertices: FloatArray, faces: NDArray[np.integer]
 ) -> Iterator[tuple[slice, tuple[FloatArray, FloatArray, FloatArray]]]:
-    """Go through the faces, some thousands at a time.
+    """Iterate over the faces in blocks of some thousands.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def face_blocks(
     Yields
     ------
     block : slice
-        Of the faces.
+        Places of these faces among all.
     corners : three (k, 3) arrays
         Positions of the first, second and third corners of these faces.
     """
@@ -98,7 +98,7 @@ def face_blocks(
 
 
 def cross_lengths(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Lengths of cross products, to the last bit those of `numpy.cross` but five times faster.
+    """Lengths of cross products: to the last bit those of `numpy.cross`, computed faster.
 
     Parameters
     ----------

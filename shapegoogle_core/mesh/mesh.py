@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The `Mesh` value that everything starts from."""
+"""The `Mesh` value, the input of every other stage."""
 
 from __future__ import annotations
 
@@ -26,16 +26,32 @@ class Mesh:
     Parameters
     ----------
     vertices : (n, 3) array_like of float
-        Positions in the unit of the file. Stored as float64.
+        Positions in any unit. Stored as a float64 copy that cannot be written to.
     faces : (m, 3) array_like of int, optional
-        Indices of each triangle's corners. Stored as int32. Left out: a point cloud.
+        Indices of the corners of each triangle, counted from 0. Stored as an int32 copy that cannot be
+        written to. Without faces the mesh is a point cloud.
     name : str, optional
-        What errors about this mesh call it: a file or object name.
+        Name in error messages, such as that of a file or object.
 
     Raises
     ------
     MeshError
         If an array has the wrong shape, a coordinate is not finite or a face index is out of range.
+
+    See Also
+    --------
+    read_mesh : Read a mesh from a file.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> square = sg.Mesh([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]], name="square")
+    >>> square
+    Mesh('square', 4 vertices, 2 faces)
+    >>> square.area
+    4.0
+    >>> sg.Mesh(square.vertices).is_point_cloud
+    True
     """
 
     vertices: FloatArray
@@ -66,7 +82,7 @@ class Mesh:
             first = corners[(corners < 0) | (corners >= len(points))][0]
             raise MeshError(
                 f"{name!r}: a face names vertex {int(first)}, but there are only {len(points)} "
-                "vertices (counted from 0); the file is damaged or was cut short"
+                "vertices (counted from 0); the mesh is damaged or was cut short"
             )
         indices = corners.astype(np.int32)
         points.setflags(write=False)
@@ -93,7 +109,7 @@ class Mesh:
 
     @property
     def is_point_cloud(self) -> bool:
-        """Whether there are no faces."""
+        """True if there are no faces."""
         return len(self.faces) == 0
 
     def __repr__(self) -> str:

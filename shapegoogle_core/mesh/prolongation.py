@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""From a mesh to points beside it: what is known on a mended or simplified mesh, on the vertices as given."""
+"""Prolongation: values at the vertices of a preprocessed mesh, interpolated at those of the original."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["nearest_faces", "prolongation", "vertex_prolongation"]
 
-# The nearest point of a surface lies in a face at one of that many nearest vertices if faces are even.
+# The nearest point of a surface lies in a face at one of this many nearest vertices if faces are even.
 NEAREST_VERTICES = 3
 POINTS_AT_ONCE = 20_000  # each has some twenty faces to compare
 
@@ -43,7 +43,7 @@ def prolongation(mesh: Mesh, points: FloatArray) -> csr_array:
 
 
 def nearest_faces(mesh: Mesh, points: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
-    """Nearest point of a surface to each of some points on or close to it, as `prolongation` finds it.
+    """Find the nearest point of a surface to each of some points on or close to it; see `prolongation`.
 
     Parameters
     ----------
@@ -54,6 +54,7 @@ def nearest_faces(mesh: Mesh, points: FloatArray) -> tuple[NDArray[np.int64], Fl
     Returns
     -------
     face : (p,) array of int
+        Face of the nearest point.
     weights : (p, 3) array
         Barycentric coordinates there: rows are ≥ 0 and sum to 1.
     """
@@ -78,7 +79,7 @@ def nearest_faces(mesh: Mesh, points: FloatArray) -> tuple[NDArray[np.int64], Fl
 
 
 def vertex_prolongation(copy: Mesh, mesh: Mesh, points: FloatArray, place: NDArray[np.int64]) -> csr_array:
-    """Carry from a clean copy: one entry where a vertex has a place there, interpolation elsewhere.
+    """Prolongation from a preprocessed copy: one entry where a vertex has a place there, else interpolation.
 
     Parameters
     ----------
@@ -94,6 +95,7 @@ def vertex_prolongation(copy: Mesh, mesh: Mesh, points: FloatArray, place: NDArr
     Returns
     -------
     matrix : (n, m) sparse array
+        ``matrix @ values`` carries values at the vertices of the copy over to those of the mesh.
     """
     used = np.zeros(len(points), bool)
     used[mesh.faces] = True

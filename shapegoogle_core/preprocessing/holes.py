@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Closing the holes of a surface, but not the outlines of its sheets."""
+"""Hole filling: holes of a surface are closed, outlines of open sheets are not."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["boundary_loops", "close_holes"]
 
-# A lid is put on if its area is below this share of the part it belongs to. A flat sheet closed along its own
-# outline would be doubled: share 1. A hemisphere's lid has 0.5, one end of a tube of length l and radius r
-# r/(2l), a hole in a surface next to nothing.
+# A hole is closed if its lid has less than this share of the area of its part. A flat sheet closed along its
+# outline would be doubled: share 1. A hemisphere's lid has 0.5, an end of a tube of length l and radius r
+# has r/(2l), a hole in a surface next to nothing.
 LARGEST_SHARE = 0.4
 # A crack no wider than the weld tolerance has no lid.
 LEAST_HEIGHT = 1e-6
 
 
 def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
-    """Close boundary loops by fans of triangles round their centroids.
+    """Close boundary loops by fans of triangles around their centroids.
 
-    A loop is left open if it is wider than `max_diameter`, or if its lid is no smaller than 0.4 of the area
-    of the part (faces connected through edges) that it bounds: then it is the outline of a sheet, and a lid
-    would double it. Polygon soup of open sheets stays as it is.
+    A loop is left open if it is wider than `max_diameter`, or if its lid has at least 0.4 of the area of the
+    part (faces connected through edges) that it bounds: then it is the outline of a sheet, and a lid would
+    double it. Polygon soup of open sheets does not change.
 
     Parameters
     ----------
     mesh : Mesh
-        Repaired; non-manifold edges are no boundary, and loops that touch themselves are cut into simple
-        ones.
+        Repaired. Non-manifold edges do not count as boundary, and loops that touch themselves are cut into
+        simple ones.
     max_diameter : float, optional
         Largest width of a hole, twice the distance from its centroid to its farthest vertex, as a share of
         the diagonal of the mesh's bounding box. 0 closes nothing.
@@ -95,9 +95,9 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
     Returns
     -------
     loops : list of list of int
-        Indices of the edges of each loop in the order of a walk round it. Every edge is in one loop at
+        Indices of the edges of each loop in the order of a walk around it. Every edge is in one loop at
         most; no loop passes a vertex twice. Edges of a walk that ends without returning (possible only
-        where faces meet in non-manifold edges) are in none.
+        where faces meet in non-manifold edges) are in no loop.
     """
     edges_at: dict[int, list[int]] = {}
     # Edges that leave a vertex come last: `pop` takes them first, which follows the direction of the faces.
@@ -139,7 +139,7 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
 
 
 def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Edges of one face only, in the direction of that face, and which face it is."""
+    """Find the edges of only one face, in the direction of that face, and their faces."""
     edges, face_counts = unique_edges(mesh)
     edges = edges[face_counts == 1]
     if len(edges) == 0:
@@ -160,7 +160,7 @@ def _edge_keys(half_edges: NDArray[np.int64], mesh: Mesh) -> NDArray[np.int64]:
 
 
 def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
-    """For each face the area of its part: all faces that are connected to it through edges."""
+    """Area of each face's part: of all faces that are connected to it through edges."""
     half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
     keys = _edge_keys(half_edges, mesh)
     order = np.argsort(keys)
@@ -174,7 +174,7 @@ def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
 
 
 def _third_corner(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Of loops of three edges, the vertex that is not on the first edge."""
+    """Vertex that is not on the first edge, of loops of three edges."""
     second = triangles[:, 1]
     on_first = (second[:, :1] == triangles[:, 0]).any(axis=1)
     corner: NDArray[np.int64] = np.where(on_first, second[:, 1], second[:, 0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Repair: one vertex per place, one face per triangle, nothing left over."""
+"""Repair: one vertex per place, one face per triangle, no unused vertices."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ __all__ = ["repair", "repair_mapped"]
 WELD_TOLERANCE = 1e-6
 # ... but one stray vertex far away must not weld the whole model into a point.
 WELD_TOLERANCE_OF_EDGE = 1e-3
-# Vertices that may be at one place are looked for in cells so many times larger first: of those, few hold two
-# vertices of any mesh.
+# Vertices that may be at one place are first searched in cells this many times larger, few of which hold two
+# vertices.
 COARSE = 128
 
 
 def repair(mesh: Mesh) -> Mesh:
-    """Weld coincident vertices and drop what is no part of the surface.
+    """Weld coincident vertices and drop everything that is not part of the surface.
 
     Vertices within 1e-6 of the bounding-box diagonal (and 1e-3 of the median edge) become one: the seams of
     glTF and flat-shaded exports, the triangle soup of STL. Faces that name a vertex twice or are flatter than
-    that tolerance go, so do all but the first face on the same three vertices, and unreferenced vertices.
-    Kept vertices and faces keep their order and their coordinates, so repairing twice changes nothing more.
+    that tolerance are dropped, and so are all but the first face on the same three vertices, and unreferenced
+    vertices. The others keep their order and their coordinates, so a second repair changes nothing.
 
     Parameters
     ----------
@@ -40,13 +40,21 @@ def repair(mesh: Mesh) -> Mesh:
     Returns
     -------
     repaired : Mesh
-        May have no faces left if none had an area.
+        Without faces if none had an area.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.mesh import Mesh
+    >>> from shapegoogle_core.preprocessing import repair
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> repair(Mesh(corners, [[0, 1, 2], [3, 4, 5]]))
+    Mesh('mesh', 4 vertices, 2 faces)
     """
     return repair_mapped(mesh)[0]
 
 
 def repair_mapped(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
-    """Repair a mesh as `repair` does, and say where its vertices went.
+    """Repair a mesh as `repair` does, and map its vertices to those that are left.
 
     Parameters
     ----------
@@ -56,11 +64,11 @@ def repair_mapped(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     -------
     repaired : Mesh
     place : (n,) array of int
-        For each vertex of `mesh` the vertex of `repaired` that stands for it; −1 if none does.
+        For each vertex of `mesh` the vertex of `repaired` at its place; −1 if there is none.
     """
     place = np.arange(len(mesh.vertices))
     while True:
-        # Dropping faces can change the tolerance; the end is where nothing changes any more.
+        # Dropping faces can change the tolerance: repeated until nothing changes.
         repaired, step = _repair_once(mesh)
         if len(repaired.vertices) == len(mesh.vertices) and len(repaired.faces) == len(mesh.faces):
             return mesh, place
@@ -101,7 +109,7 @@ def _weld_tolerance(mesh: Mesh) -> float:
 
 
 def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
-    """For each vertex the first vertex at its place.
+    """Find for each vertex the first vertex at its place.
 
     Vertices are linked if they share a cell of a grid of side 2·tolerance. Of eight grids, shifted by half a
     cell along each set of axes, at least one has no wall between two points within the tolerance.

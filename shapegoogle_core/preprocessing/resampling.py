@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Bringing every shape to a working resolution."""
+"""Resampling: every shape gets a working resolution."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ __all__ = ["resample", "simplify", "subdivide"]
 # hundred rounds. On a mesh of unit size it would allow every collapse after a dozen rounds and ruin the
 # shape; on this diagonal the rounds go from 1e-7 to 0.04 of it.
 COLLAPSED_DIAGONAL = 1e4
-# Polygon soup: collapsing its edges ends that much above the budget, or keeps less of its area than this
-# though it has many parts. (One part that loses as much has lost noise.)
+# A mesh is polygon soup if collapsing its edges ends this far above the budget, or if it has many parts and
+# keeps less of its area than this. (One part that loses as much has lost noise.)
 FAR_ABOVE_BUDGET = 1.1
 LEAST_KEPT_AREA = 0.9
 MANY_PARTS = 50
-# Dropping what repair finds in a collapsed mesh can leave it a few vertices above what was asked for.
+# After a collapse, repair can change the number of vertices: a second collapse aims a little lower.
 SECOND_AIM = 0.99
 GRID_STEPS = 16  # of bisection: the cell to 3e-5 of the longest side
 
@@ -65,13 +65,13 @@ def resample(mesh: Mesh, floor: int = 1000, budget: int = 5000) -> Mesh:
 
 
 def simplify(mesh: Mesh, budget: int) -> Mesh:
-    """Bring a mesh to `budget` vertices by collapsing edges, or polygon soup by merging vertices on a grid.
+    """Simplify a mesh by collapsing edges, or polygon soup by merging vertices on a grid.
 
     Edges are collapsed by quadric error; those on open boundaries stay. That cannot simplify soup, whose
     many small sheets are all boundary. If the collapse ends above the budget, or takes more than a tenth of
     the area from a mesh of more than fifty parts, the vertices in each cell of a grid become one instead
     (Rossignac and Borrel 1993). This also joins sheets that lie against each other into one surface, which
-    heat can cross. Leaves much smaller than a cell are lost: they cannot be had with so few vertices.
+    heat can cross. Leaves much smaller than a cell are lost.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def subdivide(mesh: Mesh, floor: int) -> Mesh:
     """Split long edges at their midpoints until there are `floor` vertices.
 
     Every face of a split edge is split there, and within the old faces, which are flat, edges are flipped to
-    make the triangles as even as can be (Delaunay). So the surface stays as it is, point by point, and stays
+    make the triangles as even as possible (Delaunay). The surface does not change, point by point, it stays
     connected, and long thin faces become even ones.
 
     Parameters
@@ -180,7 +180,7 @@ def subdivide(mesh: Mesh, floor: int) -> Mesh:
 
 
 def _edges(faces: Indices, parent: Indices) -> tuple[Indices, Indices, NDArray[np.bool_]]:
-    """Edges, (e, 2), for each face those opposite its corners, (m, 3), and which lie inside an old face."""
+    """Find edges (e, 2), those opposite each face's corners (m, 3), and a mask of those in old faces."""
     sides = np.sort(faces[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2), axis=1)
     count = int(faces.max()) + 1
     keys, first, edge = np.unique(sides[:, 0] * count + sides[:, 1], return_index=True, return_inverse=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Removing noise from a surface, independently of its resolution."""
+"""Smoothing: noise is removed from a surface, independently of its resolution."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     part, the positions become x' = (1 + (τ M⁻¹ L)²)⁻¹ x: a wave of length l on the surface is damped by 1 /
     (1 + (τ (2π/l)²)²), whatever the resolution. That is implicit fairing (Desbrun et al. 1999) with the
     squared Laplacian. For the same noise removed it shrinks a shape half as much as a backward Euler step
-    of mean-curvature flow, 1 / (1 + τ (2π/l)²). As 1 / (1 + s²) is the real part of 1 / (1 + is), one
-    sparse complex system does it.
+    of mean-curvature flow, 1 / (1 + τ (2π/l)²). Since 1 / (1 + s²) is the real part of 1 / (1 + is), one
+    sparse complex system solves it.
 
     Parameters
     ----------
     mesh : Mesh
-        Repaired. Points without faces are smoothed by the Laplacian of the surface that they stand on.
+        Repaired. A point cloud is smoothed with the Laplacian of the surface that it samples.
     time : float
-        As a share of the area, so without unit: waves shorter than 2π √(time · area) lose more than half of
+        A share of the area: waves shorter than 2π √(time · area) lose more than half of
         their amplitude, 0.11 √area at 3e-4. 0 returns the mesh itself.
 
     Returns
@@ -38,14 +38,16 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
     smoothed : Mesh
         Every connected part is smoothed as if it were alone; by the area of the whole, the many thin parts
         of a plant or a bicycle would shrink to nothing. Boundary vertices stay where they are: free ones
-        would be drawn inwards, and the sheets of a polygon soup would come apart. (Points without faces are
-        all free: where their surface ends is not known.) The area is not restored afterwards: it falls mostly
-        by the noise that goes.
+        would be drawn inwards, and the sheets of a polygon soup would come apart. (The points of a cloud are
+        all free: its boundary is not known.) The area is not restored afterwards, since it falls mostly by
+        the removed noise.
 
     Raises
     ------
     MeshError
         If there are no faces and the points have no Laplacian.
+    ValueError
+        If `time` is negative.
     """
     if time < 0:
         raise ValueError(f"time must not be negative, not {time}")
@@ -60,7 +62,7 @@ def smooth(mesh: Mesh, time: float) -> Mesh:
 
 
 def _smoothed(mesh: Mesh, time: float, operator: Operator, inner: NDArray[np.int64]) -> Mesh:
-    """Move the inner vertices as `smooth` says."""
+    """Move the inner vertices by the equation of `smooth`."""
     stiffness, mass = operator.stiffness, operator.lumped_mass
     _, part = connected_components(stiffness, directed=False)
     # Rows scaled by their part: parts share no entry, so the matrix stays symmetric.

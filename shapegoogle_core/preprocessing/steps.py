@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The steps of preprocessing, in their order: what every shape passes through before it is described."""
+"""The steps of preprocessing in their order; every shape passes them before it is described."""
 
 from __future__ import annotations
 

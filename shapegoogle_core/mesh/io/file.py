@@ -21,7 +21,7 @@ class FormatError(Exception):
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh file in memory, and what a reader may do with it.
+    """A mesh file in memory, its folder and its limits.
 
     Parameters
     ----------

@@ -71,10 +71,10 @@ def _check(data: bytes, max_faces: int) -> None:
         header = json.loads(data)
     except (ValueError, RecursionError) as error:
         raise FormatError(
-            f"holds no valid JSON ({error}); it is damaged, cut short or no glTF file"
+            f"holds no valid JSON ({error}); it is damaged, cut short or not a glTF file"
         ) from error
     if not isinstance(header, dict) or "asset" not in header:
-        raise FormatError("has no 'asset' entry, so it is no glTF file; export it again")
+        raise FormatError("has no 'asset' entry, so it is not a glTF file; export it again")
     version = str(header["asset"].get("version", "2.0"))
     if version.partition(".")[0] != "2":
         raise FormatError(f"is glTF {version}, which cannot be read; export it as glTF 2.0")
@@ -94,7 +94,7 @@ def _check(data: bytes, max_faces: int) -> None:
         # trimesh makes room for accessors without a buffer, whatever they claim.
         if not 0 <= accessor["count"] <= max(3 * max_faces, 10_000_000):
             raise FormatError(
-                f"claims {accessor['count']:,} values in accessor {index}, which is no count or too many; "
+                f"claims {accessor['count']:,} values in accessor {index}, a number out of range; "
                 "it is damaged: export it again, or raise max_faces"
             )
     places = [child for node in header.get("nodes", []) for child in node.get("children", [])]
@@ -113,7 +113,7 @@ def _face_count(header: dict[str, Any], primitive: dict[str, Any]) -> int:
     positions = header["accessors"][primitive["attributes"]["POSITION"]]
     corners = header["accessors"][primitive["indices"]] if "indices" in primitive else positions
     if any("sparse" in accessor or "bufferView" not in accessor for accessor in (positions, corners)):
-        raise FormatError("has sparse positions or indices, which cannot be read; export it anew")
+        raise FormatError("has sparse positions or indices, which cannot be read; export it again")
     if positions.get("normalized"):
         raise FormatError("has normalised positions, which cannot be read; export it without quantisation")
     count: int = corners["count"]
@@ -181,7 +181,7 @@ class _Neighbours:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep trimesh's log and numpy's warnings off the user's terminal; what matters is raised."""
+    """Suppress trimesh's log and numpy's warnings; errors are raised all the same."""
     log = logging.getLogger("trimesh")
     level = log.level
     log.setLevel(logging.CRITICAL + 1)

@@ -2,8 +2,7 @@
 """Reading Wavefront OBJ: positions and faces, many lines at a time.
 
 Not left to trimesh, which in version 5.2 reads other geometry than the file's where lines are indented or
-tabbed, indices are relative or 0, and splits vertices at texture seams. Rewriting the lines as it reads them
-right took five times as long as reading all numbers at once.
+tabbed, or indices are relative or 0, and splits vertices at texture seams.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ def read_obj(file: MeshFile) -> Polygons:
         if cut_short in lines:
             raise unexpected(cut_short, _EXPECTED)
     if not vertex_lines:
-        raise FormatError("has no vertex lines: it is empty, or no OBJ file; export it again")
+        raise FormatError("has no vertex lines: it is empty, or not an OBJ file; export it again")
     vertices = _positions(vertex_lines)
     if not face_lines:
         return Polygons.from_points(vertices)
@@ -82,9 +81,9 @@ def _plain_lines(data: bytes) -> list[bytes]:
 
 
 def _numbers(text: bytes, kind: type[np.generic]) -> NDArray[np.generic]:
-    """Numbers with blanks between them; none at all if something else is there."""
+    """Numbers with blanks between them; an empty array if there is anything else."""
     with warnings.catch_warnings():
-        # numpy before 2.4 only warns of what it cannot read, and leaves the rest out.
+        # numpy before 2.4 only warns of text that is not a number, and leaves out the rest.
         warnings.simplefilter("error", DeprecationWarning)
         try:
             return np.fromstring(text, kind, sep=" ")
@@ -93,7 +92,7 @@ def _numbers(text: bytes, kind: type[np.generic]) -> NDArray[np.generic]:
 
 
 def _positions(lines: list[bytes]) -> FloatArray:
-    """First three numbers of each line; what follows is a weight, or a colour."""
+    """First three numbers of each line; a weight or a colour may follow."""
     columns = {line.count(b" ") for line in lines}
     if len(columns) == 1 and min(columns) >= 3:
         numbers = _numbers(b"".join(lines).replace(b"v", b" "), np.float64)

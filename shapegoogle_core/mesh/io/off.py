@@ -36,7 +36,7 @@ def read_off(file: MeshFile) -> Polygons:
     head = _HEAD.match(text)
     if head is None:
         raise FormatError(
-            "does not begin with the word OFF: it is empty, or no plain OFF file; export it again"
+            "does not begin with the word OFF: it is empty, or not a plain OFF file; export it again"
         )
     if head[1] is None:
         raise FormatError("has no counts of vertices and faces after the word OFF; export it again")

@@ -51,7 +51,7 @@ def read_pcd(file: MeshFile) -> Polygons:
     data = without_mark(file.data)
     head = _DATA_LINE.search(data[: 1 << 16])
     if head is None:
-        raise FormatError("has no PCD header with a line DATA; it is no PCD file or was cut short")
+        raise FormatError("has no PCD header with a line DATA; it is not a PCD file or was cut short")
     layout = _layout(plain_text(data[: head.start()]).decode("latin-1"), head[1].decode())
     check_point_count(layout.point_count, file.max_faces)
     body = data[head.end() :]
@@ -126,7 +126,7 @@ def _from_compressed(body: bytes, layout: _Layout) -> FloatArray:
 
 
 def _lzf(packed: bytes, size: int) -> bytes:
-    """Unpack what LibLZF packed: runs of bytes as they are, and references to what came before."""
+    """Unpack the format of LibLZF: runs of plain bytes, and references to earlier bytes."""
     out, at = bytearray(), 0
     try:
         while at < len(packed):

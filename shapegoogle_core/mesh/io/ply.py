@@ -108,7 +108,7 @@ def read_ply(file: MeshFile) -> Polygons:
 def _read_header(data: bytes) -> tuple[str, list[_Element], int]:
     """Return the order of bytes ("=" for a text), the elements, and where their rows begin."""
     if not re.match(rb"ply\s", data):
-        raise FormatError("does not begin with the word ply: it is empty, or no PLY file; export it again")
+        raise FormatError("does not begin with the word ply: it is empty, or not a PLY file; export it again")
     end = _HEADER_END.search(data, 0, 1 << 20)
     if end is None:
         raise FormatError("has a PLY header without end: it was cut short; copy or export it again")

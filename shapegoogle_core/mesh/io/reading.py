@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reading a mesh file: one shape per file, or a sentence that says why not."""
+"""Reading a mesh file of any format: `read_mesh` and the table of readers."""
 
 from __future__ import annotations
 
@@ -59,47 +59,54 @@ def read_mesh(
 ) -> Mesh:
     """Read a mesh file, or the points of a scan, as one shape.
 
-    All objects, groups and scene nodes of a file, each in its place, make one mesh; polygons become fans of
-    triangles; materials, textures and animation are left out. A .ply without faces, an .xyz and a .pcd are
-    read as points without faces. Nothing is fetched from a network.
+    All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons become fans of
+    triangles. Materials, textures and animation are left out. A .ply without faces, an .xyz and a .pcd give
+    a point cloud. Nothing is fetched from a network.
 
     Parameters
     ----------
-    path : path
-        A file with one of the suffixes in `MESH_SUFFIXES`, in upper or lower case.
+    path : str or path
+        A file with the suffix .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower case.
     point_cloud : bool, optional
-        Read points alone, from files of any kind. Faces are left out if there are any.
+        Read the points alone, from a file of any format.
     max_faces : int, optional
-        A file with more triangles, or points without faces, is refused, by its header where it has one,
-        before memory is taken for them.
+        Largest number of triangles, or of points without faces. A file with more is refused before memory
+        is taken for them, if it has a header.
 
     Returns
     -------
     mesh : Mesh
-        In the file's unit; named after the file.
+        In the unit of the file, with the file's name.
 
     Raises
     ------
     MeshError
         If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or
-        holds no surface (see `check_surface`) nor points of one (`check_cloud`).
+        has neither a surface (see `check_surface`) nor points of one (`check_cloud`).
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import tempfile, trimesh
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = f"{folder}/box.ply"
+    ...     _ = trimesh.creation.box((1, 2, 3)).export(path)
+    ...     mesh = sg.read_mesh(path)
+    >>> mesh, mesh.area
+    (Mesh('box.ply', 8 vertices, 12 faces), 22.0)
     """
     path = Path(path)
     name = path.name or str(path)
     suffix = path.suffix.lower()
     try:
         if not path.is_file():
-            what = (
-                "is a folder"
-                if path.is_dir()
-                else "is no ordinary file"
-                if path.exists()
-                else "does not exist"
-            )
-            raise MeshError(f"{str(path)!r} {what}; give the path of a mesh file")
+            fault = "does not exist"
+            if path.exists():
+                fault = "is a folder" if path.is_dir() else "is not a regular file"
+            raise MeshError(f"{str(path)!r} {fault}; give the path of a mesh file")
         if suffix not in MESH_SUFFIXES:
             raise MeshError(
-                f"{name!r} is none of the mesh files that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
+                f"{name!r} has none of the suffixes that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
                 "convert it first"
             )
         file = MeshFile(read_content(path, max_faces), path.parent, max_faces)
@@ -124,7 +131,7 @@ def read_mesh(
             f"{name!r} does not fit into memory; simplify it, or lower max_faces to skip such files"
         ) from error
     except Exception as error:
-        # Damaged files make parsers fail in every way; whatever it was, it is this file's fault.
+        # Damaged files make trimesh fail in every way; the cause is always this file.
         raise MeshError(f"{name!r} is damaged ({type(error).__name__}: {error}); export it again") from error
     if point_cloud:
         return _point_cloud(Mesh(vertices, name=name))
@@ -145,7 +152,7 @@ def _point_cloud(points: Mesh) -> Mesh:
 
 
 def _misnamed(path: Path) -> str:
-    """Say which format the file rather has, if its first bytes tell."""
+    """Name the format of the file if its first bytes are those of another one."""
     with path.open("rb") as file:
         head = file.read(16)
     for beginning, suffix in _BEGINNINGS.items():

@@ -68,8 +68,8 @@ def _text_vertices(text: bytes, max_faces: int) -> FloatArray:
 
 def _not_an_stl(size: int, count: int) -> FormatError:
     if size < 84:
-        return FormatError(f"has only {size} bytes, which is no STL file; copy or export it again")
+        return FormatError(f"has only {size} bytes, too few for an STL file; copy or export it again")
     return FormatError(
         f"claims {count:,} triangles, which take {84 + _RECORD.itemsize * count:,} bytes, but has {size:,}; "
-        "it is no STL file, damaged or cut short: copy or export it again"
+        "it is not an STL file, damaged or cut short: copy or export it again"
     )

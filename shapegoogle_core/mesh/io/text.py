@@ -18,7 +18,7 @@ _UTF_16 = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 
 
 def without_mark(data: bytes) -> bytes:
-    """Remove a byte order mark, and decode what it says is UTF-16; a format may go on in binary."""
+    """Remove a byte order mark, and decode UTF-16; line ends stay, since binary data may follow a header."""
     if encoding := _UTF_16.get(data[:2]):
         return data[2:].decode(encoding, "replace").encode()
     return data.removeprefix(codecs.BOM_UTF8)

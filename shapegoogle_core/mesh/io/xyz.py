@@ -36,6 +36,6 @@ def read_xyz(file: MeshFile) -> Polygons:
     text = re.sub(rb"\A\s*x\s+y\s+z\b.*", b"", text, flags=re.IGNORECASE)
     lines = [line for line in text.split(b"\n") if line.strip()]
     if not lines:
-        raise FormatError("has no points: it is empty, or no XYZ file; export it again")
+        raise FormatError("has no points: it is empty, or not an XYZ file; export it again")
     check_point_count(len(lines), file.max_faces)
     return Polygons.from_points(parse_numbers(lines, (0, 1, 2), "a point"))
