@@ -49,7 +49,7 @@ def _misfit(model: ShapeModel, signature: ShapeSignature) -> str:
             f"{model.bag_size} and {model.code_bits}"
         )
     if signature.sample is not None and model.settings.sample is None:
-        return "that one takes no samples of surfaces"
+        return "that model takes no surface samples"
     local = model.settings.local
     local_bytes = 0 if local is None else local.words // 8
     if signature.local_code is not None and signature.local_code.size != local_bytes:
