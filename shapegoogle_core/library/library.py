@@ -9,8 +9,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.duplicates.find import find_duplicates
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
@@ -27,8 +25,7 @@ from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.storage.samples import unpack_sample
-from shapegoogle_core.library.storage.signature_check import check_signature
+from shapegoogle_core.library.storage.signatures import check_signature, read_signature
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.model import ShapeModel
@@ -351,33 +348,10 @@ class Library:
         LibraryError
             If there is no such shape.
         """
-        with self._store.snapshot():
-            record = self._record(shape_id)
-            _, bags = self._store.bags([shape_id], self._model.bag_size)
-            samples = self._store.samples([shape_id]) if self._model.settings.sample else {}
-            _, codes = self._store.codes("codes", [shape_id], self._model.code_bits // 8)
-            local = self._model.settings.local
-            local_codes = np.empty((0, 0), np.uint8)
-            if local is not None:
-                _, local_codes = self._store.codes("local_words", [shape_id], local.words // 8)
-        if len(codes) == 0 or len(bags) == 0:
-            raise LibraryError(
-                f"'{self.path}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
-                f"{record.source or 'it'!r} again"
-            )
-        sample = None
-        if shape_id in samples:
-            sample = unpack_sample(self._store, self._model, shape_id, samples[shape_id])
-        return ShapeSignature(
-            bags=bags[0],
-            code=codes[0],
-            area=record.area,
-            vertex_count=record.vertex_count,
-            face_count=record.face_count,
-            sample=sample,
-            local_code=local_codes[0] if len(local_codes) else None,
-            extents=record.extents,
-        )
+        signature = read_signature(self._store, self._model, shape_id)
+        if signature is None:
+            raise self._unknown(shape_id)
+        return signature
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Picture of a shape as PNG, or None when it has none.
@@ -388,17 +362,14 @@ class Library:
             If there is no such shape.
         """
         picture = self._store.thumbnail(shape_id)
-        if picture is None:
-            self._record(shape_id)
+        if picture is None and not self._store.shapes([shape_id]):
+            raise self._unknown(shape_id)
         return picture
 
-    def _record(self, shape_id: int) -> ShapeRecord:
-        records = self._store.shapes([shape_id])
-        if not records:
-            raise LibraryError(
-                f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
-            )
-        return records[0]
+    def _unknown(self, shape_id: int) -> LibraryError:
+        return LibraryError(
+            f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
+        )
 
     # -- search ---------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.search.checks import Compared, Explainer
 from shapegoogle_core.library.storage.records import ShapeRecord
-from shapegoogle_core.library.storage.samples import unpack_sample
+from shapegoogle_core.library.storage.signatures import unpack_sample
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.storage.samples import unpack_sample
+from shapegoogle_core.library.storage.signatures import unpack_sample
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports

@@ -96,9 +96,6 @@ class Store(Protocol):
     def count(self) -> int:
         """Return the number of shapes."""
 
-    def last_id(self) -> int:
-        """Return the greatest id of a shape, 0 if there is none."""
-
     def sources(self) -> list[SourceRecord]:
         """Return all sources in the order of their paths."""
 

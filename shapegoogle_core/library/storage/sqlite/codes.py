@@ -89,10 +89,6 @@ class CodeTables(Database):
         codes = self.matrix([row[1] for row in rows], np.dtype(np.uint8), code_bytes)
         return np.array([row[0] for row in rows], np.int64), codes
 
-    def last_id(self) -> int:
-        """Return the greatest id of a shape, see `Store.last_id`."""
-        return int(self.value("SELECT coalesce(max(shape_id), 0) FROM codes"))
-
     def count(self) -> int:
         """Return the number of shapes, from the smallest table with a row for each of them."""
         return int(self.value("SELECT count(*) FROM codes"))

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""Signatures on their way into a library, checked, and back from it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.storage.bag_precision import round_bags
+from shapegoogle_core.library.storage.errors import damaged
+from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.registration import SurfaceSample
+
+__all__ = ["check_signature", "read_signature", "unpack_sample"]
+
+
+def check_signature(signature: ShapeSignature, name: str, model: ShapeModel, library: str) -> None:
+    """Raise LibraryError if a signature cannot be compared with those of a library.
+
+    Parameters
+    ----------
+    signature : ShapeSignature
+    name : str
+        Name of the shape in error messages.
+    model : ShapeModel
+        The library's model.
+    library : str
+        Name of the library, see `Store.name`.
+
+    Raises
+    ------
+    LibraryError
+        If another model made it, or its bags are not numbers that the library can hold.
+    """
+    difference = _difference(model, signature)
+    if difference:
+        raise LibraryError(
+            f"{name!r} was described with another model than that of '{library}' "
+            f"({model.identifier}): {difference}; describe it with library.model"
+        )
+    if not np.isfinite(round_bags(signature.bags)).all():
+        raise LibraryError(f"{name!r} has a bag with NaN, infinite or huge entries; describe it again")
+
+
+def _difference(model: ShapeModel, signature: ShapeSignature) -> str:
+    """Return the difference between a signature and those of a model; empty if there is none."""
+    if (signature.bags.shape, signature.code.shape) != ((model.bag_size,), (model.code_bits // 8,)):
+        return (
+            f"{signature.bags.size} bag entries and {8 * signature.code.size} bits instead of "
+            f"{model.bag_size} and {model.code_bits}"
+        )
+    if signature.sample is not None and model.settings.sample is None:
+        return "that model takes no surface samples"
+    local = model.settings.local
+    local_bytes = 0 if local is None else local.words // 8
+    if signature.local_code is not None and signature.local_code.size != local_bytes:
+        return "its local code does not fit"
+    return ""
+
+
+def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSignature | None:
+    """Read the signature of a shape.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Model that described the shape.
+    shape_id : int
+
+    Returns
+    -------
+    signature : ShapeSignature or None
+        Its bags are rounded to the precision of a library. None for an unknown shape.
+
+    Raises
+    ------
+    LibraryError
+        If the library is damaged.
+    """
+    with store.snapshot():
+        records = store.shapes([shape_id])
+        _, bags = store.bags([shape_id], model.bag_size)
+        _, codes = store.codes("codes", [shape_id], model.code_bits // 8)
+        samples = store.samples([shape_id])
+        local = model.settings.local
+        local_bytes = 0 if local is None else local.words // 8
+        _, local_codes = store.codes("local_words", [shape_id] if local_bytes else [], local_bytes)
+    if not records:
+        return None
+    (record,) = records
+    if len(codes) == 0 or len(bags) == 0:
+        raise LibraryError(
+            f"'{store.name}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
+            f"{record.source or 'it'!r} again"
+        )
+    return ShapeSignature(
+        bags=bags[0],
+        code=codes[0],
+        area=record.area,
+        vertex_count=record.vertex_count,
+        face_count=record.face_count,
+        sample=unpack_sample(store, model, shape_id, samples[shape_id]) if shape_id in samples else None,
+        local_code=local_codes[0] if len(local_codes) else None,
+        extents=record.extents,
+    )
+
+
+def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -> SurfaceSample:
+    """Rebuild a stored sample.
+
+    Parameters
+    ----------
+    store : Store
+        Named in errors.
+    model : ShapeModel
+        Model that described the shape.
+    shape_id : int
+    data : bytes
+        From `Store.samples`.
+
+    Returns
+    -------
+    sample : SurfaceSample
+
+    Raises
+    ------
+    LibraryError
+        If it is damaged.
+    """
+    try:
+        sample = SurfaceSample.from_bytes(data)
+    except ValueError as error:
+        raise damaged(store.name, f"the surface of shape {shape_id} cannot be read: {error}") from error
+    settings = model.settings.sample
+    if settings is None or (len(sample.points), len(sample.descriptors)) != (
+        settings.points,
+        settings.keypoints,
+    ):
+        raise damaged(store.name, f"the surface of shape {shape_id} has another size than its model's")
+    return sample
