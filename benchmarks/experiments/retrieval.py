@@ -42,10 +42,10 @@ from pathlib import Path
 
 from benchmarks.errors import BenchmarkError
 from benchmarks.protocol import evaluation_data
+from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.collection import Collection, LabelledCollection, read_collection, read_labelled
 from benchmarks.protocol.protocol import run_benchmark
 from benchmarks.protocol.results import load_result, save_result
-from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.tables import text_table
 from benchmarks.report import write_report
 from benchmarks.variants.variants import choose_variants

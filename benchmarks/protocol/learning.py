@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.creatures import CREATURE_KINDS, Creature, make_creature
+from benchmarks.protocol.cache import code_digest, content_digest, digest
 from benchmarks.protocol.collection import ISOMETRY, NULL, STRENGTHS
-from benchmarks.protocol.spectra_cache import code_digest, content_digest, digest
 from shapegoogle_core.indexing import find_meshes
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform

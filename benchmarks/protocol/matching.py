@@ -11,8 +11,8 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.protocol.cache import Arrays
 from benchmarks.protocol.collection import BenchmarkShape
-from benchmarks.protocol.spectra_cache import Arrays
 from benchmarks.protocol.workshop import Workshop
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.shape_bags import FloatBags

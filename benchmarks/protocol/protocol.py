@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The benchmark: every variant answers every query, and is scored (paper, section 6.1)."""
+"""The benchmark: every variant ranks the database for every query, and is scored (paper, section 6.1)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from itertools import chain
 import numpy as np
 
 from benchmarks.errors import BenchmarkError
+from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.collection import Collection, LabelledCollection
 from benchmarks.protocol.matching import VariantGroup
 from benchmarks.protocol.metrics import category_scores
 from benchmarks.protocol.results import BenchmarkResult, CategoryResult, VariantResult
 from benchmarks.protocol.scoring import score_variant
-from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Progress, Workshop
 from shapegoogle_core.processes.progress import progress_bar
 
@@ -37,24 +37,25 @@ def run_benchmark(
 ) -> BenchmarkResult:
     """Measure variants of the search.
 
-    What was computed before is taken from the cache, so a run that was ended goes on where it was. No shape
-    ends the run: a query that cannot be described counts as if its null shape stood last, a database shape
-    that cannot be described stands last, and a query that cannot be made of its null shape is left out. All
-    are listed in `BenchmarkResult.problems`.
+    Results of earlier runs are taken from the cache, so an interrupted run continues. No shape ends the run:
+    a query that cannot be described counts as if its null shape were last, a database shape that cannot be
+    described is last, and a query that cannot be generated from its null shape is left out. All are listed in
+    `BenchmarkResult.problems`.
 
     Parameters
     ----------
     collection : Collection
-        Ranked retrieval: null shapes and unrelated ones, and the queries.
+        Null shapes, unrelated shapes and queries of ranked retrieval.
     labelled : sequence of LabelledCollection
-        In which every shape asks for the others of its class; only headline variants do.
+        Collections in which every shape queries for the others of its class, with headline variants only.
     variants : sequence of VariantGroup
         In the order of the table.
     cache : BenchmarkCache
     jobs : int
-        Worker processes; 0 works in this process. Call it under ``if __name__ == "__main__":`` else.
+        Number of worker processes; 0 computes in this process. Scripts that use worker processes must call
+        this function under ``if __name__ == "__main__":``.
     seed : int
-        What the result says of the seed of all random choices.
+        Seed of all random choices, copied into the result.
     progress : callable
         Wraps an iterable: `progress(iterable, description, total)`.
 
@@ -65,17 +66,17 @@ def run_benchmark(
     Raises
     ------
     BenchmarkError
-        If there is no variant, no query can be made, or the cache cannot be written.
+        If there is no variant, no query can be generated, or the cache cannot be written.
     """
     if not any(group.variants for group in variants):
         raise BenchmarkError("no variant of the search is chosen; leave --variants out to measure all")
-    workshop = Workshop(cache, jobs, progress)
     results: list[VariantResult] = []
     categories: list[CategoryResult] = []
-    for group in variants:
-        results += _ranked(collection, group, workshop)
-        for labels in labelled:
-            categories += _labelled(labels, group, workshop)
+    with Workshop(cache, jobs, progress) as workshop:
+        for group in variants:
+            results += _ranked(collection, group, workshop)
+            for labels in labelled:
+                categories += _labelled(labels, group, workshop)
     order = {variant.name: place for place, variant in enumerate(chain(*(g.variants for g in variants)))}
     return BenchmarkResult(
         collection=collection.name,
@@ -100,7 +101,7 @@ def _ranked(collection: Collection, group: VariantGroup, workshop: Workshop) -> 
     results = []
     database = [shape.name for shape in collection.database]
     for matched in group.match(workshop, collection.queries, collection.database):
-        # Which queries cannot be made is known once somebody tried.
+        # Known only after the attempt to generate them.
         rows = [row for row, query in enumerate(collection.queries) if query.name not in workshop.left_out]
         if not rows:
             raise BenchmarkError(

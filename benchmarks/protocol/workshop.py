@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Describing all shapes of a benchmark in worker processes, each once, whatever becomes of one of them."""
+"""Describing the shapes of a benchmark in worker processes, each once; a failure costs only its shape."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from multiprocessing import get_context
-from typing import Any, Protocol, TypeVar
+from types import TracebackType
+from typing import Any, Protocol, Self, TypeVar
 
-from pebble import ProcessExpired, ProcessPool
 from threadpoolctl import threadpool_limits
 
 from benchmarks.errors import BenchmarkError
-from benchmarks.protocol.collection import BenchmarkShape, NotMakeableError
-from benchmarks.protocol.results import Problem
-from benchmarks.protocol.spectra_cache import (
+from benchmarks.protocol.cache import (
     PREPARATION_CODE,
     Arrays,
     BenchmarkCache,
@@ -23,9 +20,11 @@ from benchmarks.protocol.spectra_cache import (
     content_digest,
     digest,
 )
+from benchmarks.protocol.collection import BenchmarkShape, NotMakeableError
+from benchmarks.protocol.results import Problem
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.processes.launching import single_threaded
+from shapegoogle_core.processes.pool import CrashError, Pool, TimeLimitError
 from shapegoogle_core.processes.progress import progress_bar
 
 __all__ = ["Progress", "Source", "Task", "Workshop", "shape_key"]
@@ -34,22 +33,22 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 Progress = Callable[[Iterable[Any], str, int], Iterable[Any]]
-"""Shows how far a loop is: `progress(iterable, description, total)`."""
+"""Wraps an iterable to show its progress: `progress(iterable, description, total)`."""
 
 TIME_LIMIT = 900.0
 """Seconds that one shape may take."""
 
 
 class Source(Protocol):
-    """Something a mesh comes from: a `BenchmarkShape`, or a version of a training shape."""
+    """Source of a mesh: a `BenchmarkShape`, or a version of a training shape."""
 
     @property
     def name(self) -> str:
-        """What errors call it."""
+        """Name for error messages."""
 
     @property
     def key(self) -> str:
-        """Digest of all that the mesh is made from."""
+        """Digest of everything the mesh is made from."""
 
     def mesh(self) -> Mesh:
         """Make the mesh."""
@@ -57,7 +56,7 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class _FileSource:
-    """A `BenchmarkShape` whose file was hashed already: workers need not read it for its key."""
+    """A `BenchmarkShape` with the digest of its file, so that workers need not read the file for it."""
 
     shape: BenchmarkShape
     key: str
@@ -71,7 +70,7 @@ class _FileSource:
 
 
 def shape_key(shape: BenchmarkShape) -> str:
-    """Digest of all that a shape is made from: not its name, nor its place.
+    """Compute the digest of everything a shape is made from, which excludes its name and path.
 
     Parameters
     ----------
@@ -86,41 +85,44 @@ def shape_key(shape: BenchmarkShape) -> str:
 
 
 class Task(Protocol):
-    """What is computed of each shape; travels to worker processes."""
+    """A computation for each shape, which is pickled for worker processes."""
 
     @property
     def title(self) -> str:
-        """What the progress bar calls it."""
+        """Description in the progress bar."""
 
     @property
     def kind(self) -> str:
-        """Folder of its entries in the cache."""
+        """Kind of its results in the cache."""
 
     @property
     def key(self) -> str:
-        """Digest of all its results depend on besides the shape."""
+        """Digest of everything its results depend on besides the shape."""
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        """Compute it; raises `MeshError` for a shape that does not allow it."""
+        """Compute the result; raise `MeshError` for a shape that does not allow it."""
 
 
 @dataclass(eq=False)
 class Workshop:
-    """Where shapes are described: the cache, the worker processes, and what went wrong.
+    """The cache, the worker processes and the problems of a run.
+
+    Use it as a context manager, which starts and ends the worker processes; without worker processes this is
+    not necessary.
 
     Attributes
     ----------
     cache : BenchmarkCache
     jobs : int
-        Worker processes; 0 works in this one.
+        Number of worker processes; 0 computes in this process.
     progress : callable
         Wraps an iterable: `progress(iterable, description, total)`.
     left_out : dict of str to str
-        Queries that cannot be made of their null shapes, and why.
+        Queries that cannot be generated from their null shapes, with the reason.
     failures : dict of str to str
-        Shapes that could not be read or described, with what was tried, and why.
+        Shapes that could not be read or described, with the task and the reason.
     notes : dict of str to str
-        What else there is to say of a variant.
+        Remarks on variants.
     """
 
     cache: BenchmarkCache
@@ -129,17 +131,30 @@ class Workshop:
     left_out: dict[str, str] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
     notes: dict[str, str] = field(default_factory=dict)
+    _pool: Pool | None = field(default=None, init=False, repr=False)
+
+    def __enter__(self) -> Self:
+        if self.jobs:
+            self._pool = Pool(self.jobs, TIME_LIMIT).__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is not None:
+            self._pool.__exit__(kind, error, trace)
+            self._pool = None
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """All that went wrong, for the report."""
+        """All problems, for the report."""
         kinds = {"left out": self.left_out, "failed": self.failures, "note": self.notes}
         return tuple(
-            Problem(name, kind, reason) for kind, told in kinds.items() for name, reason in told.items()
+            Problem(name, kind, reason) for kind, reasons in kinds.items() for name, reason in reasons.items()
         )
 
     def describe(self, task: Task, shapes: Sequence[BenchmarkShape]) -> list[Arrays | None]:
-        """Compute something of each shape of a collection.
+        """Run a task for each shape of a collection.
 
         Parameters
         ----------
@@ -149,12 +164,22 @@ class Workshop:
         Returns
         -------
         descriptions : list of dict of str to array, or None
-            None for a shape that failed or cannot be made; `problems` tells why.
+            None for a shape that failed or cannot be made; `problems` has the reasons.
         """
         return self.describe_sources(task, [_FileSource(shape, shape_key(shape)) for shape in shapes])
 
     def describe_sources(self, task: Task, sources: Sequence[Source]) -> list[Arrays | None]:
-        """Compute something of anything that has meshes; else as `describe`."""
+        """Run a task for each source of a mesh; otherwise as `describe`.
+
+        Parameters
+        ----------
+        task : Task
+        sources : sequence of Source
+
+        Returns
+        -------
+        descriptions : list of dict of str to array, or None
+        """
         depends = [task.key, code_digest(PREPARATION_CODE)]
         keys = [digest(source.key, depends) for source in sources]
         found = [self.cache.load(task.kind, key) for key in keys]
@@ -176,19 +201,19 @@ class Workshop:
     def remembered(
         self, kind: str, function: Callable[[T], Arrays], items: Sequence[T], keys: Sequence[str], title: str
     ) -> list[Arrays]:
-        """Compute what is not of one shape, such as a vocabulary, unless that was done before.
+        """Compute results that do not belong to one shape, such as vocabularies, unless that was done before.
 
         Parameters
         ----------
         kind : str
-            Folder of the entries in the cache.
+            Kind of the results in the cache.
         function : callable
-            Of one item; both travel to another process.
+            Takes one item; both are pickled for worker processes.
         items : sequence
         keys : sequence of str
-            Digest of all that the result for each item depends on.
+            Digest of everything that the result for each item depends on.
         title : str
-            What the progress bar calls it.
+            Description in the progress bar.
 
         Returns
         -------
@@ -197,7 +222,7 @@ class Workshop:
         Raises
         ------
         BenchmarkError
-            If one of them fails: without it there is no variant.
+            If one of them fails, because a variant needs all of them.
         """
         found = [self.cache.load(kind, key) for key in keys]
         missing = [index for index, arrays in enumerate(found) if arrays is None]
@@ -205,8 +230,7 @@ class Workshop:
         for index, outcome in zip(missing, outcomes, strict=True):
             if isinstance(outcome, Exception):
                 raise BenchmarkError(f"{title} failed: {_cause(outcome)}; run it again") from outcome
-            self.cache.store(kind, keys[index], outcome)
-            found[index] = outcome
+            found[index] = self.cache.remembered(kind, keys[index], partial(_result, outcome))
         return [arrays for arrays in found if arrays is not None]
 
     def run(self, function: Callable[[T], R], items: Sequence[T], title: str) -> list[R | Exception]:
@@ -215,40 +239,33 @@ class Workshop:
         Parameters
         ----------
         function : callable
-            Of one item; both travel to another process.
+            Takes one item; both are pickled for worker processes.
         items : sequence
         title : str
-            What the progress bar calls it.
+            Description in the progress bar.
 
         Returns
         -------
         outcomes : list of results and exceptions
-            In the order of the items: an exception where the function raised it, or where its process died
-            or took longer than `TIME_LIMIT`.
+            In the order of the items; an exception where the function raised it, its process ended, or it
+            took longer than `TIME_LIMIT`.
 
         Raises
         ------
         BenchmarkError
-            If the function raises it: the cache cannot be written, say.
+            If the function raises it, for example because the cache cannot be written.
+        ValueError
+            If there are no worker processes because the workshop is not used as a context manager.
         """
         if not items:
             return []
         if self.jobs == 0:
             with threadpool_limits(1):
-                return [_attempt(function, item) for item in self.progress(items, title, len(items))]
-        with (
-            single_threaded(),
-            ProcessPool(
-                max_workers=min(self.jobs, len(items)), context=get_context("spawn"), initializer=_one_thread
-            ) as pool,
-        ):
-            try:
-                futures = [pool.schedule(function, [item], timeout=TIME_LIMIT) for item in items]
-                waiting = self.progress(futures, title, len(futures))
-                return [_attempt(lambda future: future.result(), future) for future in waiting]
-            except BaseException:
-                pool.stop()  # type: ignore[no-untyped-call]
-                raise
+                return [_attempt(partial(function, item)) for item in self.progress(items, title, len(items))]
+        if self._pool is None:
+            raise ValueError("no worker processes; use the workshop in a with statement")
+        tasks = self.progress(self._pool.map(function, items), title, len(items))
+        return [_attempt(task.result) for task in tasks]
 
 
 @dataclass(frozen=True)
@@ -257,31 +274,31 @@ class _Outcome:
     left_out: bool = False
 
 
-def _attempt(function: Callable[[T], R], item: T) -> R | Exception:
+def _attempt(function: Callable[[], R]) -> R | Exception:
     try:
-        return function(item)
+        return function()
     except BenchmarkError:
         raise
-    except Exception as error:  # whatever a mesh makes a library do costs only that mesh
+    except Exception as error:  # whatever a library raises for a mesh costs only that mesh
         return error
 
 
 def _cause(error: Exception) -> str:
-    if isinstance(error, TimeoutError):
+    if isinstance(error, TimeLimitError):
         return f"it took longer than {TIME_LIMIT:g} s"
-    if isinstance(error, ProcessExpired):
-        return f"its process ended (exit code {error.exitcode})"
+    if isinstance(error, CrashError):
+        return f"its process ended ({error})"
     return f"{type(error).__name__}: {error}"
 
 
-def _one_thread() -> None:
-    threadpool_limits(1)
+def _result(arrays: Arrays) -> Arrays:
+    return arrays
 
 
 def _work(task: Task, cache: BenchmarkCache, item: tuple[Source, str]) -> _Outcome:
     source, key = item
     try:
-        cache.store(task.kind, key, task(source, cache))
+        cache.remembered(task.kind, key, partial(task, source, cache))
     except NotMakeableError as error:
         return _Outcome(str(error), left_out=True)
     except MeshError as error:

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import time
+import zlib
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
 
-from benchmarks.protocol.spectra_cache import (
+from benchmarks.protocol.cache import (
     PREPARATION_CODE,
     Arrays,
     BenchmarkCache,
@@ -33,7 +34,6 @@ __all__ = ["BagKey", "BagsTask", "Descriptor", "Preparation", "SampleTask", "Voc
 BagKey = tuple[int, str, str]
 """Words of the vocabulary, kind of `BAGS`, and detector of the points that count, "" for all vertices."""
 
-_NO_WAVE = -10.0  # the least logarithm in the wave kernel signature of `DESCRIPTORS`
 _SAMPLED_VERTICES = 100  # of each version, to learn vocabularies from
 
 
@@ -66,12 +66,17 @@ class Descriptor:
         Of it.
     pair_time : float
         t of the kernel in bags of pairs.
+    without_waves : tuple of float
+        Values at every vertex of a shape whose eigenvalues are all 0, if the descriptor needs positive ones.
+        A polygon soup with more parts than eigenpairs, as many shapes of PSB are, is such a shape; with these
+        values it is compared like any other shape and not ranked last.
     """
 
     name: str
     kind: str
     parameters: dict[str, Any]
     pair_time: float
+    without_waves: tuple[float, ...] = ()
 
     @property
     def key(self) -> str:
@@ -95,19 +100,13 @@ class Descriptor:
         ------
         MeshError
             If the shape has no such descriptor.
-
-        Notes
-        -----
-        A soup in more parts than there are eigenpairs, as much of PSB is, has only eigenvalues of 0 and no
-        wave on it. It gets the wave kernel signature of parts that the spectrum leaves out, so that it is
-        compared like any other shape and not put last.
         """
+        spectrum = shape.spectrum
+        if self.without_waves and not spectrum.eigenvalues.any():
+            return np.tile(self.without_waves, (len(spectrum.mass), 1))
         try:
-            return DESCRIPTORS[self.kind](shape.mesh, shape.spectrum, **self.parameters)
+            return DESCRIPTORS[self.kind](shape.mesh, spectrum, **self.parameters)
         except ValueError as error:
-            spectrum = shape.spectrum
-            if self.kind == "wks" and not spectrum.eigenvalues.any():
-                return np.full((len(spectrum.mass), self.parameters["count"]), _NO_WAVE)
             raise MeshError(f"{name!r} has no {self.name}: {error}") from error
 
 
@@ -136,7 +135,8 @@ class SampleTask:
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         """Compute "descriptors" (s, d) of a shape."""
         shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
-        random = np.random.default_rng(int(source.key[:8], 16))
+        # Every version has its own vertices, independent of the code that makes it.
+        random = np.random.default_rng(zlib.crc32(source.name.encode()))
         chosen = random.permutation(len(shape.mesh.vertices))[:_SAMPLED_VERTICES]
         return {"descriptors": self.descriptor.values(shape, source.name)[chosen]}
 

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from benchmarks.errors import BenchmarkError
+from benchmarks.protocol.cache import Arrays, code_digest, digest
 from benchmarks.protocol.collection import BenchmarkShape
 from benchmarks.protocol.learning import INDIVIDUALS, training_versions
 from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
-from benchmarks.protocol.spectra_cache import Arrays, code_digest, digest
 from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants.bag_tasks import BagKey, BagsTask, Descriptor, Preparation, SampleTask
 from shapegoogle_core.mesh.mesh import FloatArray

@@ -13,9 +13,7 @@ from typing import Self, TypeVar
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from benchmarks.protocol.collection import BenchmarkShape
-from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
-from benchmarks.protocol.spectra_cache import (
+from benchmarks.protocol.cache import (
     Arrays,
     BenchmarkCache,
     cached_shape,
@@ -23,6 +21,8 @@ from benchmarks.protocol.spectra_cache import (
     digest,
     preparation_of,
 )
+from benchmarks.protocol.collection import BenchmarkShape
+from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
 from benchmarks.protocol.workshop import Source, Task, Workshop
 from benchmarks.variants.bag_variants import Preparation
 from benchmarks.variants.baselines import (

@@ -14,9 +14,7 @@ from typing import Self
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from benchmarks.protocol.collection import BenchmarkShape
-from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
-from benchmarks.protocol.spectra_cache import (
+from benchmarks.protocol.cache import (
     SEARCH_CODE,
     SIGNATURE_CODE,
     Arrays,
@@ -24,6 +22,8 @@ from benchmarks.protocol.spectra_cache import (
     code_digest,
     digest,
 )
+from benchmarks.protocol.collection import BenchmarkShape
+from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
 from benchmarks.protocol.workshop import Source, Workshop, shape_key
 from shapegoogle_core.indexing import index_files
 from shapegoogle_core.indexing.files import absolute
@@ -129,7 +129,7 @@ class ModelGroup:
         stages: dict[str | int | float, Variant],
     ) -> Iterator[Matched]:
         model = self.model
-        path = workshop.cache.path("models", model.identifier)
+        path = workshop.cache.path("models", model.identifier, ".npz")
         if not path.exists():
             unfinished = path.with_name(f".{path.name}.{os.getpid()}")
             model.save(unfinished)

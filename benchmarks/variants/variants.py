@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The table: every variant of the search that the benchmark knows, and choosing some of them."""
+"""The table of all variants of the search, and the choice of some of them."""
 
 from __future__ import annotations
 
@@ -32,9 +32,11 @@ _PAPER_DESCRIPTORS = ("HKS", "SI-HKS")
 BITS = (16, 32, 64, 128, 256, 512)
 """Lengths of codes."""
 
+_ENERGIES = 100
+
 
 def _preparations() -> tuple[Preparation, Preparation]:
-    """Meshes as the paper takes them, and mended as the default model takes them, at the paper's scale."""
+    """Make the preparations: of the paper, and with the default model's preprocessing at the paper's area."""
     paper = PRESETS["paper"]
     mended = replace(PRESETS["default"], area=paper.area)
     return Preparation("paper", paper), Preparation("mended", mended)
@@ -43,15 +45,15 @@ def _preparations() -> tuple[Preparation, Preparation]:
 def _descriptors(preparation: Preparation) -> tuple[Descriptor, ...]:
     (channel,) = PRESETS["paper"].channels
     time = channel.pair_time
-    # Aubry's 100 energies, 7 of their steps wide and 2 widths inside the logarithms of the eigenvalues, which
-    # on a surface of area A are about 4πk / A (Weyl); the first positive one is a few times less.
+    # Energies of Aubry et al. 2011: 7 steps wide, and 2 widths inside the range of the logarithms of the
+    # eigenvalues, which on a surface of area A are about 4πk / A (Weyl's law).
     settings = preparation.settings
     low = math.log(4 * math.pi / settings.area)
     high = math.log(4 * math.pi * settings.eigenpairs / settings.area)
     sigma = 7 * (high - low) / 127
     return (
         Descriptor("HKS", channel.descriptor, dict(channel.parameters), time),
-        # As in the paper on it (Bronstein, Kokkinos 2010), in the same unit of time.
+        # As in Bronstein, Kokkinos 2010, in the same unit of time.
         Descriptor(
             "SI-HKS",
             "si-hks",
@@ -61,14 +63,16 @@ def _descriptors(preparation: Preparation) -> tuple[Descriptor, ...]:
         Descriptor(
             "WKS",
             "wks",
-            {"low": low + 2 * sigma, "high": high - 2 * sigma, "count": 100, "sigma": sigma},
+            {"low": low + 2 * sigma, "high": high - 2 * sigma, "count": _ENERGIES, "sigma": sigma},
             time,
+            # The least logarithm in the wave kernel signature, as on parts that the spectrum leaves out.
+            without_waves=_ENERGIES * (-10.0,),
         ),
     )
 
 
 def _other_descriptors() -> tuple[Descriptor, ...]:
-    """All others that there are, with their usual parameters."""
+    """Make the other descriptors, with their usual parameters."""
     (channel,) = (channel for channel in PRESETS["default"].channels if channel.descriptor == "log-hks")
     times = [time * PRESETS["paper"].area for time in channel.parameters["times"]]
     parameters = {"log-hks": {"times": times}}

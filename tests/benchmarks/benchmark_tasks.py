@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.protocol.spectra_cache import Arrays, BenchmarkCache
+from benchmarks.protocol.cache import Arrays, BenchmarkCache
 from benchmarks.protocol.workshop import Source
 from shapegoogle_core.errors import MeshError
 

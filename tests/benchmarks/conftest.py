@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.collection import Collection, LabelledCollection, database_shape, generated_queries
-from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Workshop
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel

@@ -12,11 +12,11 @@ import pytest
 from benchmark_tasks import CountVertices
 
 from benchmarks.errors import BenchmarkError
+from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.collection import BenchmarkShape, Collection, LabelledCollection
 from benchmarks.protocol.matching import Matched, Variant
 from benchmarks.protocol.protocol import run_benchmark
 from benchmarks.protocol.results import BenchmarkResult
-from benchmarks.protocol.spectra_cache import BenchmarkCache
 from benchmarks.protocol.workshop import Workshop
 
 

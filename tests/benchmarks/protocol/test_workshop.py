@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Describing all shapes: each once, whatever becomes of one of them."""
+"""Describing all shapes: each once, and a failure costs only its shape."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ def test_what_fails_costs_only_itself(workshop: Workshop, collection: Collection
 def test_a_crash_costs_only_itself(workshop: Workshop, collection: Collection, tmp_path: Path) -> None:
     workshop.jobs = 2
     task = CountVertices(tmp_path / "trace", crash="null1")
-    assert counts(workshop, task, collection) == [162, None, 162, 162, 162]
+    with workshop:
+        assert counts(workshop, task, collection) == [162, None, 162, 162, 162]
     (problem,) = workshop.problems
     assert (problem.shape, problem.kind) == ("null1", "failed")
     assert "its process ended (exit code 3)" in problem.reason
@@ -75,6 +76,14 @@ def test_a_shape_is_known_by_content_and_what_is_done_to_it(lumps: Path, tmp_pat
         replace(made, transformation="holes"),
     ]
     assert len({shape_key(other) for other in others}) == 5
+
+
+def test_worker_processes_need_a_with_statement(
+    workshop: Workshop, collection: Collection, tmp_path: Path
+) -> None:
+    workshop.jobs = 1
+    with pytest.raises(ValueError, match="use the workshop in a with statement"):
+        workshop.describe(CountVertices(tmp_path / "trace"), collection.database)
 
 
 def test_learning_that_fails_ends_the_run(workshop: Workshop) -> None:

@@ -209,7 +209,7 @@ def placed(spectrum: Spectrum) -> WorkingShape:
 
 def test_a_soup_without_waves_has_the_values_of_what_the_spectrum_leaves_out() -> None:
     energies = {"low": 1.0, "high": 2.0, "count": 4, "sigma": 0.5}
-    descriptor = Descriptor("WKS", "wks", energies, 0.02)
+    descriptor = Descriptor("WKS", "wks", energies, 0.02, without_waves=4 * (-10.0,))
     soup = placed(Spectrum(np.zeros(3), np.eye(3), np.ones(3)))
     np.testing.assert_array_equal(descriptor.values(soup, "soup"), np.full((3, 4), -10.0))
     # The third vertex lies on a part that no eigenvector reaches.

@@ -1,24 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""What a benchmark has computed, kept on disk: a run that was ended goes on, a second one takes seconds.
+"""Intermediate results on disk: an interrupted run continues, and a second one takes seconds.
 
-Entries are `.npz` archives of arrays, never pickled. A key is a hash of all that an entry depends on: the
-content of the mesh file, what is done to the shape, settings, and the source code that does it. So nothing
-has to be thrown away by hand, and nothing stale is ever used.
+A key is a hash of everything that a result depends on: the content of the mesh file, the transformation,
+settings, and the source code involved. So no result is ever outdated, and nothing must be deleted by hand.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
-import os
 import re
-import zipfile
-import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import joblib
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,15 +39,12 @@ __all__ = [
 
 Arrays = dict[str, NDArray[Any]]
 
-CACHE_VERSION = 1
-"""Of the entries; raise it when their arrays change their meaning."""
-
 PREPARATION_CODE = (
     "shapegoogle_core/mesh",
     "shapegoogle_core/preprocessing",
     "shapegoogle_core/laplacian",
     "shapegoogle_core/spectral",
-    "shapegoogle_core/model/describe.py",
+    "shapegoogle_core/model/working_shape.py",
     "shapegoogle_core/model/augmentation",
 )
 """Files and folders that a prepared spectrum depends on, relative to the repository."""
@@ -64,29 +57,32 @@ SIGNATURE_CODE = (
     "shapegoogle_core/model",
     "shapegoogle_core/registration",
 )
-"""What a signature depends on besides the model's content."""
+"""Code that a signature depends on, besides the content of the model."""
 
 SEARCH_CODE = (*SIGNATURE_CODE, "shapegoogle_core/library", "shapegoogle_core/indexing")
-"""What an answer of the search depends on besides the model."""
+"""Code that the matches of a query depend on, besides the content of the model."""
 
-# These neither describe nor search.
+# Files of these folders that neither describe nor search.
 _OTHER_CODE = re.compile(
     r"shapegoogle_core/(model/(training|metric)|words/(hashing|estimators|vocabulary|tfidf))\.py"
 )
 
 
 class BenchmarkCache:
-    """A folder of named arrays.
+    """Results of functions on disk, found by their keys.
+
+    joblib writes each result completely or not at all, and a damaged one counts as missing. Results are
+    pickled, so use folders of your own only.
 
     Parameters
     ----------
     folder : Path
-        Made if it is not there.
+        Created if it does not exist.
 
     Raises
     ------
     BenchmarkError
-        If it cannot be made.
+        If it cannot be created.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -95,17 +91,18 @@ class BenchmarkCache:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise BenchmarkError(f"cannot make the cache '{folder}': {error.strerror or error}") from error
+        self._computed = joblib.Memory(folder, verbose=0).cache(_computed, ignore=["compute"])
 
     def __repr__(self) -> str:
         return f"BenchmarkCache('{self.folder}')"
 
-    def path(self, kind: str, key: str, suffix: str = ".npz") -> Path:
-        """Where an entry is, or would be; its folder exists.
+    def path(self, kind: str, key: str, suffix: str) -> Path:
+        """Return the path of a file that is not an array, such as a library; its folder exists.
 
         Parameters
         ----------
         kind : str
-            Such as "shapes": a folder of its own.
+            Name of the file's folder.
         key : str
             From `digest`.
         suffix : str
@@ -114,106 +111,96 @@ class BenchmarkCache:
         -------
         path : Path
         """
-        folder = self.folder / kind / key[:2]
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = self.folder / kind
+        folder.mkdir(exist_ok=True)
         return folder / f"{key}{suffix}"
 
     def load(self, kind: str, key: str) -> Arrays | None:
-        """Read an entry.
+        """Read a result.
 
         Parameters
         ----------
-        kind, key : str
+        kind : str
+            What the result is, such as "shapes".
+        key : str
+            From `digest`.
 
         Returns
         -------
         arrays : dict of str to array, or None
-            None if there is no such entry, or it is damaged: then it is to be made again.
+            None if there is no such result, or it is damaged.
         """
-        path = self.path(kind, key)
+        if not self._computed.check_call_in_cache(kind, key, _give_up):
+            return None
         try:
-            with np.load(path, allow_pickle=False) as archive:
-                return {name: archive[name] for name in archive.files}
-        except FileNotFoundError:
+            arrays: Arrays = self._computed(kind, key, _give_up)
+        except _MissingError:
             return None
-        except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error):
-            # Cut short by a full disk, say. The new entry will replace it.
-            return None
+        return arrays
 
-    def store(self, kind: str, key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Write an entry, whole or not at all.
+    def remembered(self, kind: str, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        """Read a result, or compute and write it.
 
         Parameters
         ----------
         kind, key : str
-        arrays : mapping of str to array
-
-        Raises
-        ------
-        BenchmarkError
-            If it cannot be written.
-        """
-        path = self.path(kind, key)
-        unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            with unfinished.open("wb") as file:
-                np.savez(file, allow_pickle=False, **arrays)
-            unfinished.replace(path)
-        except OSError as error:
-            unfinished.unlink(missing_ok=True)
-            raise BenchmarkError(
-                f"cannot write into the cache '{self.folder}' ({error.strerror or error}); make room, or "
-                "name another folder with --cache"
-            ) from error
-
-    def remembered(self, kind: str, key: str, make: Callable[[], Arrays]) -> Arrays:
-        """Read an entry, or make and write it.
-
-        Parameters
-        ----------
-        kind, key : str
-        make : callable
+            As for `load`.
+        compute : callable
             Returns the arrays.
 
         Returns
         -------
         arrays : dict of str to array
+
+        Raises
+        ------
+        BenchmarkError
+            If the result cannot be written.
         """
-        arrays = self.load(kind, key)
-        if arrays is None:
-            arrays = make()
-            self.store(kind, key, arrays)
+        arrays: Arrays = self._computed(kind, key, compute)
+        # joblib only warns if it cannot write.
+        if not self._computed.check_call_in_cache(kind, key, compute):
+            raise BenchmarkError(
+                f"cannot write into the cache '{self.folder}'; free disk space, or name another folder with "
+                "--cache"
+            )
         return arrays
 
 
+class _MissingError(Exception):
+    """A result is missing, and must not be computed."""
+
+
+def _computed(kind: str, key: str, compute: Callable[[], Arrays]) -> Arrays:
+    """Compute a result; the function that joblib remembers, by kind and key."""
+    del kind, key
+    return compute()
+
+
+def _give_up() -> Arrays:
+    raise _MissingError
+
+
 def digest(*parts: object) -> str:
-    """Hash what an entry depends on.
+    """Hash everything that a result depends on.
 
     Parameters
     ----------
-    *parts : str, int, float, None, bytes, array, or lists and mappings of them
+    *parts : object
+        Numbers, strings, arrays, and lists and dictionaries of them.
 
     Returns
     -------
     key : str
-        32 hex digits.
+        32 hexadecimal digits.
     """
-    text = json.dumps([CACHE_VERSION, *parts], sort_keys=True, default=_content)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _content(value: object) -> object:
-    if isinstance(value, np.ndarray):
-        data = np.ascontiguousarray(value)
-        return [str(data.dtype), list(data.shape), hashlib.sha256(data.tobytes()).hexdigest()]
-    if isinstance(value, bytes):
-        return hashlib.sha256(value).hexdigest()
-    raise TypeError(f"{value!r} has no digest")
+    key: str = joblib.hash(parts)
+    return key
 
 
 @cache
 def content_digest(path: Path) -> str:
-    """Hash the content of a file; it is read once in a process.
+    """Hash the content of a file; each process reads it once.
 
     Parameters
     ----------
@@ -222,7 +209,7 @@ def content_digest(path: Path) -> str:
     Returns
     -------
     hexadecimal : str
-        Empty if the file cannot be read: whoever reads it will say why.
+        Empty if the file cannot be read: the reader of the mesh will say why.
     """
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
@@ -237,26 +224,43 @@ def code_digest(parts: tuple[str, ...]) -> str:
     Parameters
     ----------
     parts : tuple of str
-        Patterns of files and folders in the repository, such as `PREPARATION_CODE`.
+        Files and folders, relative to the repository, such as `PREPARATION_CODE`.
 
     Returns
     -------
     hexadecimal : str
+
+    Raises
+    ------
+    ValueError
+        If one of them does not exist.
     """
     repository = Path(__file__).parents[2]
     hashed = hashlib.sha256()
     for part in parts:
-        for place in sorted(repository.glob(part)):
-            for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-                name = path.relative_to(repository).as_posix()
-                if not _OTHER_CODE.fullmatch(name):
-                    hashed.update(name.encode())
-                    hashed.update(path.read_bytes())
+        place = repository / part
+        if not place.exists():
+            raise ValueError(f"'{part}' is not in the repository; name the files that results depend on")
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            name = path.relative_to(repository).as_posix()
+            if not _OTHER_CODE.fullmatch(name):
+                hashed.update(name.encode())
+                hashed.update(path.read_bytes())
     return hashed.hexdigest()
 
 
 def preparation_of(settings: ModelSettings) -> list[object]:
-    """List the settings that a prepared spectrum depends on: preprocessing, area, operator, pairs."""
+    """List the settings of a model that a prepared spectrum depends on.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+
+    Returns
+    -------
+    values : list
+        Preprocessing, area, Laplacian, boundary and number of eigenpairs.
+    """
     preprocessing = None if settings.preprocessing is None else vars(settings.preprocessing)
     return [preprocessing, settings.area, settings.laplacian, settings.boundary, settings.eigenpairs]
 
@@ -264,10 +268,9 @@ def preparation_of(settings: ModelSettings) -> list[object]:
 def cached_shape(
     store: BenchmarkCache, settings: ModelSettings, shape_key: str, mesh: Callable[[], Mesh]
 ) -> WorkingShape:
-    """Prepare a shape as a model's settings say and decompose it, unless that was done before.
+    """Preprocess a shape with a model's settings and compute its spectrum, unless that was done before.
 
-    Eigenvectors are kept as float32, which halves the file: on TOSCA and PSB the bags of both shipped models,
-    which differ by about 1 from shape to shape, moved by less than 1e-5 (L1).
+    Eigenvectors are rounded to float32, which halves the file and changes bags by less than 1e-5 (L1).
 
     Parameters
     ----------
@@ -277,17 +280,17 @@ def cached_shape(
     shape_key : str
         Digest of what the mesh is made from.
     mesh : callable
-        Makes the mesh where it is needed.
+        Returns the mesh; called only if the result is not on disk.
 
     Returns
     -------
     shape : WorkingShape
-        Of float64, the same whether it was at hand or not. Its mesh has no name.
+        Of float64, with eigenvectors rounded to float32; its mesh has no name.
 
     Raises
     ------
     MeshError
-        If the mesh cannot be read, made, prepared or decomposed.
+        If the mesh cannot be read, made or preprocessed, or has no spectrum.
     """
 
     def make() -> Arrays:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""What the benchmark keeps on disk: entries whole or not at all, keys that say what they stand for."""
+"""Results on disk: complete or missing, found by keys of everything they depend on."""
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,10 +11,11 @@ import numpy as np
 import pytest
 
 from benchmarks.errors import BenchmarkError
-from benchmarks.protocol.spectra_cache import (
+from benchmarks.protocol.cache import (
     PREPARATION_CODE,
     SEARCH_CODE,
     SIGNATURE_CODE,
+    Arrays,
     BenchmarkCache,
     cached_shape,
     code_digest,
@@ -22,38 +24,58 @@ from benchmarks.protocol.spectra_cache import (
     preparation_of,
 )
 from shapegoogle_core.descriptors import heat_kernel_signature
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.working_shape import working_shape
+from shapegoogle_core.spectral import Spectrum
 from shapegoogle_core.words import soft_words, spatially_sensitive_bag
 
 
-def test_entries_come_back(cache: BenchmarkCache) -> None:
+def no_result() -> Arrays:
+    pytest.fail("the result is on disk")
+
+
+def test_results_come_back(cache: BenchmarkCache) -> None:
     arrays = {"values": np.arange(6.0).reshape(2, 3), "names": np.array(["a", "bc"])}
     assert cache.load("things", "00ff") is None
-    cache.store("things", "00ff", arrays)
-    found = cache.load("things", "00ff")
-    assert found is not None
-    assert set(found) == {"values", "names"}
-    np.testing.assert_array_equal(found["values"], arrays["values"])
-    np.testing.assert_array_equal(found["names"], arrays["names"])
-    assert [path.name for path in cache.folder.rglob("*") if path.is_file()] == ["00ff.npz"]
+    assert cache.remembered("things", "00ff", lambda: arrays) is arrays
+    for found in (cache.load("things", "00ff"), cache.remembered("things", "00ff", no_result)):
+        assert found is not None
+        assert set(found) == {"values", "names"}
+        np.testing.assert_array_equal(found["values"], arrays["values"])
+        np.testing.assert_array_equal(found["names"], arrays["names"])
+    assert cache.load("things", "00fe") is None
+    assert cache.load("others", "00ff") is None
 
 
-@pytest.mark.parametrize("damage", ["cut short", "empty", "other", "pickle"])
-def test_damaged_entries_are_made_again(cache: BenchmarkCache, damage: str) -> None:
-    cache.store("things", "00ff", {"values": np.arange(1000.0)})
-    path = cache.path("things", "00ff")
-    if damage == "pickle":
-        with path.open("wb") as file:
-            np.savez(file, values=np.array([object()], dtype=object))
-    else:
-        whole = path.read_bytes()
-        path.write_bytes({"cut short": whole[:-40], "empty": b"", "other": b"<html>"}[damage])
+def test_another_process_reads_the_results(cache: BenchmarkCache) -> None:
+    cache.remembered("things", "00ff", lambda: {"values": np.ones(3)})
+    copy = pickle.loads(pickle.dumps(cache))
+    np.testing.assert_array_equal(copy.remembered("things", "00ff", no_result)["values"], np.ones(3))
+
+
+@pytest.mark.parametrize("damage", ["cut short", "empty", "other"])
+def test_damaged_results_are_computed_again(cache: BenchmarkCache, damage: str) -> None:
+    cache.remembered("things", "00ff", lambda: {"values": np.arange(1000.0)})
+    (path,) = cache.folder.rglob("output.pkl")
+    whole = path.read_bytes()
+    path.write_bytes({"cut short": whole[:-40], "empty": b"", "other": b"<html>"}[damage])
     assert cache.load("things", "00ff") is None
     made = cache.remembered("things", "00ff", lambda: {"values": np.ones(3)})
     np.testing.assert_array_equal(made["values"], np.ones(3))
-    again = cache.remembered("things", "00ff", lambda: pytest.fail("it is there"))
+    again = cache.remembered("things", "00ff", no_result)
     np.testing.assert_array_equal(again["values"], np.ones(3))
+
+
+@pytest.mark.filterwarnings("ignore:Unable to cache to disk")
+def test_a_result_that_cannot_be_written(cache: BenchmarkCache, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("joblib.numpy_pickle.dump", fail)
+    with pytest.raises(BenchmarkError, match=r"cannot write into the cache .* --cache"):
+        cache.remembered("things", "00ff", lambda: {"values": np.ones(3)})
 
 
 def test_a_folder_that_cannot_be(tmp_path: Path) -> None:
@@ -92,14 +114,17 @@ def test_content_decides_not_the_name(tmp_path: Path) -> None:
 
 
 def test_code_of_all_stages_is_found() -> None:
-    stages = [PREPARATION_CODE, SIGNATURE_CODE, SEARCH_CODE, ("nothing.py",)]
-    assert len({code_digest(stage) for stage in stages}) == 4
+    stages = [PREPARATION_CODE, SIGNATURE_CODE, SEARCH_CODE]
+    assert len({code_digest(stage) for stage in stages}) == 3
+    # A renamed file would otherwise no longer count.
+    with pytest.raises(ValueError, match=r"'nothing\.py' is not in the repository"):
+        code_digest(("nothing.py",))
 
 
-def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy) -> None:
+def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy: Mesh) -> None:
     settings = replace(PRESETS["paper"], eigenpairs=40)
     first = cached_shape(cache, settings, "key", lambda: bumpy)
-    again = cached_shape(cache, settings, "key", lambda: pytest.fail("it is there"))
+    again = cached_shape(cache, settings, "key", no_result)
     for name in ("eigenvalues", "eigenvectors", "mass"):
         np.testing.assert_array_equal(getattr(first.spectrum, name), getattr(again.spectrum, name))
     assert first.spectrum.eigenvectors.dtype == np.float64
@@ -108,11 +133,11 @@ def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy) -> Non
     np.testing.assert_allclose(again.placement.apply(bumpy.vertices), again.mesh.vertices, atol=1e-9)
 
 
-def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy) -> None:
+def test_single_precision_moves_no_bag(cache: BenchmarkCache, bumpy: Mesh) -> None:
     settings = replace(PRESETS["paper"], eigenpairs=100)
     (channel,) = settings.channels
 
-    def pairs(spectrum):
+    def pairs(spectrum: Spectrum) -> FloatArray:
         values = heat_kernel_signature(spectrum, channel.parameters["times"], normalize=True)
         return spatially_sensitive_bag(soft_words(values, centers, 0.01), spectrum, channel.pair_time)
 
