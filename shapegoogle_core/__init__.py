@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.library import Filter as Filter
     from shapegoogle_core.library import Library as Library
     from shapegoogle_core.library import Match as Match
+    from shapegoogle_core.library import compare as compare
     from shapegoogle_core.mesh import Mesh as Mesh
     from shapegoogle_core.mesh import as_mesh as as_mesh
     from shapegoogle_core.mesh import read_mesh as read_mesh
@@ -103,7 +104,7 @@ _MODULES = {
     "indexing": ("IndexReport", "find_meshes", "index_files"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
-    "library": ("Evidence", "Filter", "Library", "Match"),
+    "library": ("Evidence", "Filter", "Library", "Match", "compare"),
     "mesh": ("Mesh", "as_mesh", "read_mesh"),
     "model": ("ChannelSettings", "ModelSettings", "ShapeModel", "ShapeSignature", "load_model"),
     "model.training": ("TrainingShape", "train_model"),

@@ -5,6 +5,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from shapegoogle_core.library.compare import compare as compare
     from shapegoogle_core.library.duplicates.groups import DuplicateGroup as DuplicateGroup
     from shapegoogle_core.library.duplicates.groups import DuplicateMember as DuplicateMember
     from shapegoogle_core.library.evidence import Evidence as Evidence
@@ -26,6 +27,7 @@ _MODULE_OF = {
     "NewShape": "storage.records",
     "ShapeRecord": "storage.records",
     "SourceRecord": "storage.records",
+    "compare": "compare",
 }
 
 __all__ = sorted(_MODULE_OF)
