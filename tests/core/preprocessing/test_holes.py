@@ -8,6 +8,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh, unique_edges
 from shapegoogle_core.preprocessing import close_holes, repair
@@ -15,8 +16,10 @@ from shapegoogle_core.preprocessing.holes import boundary_loops
 
 BALL = trimesh.creation.icosphere(subdivisions=4)
 
+Mask = NDArray[np.bool_]
 
-def without(mesh, gone) -> Mesh:
+
+def without(mesh: Mesh, gone: Mask) -> Mesh:
     """The mesh without some vertices."""
     keep = ~np.isin(mesh.faces, np.flatnonzero(gone)).any(axis=1)
     return repair(Mesh(mesh.vertices, mesh.faces[keep]))
@@ -37,14 +40,13 @@ def is_oriented(mesh: Mesh) -> bool:
     return len(np.unique(half_edges, axis=0)) == len(half_edges)
 
 
-def caps(*directions: tuple[float, float, float], radius: float) -> np.ndarray:
-    return np.any(
-        [np.linalg.norm(BALL.vertices - direction, axis=1) < radius for direction in directions], axis=0
-    )
+def caps(*directions: tuple[float, float, float], radius: float) -> Mask:
+    inside = [np.linalg.norm(BALL.vertices - direction, axis=1) < radius for direction in directions]
+    return np.asarray(np.any(inside, axis=0))
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
-def test_small_holes_are_closed(unit):
+def test_small_holes_are_closed(unit: float) -> None:
     open_ball = without(BALL, caps((1, 0, 0), (0, 1, 0), (0, 0, -1), radius=0.3))
     open_ball = Mesh(open_ball.vertices * unit, open_ball.faces, "ball")
     closed = close_holes(open_ball)
@@ -57,7 +59,7 @@ def test_small_holes_are_closed(unit):
     assert volume(closed) == pytest.approx(4 / 3 * np.pi * unit**3, rel=0.02)
 
 
-def test_inside_out_surface_stays_inside_out():
+def test_inside_out_surface_stays_inside_out() -> None:
     open_ball = without(BALL, caps((1, 0, 0), radius=0.3))
     closed = close_holes(Mesh(open_ball.vertices, open_ball.faces[:, ::-1]))
     assert boundary_edges(closed) == 0
@@ -65,16 +67,15 @@ def test_inside_out_surface_stays_inside_out():
     assert volume(closed) < 0
 
 
-def test_width_decides():
+def test_width_decides() -> None:
     open_ball = without(BALL, caps((1, 0, 0), radius=0.3))
-    diagonal = np.linalg.norm(np.ptp(open_ball.vertices, axis=0))
-    width = 0.6 / diagonal
+    width = 0.6 / float(np.linalg.norm(np.ptp(open_ball.vertices, axis=0)))
     assert boundary_edges(close_holes(open_ball, 1.3 * width)) == 0
     assert close_holes(open_ball, 0.8 * width).faces.shape == open_ball.faces.shape
     assert close_holes(open_ball, 0) is open_ball
 
 
-def test_missing_triangle_needs_no_vertex():
+def test_missing_triangle_needs_no_vertex() -> None:
     for gone in range(0, len(BALL.faces), 397):
         open_ball = repair(Mesh(BALL.vertices, np.delete(BALL.faces, gone, axis=0)))
         closed = close_holes(open_ball)
@@ -83,7 +84,7 @@ def test_missing_triangle_needs_no_vertex():
         assert is_oriented(closed)
 
 
-def test_holes_that_touch_in_a_vertex():
+def test_holes_that_touch_in_a_vertex() -> None:
     """A figure eight becomes two lids."""
     rim = BALL.vertices - BALL.vertices[0]
     ring = np.flatnonzero(np.linalg.norm(rim, axis=1) < 1e-9)
@@ -106,11 +107,11 @@ def _opposite(around: list[int], vertex: int) -> int:
 
 
 class TestSheetsStayOpen:
-    def test_flat_square(self):
+    def test_flat_square(self) -> None:
         square = repair(Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]))
         assert close_holes(square, 10) is square or len(close_holes(square, 10).faces) == 2
 
-    def test_soup_of_sheets(self):
+    def test_soup_of_sheets(self) -> None:
         """Small leaves in a large tree: width does not tell a leaf from a hole, its outline does."""
         rng = np.random.default_rng(0)
         leaf = np.array([[-1, 0, 0], [0, -0.4, 0.1], [1, 0, 0], [0, 0.4, 0.1]]) * 0.02
@@ -120,14 +121,14 @@ class TestSheetsStayOpen:
         tree = Mesh(vertices, faces)
         assert len(close_holes(tree).faces) == len(faces)
 
-    def test_lone_triangles(self):
+    def test_lone_triangles(self) -> None:
         triangles = np.random.default_rng(0).uniform(0, 1, (50, 3, 3)) * 0.05
         mesh = Mesh(
             (triangles + np.arange(50)[:, None, None] / 50).reshape(-1, 3), np.arange(150).reshape(-1, 3)
         )
         assert len(close_holes(mesh).faces) == 50
 
-    def test_hole_in_a_sheet_is_closed_but_not_its_outline(self):
+    def test_hole_in_a_sheet_is_closed_but_not_its_outline(self) -> None:
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21))
         points = np.stack([x.ravel(), y.ravel(), np.zeros(441)], axis=1)
         corner = (np.arange(20)[:, None] * 21 + np.arange(20)).ravel()
@@ -140,15 +141,15 @@ class TestSheetsStayOpen:
         assert closed.area == pytest.approx(1)
 
 
-def test_crack_without_width_has_no_lid():
+def test_crack_without_width_has_no_lid() -> None:
     """A T-junction leaves a boundary loop of no area; faces of no area would not help."""
-    vertices = [[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, -1, 0], [0.5, 0, 0]]
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, -1, 0], [0.5, 0, 0]])
     faces = [[0, 1, 2], [0, 3, 4], [4, 3, 1]]
     closed = close_holes(Mesh(vertices, faces), 10)
     assert closed.area == pytest.approx(Mesh(vertices, faces).area)
 
 
-def test_non_manifold_edges_do_no_harm():
+def test_non_manifold_edges_do_no_harm() -> None:
     """Three sheets on one edge, and boundaries that end there."""
     vertices = [[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 1, 0], [-1, -1, 0]]
     fins = Mesh(vertices, [[0, 1, 2], [0, 1, 3], [1, 0, 4]])
@@ -159,7 +160,7 @@ def test_non_manifold_edges_do_no_harm():
 @given(
     st.lists(st.tuples(*[st.integers(0, 11)] * 3).filter(lambda f: len(set(f)) == 3), min_size=1, max_size=40)
 )
-def test_any_garbage(faces):
+def test_any_garbage(faces: list[tuple[int, ...]]) -> None:
     """Random faces on an icosahedron's vertices: never a crash, old faces stay, no edge gets worse."""
     corners = trimesh.creation.icosahedron().vertices
     mesh = repair(Mesh(corners, faces))
@@ -180,7 +181,7 @@ def test_any_garbage(faces):
 
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda e: e[0] != e[1]), max_size=40))
-def test_loops_are_simple_and_disjoint(edges):
+def test_loops_are_simple_and_disjoint(edges: list[tuple[int, int]]) -> None:
     unique = sorted({tuple(sorted(edge)) for edge in edges})
     loops = boundary_loops(np.array(unique, np.int64).reshape(-1, 2))
     used = [edge for loop in loops for edge in loop]

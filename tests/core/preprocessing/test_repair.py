@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, check_surface, face_areas, unique_edges
@@ -28,7 +31,7 @@ def is_closed_manifold(mesh: Mesh) -> bool:
 
 @pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
 @pytest.mark.parametrize("offset", [0.0, 100.0])
-def test_soup_becomes_the_surface_it_was(unit, offset):
+def test_soup_becomes_the_surface_it_was(unit: float, offset: float) -> None:
     """Also with the rounding of single precision, in any unit and far from the origin."""
     ball = Mesh((BALL.vertices + offset).astype(np.float32) * unit, BALL.faces)
     rng = np.random.default_rng(0)
@@ -41,7 +44,7 @@ def test_soup_becomes_the_surface_it_was(unit, offset):
     assert mended.area == pytest.approx(ball.area, rel=1e-5)
 
 
-def test_vertices_are_welded_across_any_grid_wall():
+def test_vertices_are_welded_across_any_grid_wall() -> None:
     """Pairs at half the tolerance, anywhere in the box, all become one vertex."""
     rng = np.random.default_rng(1)
     points = rng.uniform(0, 1, (5000, 3))
@@ -52,19 +55,19 @@ def test_vertices_are_welded_across_any_grid_wall():
     assert np.array_equal(cloud.vertices, points)
 
 
-def test_what_lies_apart_stays_apart():
+def test_what_lies_apart_stays_apart() -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e-5, 0, 0], [1, 1e-5, 0], [1e-5, 1, 0]])
     mesh = Mesh(points, [[0, 1, 2], [3, 4, 5]])
     assert len(repair(mesh).vertices) == 6
 
 
-def test_stray_vertex_far_away_does_not_weld_the_model():
+def test_stray_vertex_far_away_does_not_weld_the_model() -> None:
     vertices = np.concatenate([BALL.vertices, [[0, 0, 1e7]]])
     mesh = Mesh(vertices, np.concatenate([BALL.faces, [[0, 1, len(vertices) - 1]]]))
     assert len(repair(mesh).faces) == len(mesh.faces)
 
 
-def test_crowd_in_one_place():
+def test_crowd_in_one_place() -> None:
     """A hundred thousand coincident vertices take no quadratic time or memory."""
     vertices = np.concatenate([BALL.vertices, np.zeros((100_000, 3))])
     extra = len(BALL.vertices) + np.arange(99_999).reshape(-1, 3)
@@ -72,7 +75,7 @@ def test_crowd_in_one_place():
     assert len(mended.faces) == len(BALL.faces)
 
 
-def test_drops_what_is_no_part_of_the_surface():
+def test_drops_what_is_no_part_of_the_surface() -> None:
     faces = BALL.faces.tolist()
     a, b, c = faces[0]
     middle = len(BALL.vertices)
@@ -83,17 +86,17 @@ def test_drops_what_is_no_part_of_the_surface():
     assert np.array_equal(mended.vertices, BALL.vertices)
 
 
-def test_minus_zero_is_zero():
-    tent = [[-0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0.0, -0.0, 0], [0, 0, 1]]
+def test_minus_zero_is_zero() -> None:
+    tent = [[-0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.0, 0.0], [0.0, 0.0, 1.0]]
     assert len(repair(Mesh(tent, [[0, 1, 2], [3, 1, 4]])).vertices) == 4
 
 
-def test_clean_mesh_is_returned_as_it_is():
+def test_clean_mesh_is_returned_as_it_is() -> None:
     mesh = Mesh(BALL.vertices, BALL.faces, "ball")
     assert repair(mesh) is mesh
 
 
-def test_name_is_kept():
+def test_name_is_kept() -> None:
     assert (
         repair(
             soup(Mesh(BALL.vertices, BALL.faces)).__class__(BALL.vertices[BALL.faces[:, 0]], name="points")
@@ -106,7 +109,7 @@ coordinates = st.integers(0, 3).map(float) | st.floats(-1, 1, width=32) | st.jus
 
 
 @st.composite
-def meshes(draw) -> Mesh:
+def meshes(draw: st.DrawFn) -> Mesh:
     """Small meshes with much that has to be repaired."""
     vertices = draw(st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=1, max_size=30))
     corner = st.integers(0, len(vertices) - 1)
@@ -115,7 +118,7 @@ def meshes(draw) -> Mesh:
 
 @settings(max_examples=100, deadline=None)
 @given(meshes())
-def test_repairing_twice_changes_nothing(mesh):
+def test_repairing_twice_changes_nothing(mesh: Mesh) -> None:
     once = repair(mesh)
     twice = repair(once)
     assert np.array_equal(once.vertices, twice.vertices)
@@ -124,7 +127,7 @@ def test_repairing_twice_changes_nothing(mesh):
 
 @settings(max_examples=100, deadline=None)
 @given(meshes())
-def test_result_is_clean(mesh):
+def test_result_is_clean(mesh: Mesh) -> None:
     mended = repair(mesh)
     originals = {tuple(vertex) for vertex in mesh.vertices}
     assert {tuple(vertex) for vertex in mended.vertices} <= originals
@@ -137,7 +140,7 @@ def test_result_is_clean(mesh):
 
 @settings(max_examples=50, deadline=None)
 @given(meshes(), st.randoms(use_true_random=False))
-def test_same_surface_whatever_the_order_of_faces(mesh, random):
+def test_same_surface_whatever_the_order_of_faces(mesh: Mesh, random: Random) -> None:
     order = list(range(len(mesh.faces)))
     random.shuffle(order)
     shuffled = repair(Mesh(mesh.vertices, mesh.faces[order]))
@@ -145,7 +148,7 @@ def test_same_surface_whatever_the_order_of_faces(mesh, random):
 
 
 class TestCheckSurface:
-    def test_surface_passes(self):
+    def test_surface_passes(self) -> None:
         for unit in (1e-12, 1.0, 1e12):
             check_surface(Mesh(BALL.vertices * unit, BALL.faces))
         check_surface(Mesh(BALL.vertices + 1e6, BALL.faces))
@@ -169,13 +172,13 @@ class TestCheckSurface:
             (BALL.vertices * 1e-200, BALL.faces, "scale"),
         ],
     )
-    def test_what_is_no_surface(self, vertices, faces, words):
+    def test_what_is_no_surface(self, vertices: ArrayLike, faces: ArrayLike | None, words: str) -> None:
         with pytest.raises(MeshError, match="'thing'") as caught:
             check_surface(Mesh(vertices, faces, "thing"))
         assert words in str(caught.value)
 
 
-def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch):
+def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(0)
     mesh = Mesh(rng.normal(size=(50, 3)), rng.integers(0, 50, (100, 3)))
     a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
@@ -185,7 +188,7 @@ def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch):
         assert np.array_equal(face_areas(mesh), expected)
 
 
-def test_edges_and_used_vertices_without_sorting():
+def test_edges_and_used_vertices_without_sorting() -> None:
     faces = np.random.default_rng(0).integers(3, 40, (30, 3))
     used, renumbered = used_vertices(faces, 50)
     assert np.array_equal(used, np.unique(faces))
@@ -197,7 +200,7 @@ def test_edges_and_used_vertices_without_sorting():
     assert np.array_equal(counts, expected_counts)
 
 
-def test_soup_with_rounding_errors_welds_as_pairs_within_the_tolerance_do():
+def test_soup_with_rounding_errors_welds_as_pairs_within_the_tolerance_do() -> None:
     """Vertices are compared only where there may be another; that must not lose any."""
     rng = np.random.default_rng(0)
     points = rng.uniform(size=(3000, 3))

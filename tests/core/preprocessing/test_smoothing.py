@@ -21,7 +21,7 @@ def ball(subdivisions: int) -> Mesh:
 
 @pytest.mark.parametrize("subdivisions", BALLS)
 @pytest.mark.parametrize("time", [1e-3, 1e-2])
-def test_sphere_shrinks_as_the_equation_says(subdivisions, time):
+def test_sphere_shrinks_as_the_equation_says(subdivisions: int, time: float) -> None:
     """The coordinates of a unit sphere are eigenfunctions of eigenvalue 2; its area is 4π."""
     after = smooth(ball(subdivisions), time)
     radius = np.linalg.norm(after.vertices, axis=1)
@@ -40,7 +40,7 @@ def sheet(cells: int) -> Mesh:
 @pytest.mark.parametrize("cells", [24, 48, 96])
 @pytest.mark.parametrize("waves", [1, 2, 3])
 @pytest.mark.parametrize("time", [1e-3, 1e-2])
-def test_waves_are_damped_by_their_length(cells, waves, time):
+def test_waves_are_damped_by_their_length(cells: int, waves: int, time: float) -> None:
     """Low waves on a square of area 1, at every resolution; they vanish on the boundary, which stays."""
     flat = sheet(cells)
     x, y, _ = flat.vertices.T
@@ -50,7 +50,7 @@ def test_waves_are_damped_by_their_length(cells, waves, time):
     assert amplitude == pytest.approx(1 / (1 + (time * 2 * (np.pi * waves) ** 2) ** 2), rel=0.05)
 
 
-def test_units_position_and_direction_do_not_matter():
+def test_units_position_and_direction_do_not_matter() -> None:
     turn = trimesh.transformations.random_rotation_matrix(np.array([0.1, 0.5, 0.9]))[:3, :3]
     rng = np.random.default_rng(0)
     base = ball(3)
@@ -61,7 +61,7 @@ def test_units_position_and_direction_do_not_matter():
         assert np.allclose((moved.vertices / unit - 5) @ turn, expected, atol=1e-8)
 
 
-def test_noise_goes_and_shape_stays():
+def test_noise_goes_and_shape_stays() -> None:
     rng = np.random.default_rng(0)
     base = ball(4)
     noisy = Mesh(base.vertices + rng.normal(size=base.vertices.shape) * 0.02, base.faces)
@@ -71,14 +71,14 @@ def test_noise_goes_and_shape_stays():
     assert after.area == pytest.approx(base.area, rel=0.02)
 
 
-def test_time_zero_and_negative():
+def test_time_zero_and_negative() -> None:
     mesh = ball(3)
     assert smooth(mesh, 0) is mesh
     with pytest.raises(ValueError, match="negative"):
         smooth(mesh, -1e-4)
 
 
-def test_boundary_stays_and_flat_sheets_stay_flat():
+def test_boundary_stays_and_flat_sheets_stay_flat() -> None:
     rng = np.random.default_rng(0)
     flat, faces = sheet(20).vertices + 3, sheet(20).faces
     edges, counts = unique_edges(Mesh(flat, faces))
@@ -92,7 +92,7 @@ def test_boundary_stays_and_flat_sheets_stay_flat():
     assert np.std(after.vertices[inner, 2]) < 0.2 * np.std(bumpy[inner, 2])
 
 
-def test_parts_are_smoothed_as_if_alone():
+def test_parts_are_smoothed_as_if_alone() -> None:
     small = ball(3).vertices * 0.05 + 3
     both = Mesh(
         np.concatenate([ball(3).vertices, small]), np.concatenate([ball(3).faces, ball(3).faces + 642])
@@ -103,7 +103,7 @@ def test_parts_are_smoothed_as_if_alone():
     assert np.allclose(after.vertices[:642], smooth(ball(3), 1e-3).vertices)
 
 
-def test_needles_and_caps():
+def test_needles_and_caps() -> None:
     """Faces of almost no area next to good ones: finite, and within the shape."""
     box = trimesh.creation.box()
     vertices = np.concatenate([box.vertices, [(box.vertices[0] + box.vertices[1]) / 2 + 1e-13]])
@@ -120,7 +120,7 @@ def test_needles_and_caps():
     st.floats(1e-6, 1),
     st.integers(0, 2**32 - 1),
 )
-def test_never_fails_on_soup(faces, time, seed):
+def test_never_fails_on_soup(faces: list[tuple[int, ...]], time: float, seed: int) -> None:
     vertices = np.random.default_rng(seed).uniform(-1, 1, (12, 3))
     mesh = repair(Mesh(vertices, faces))
     after = smooth(mesh, time)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,21 +14,23 @@ import trimesh
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, read_mesh
+from shapegoogle_core.mesh.mesh import FloatArray
+from tests.core.mesh.io.mesh_files import write
 
 POINTS = np.random.default_rng(0).standard_normal((50, 3)).round(3)
 
 
-def write(folder: Path, name: str, data: bytes | str) -> Path:
-    path = folder / name
-    path.write_bytes(data.encode() if isinstance(data, str) else data)
-    return path
+def exported(**options: str) -> bytes | str:
+    cloud: Any = trimesh.PointCloud
+    data: bytes | str = cloud(POINTS).export(**options)
+    return data
 
 
-def xyz(points: np.ndarray = POINTS, separator: str = " ", more: str = "") -> str:
+def xyz(points: FloatArray = POINTS, separator: str = " ", more: str = "") -> str:
     return "".join(separator.join(map(str, point)) + more + "\n" for point in points)
 
 
-def pcd(encoding: str = "ascii", points: np.ndarray = POINTS, kind: str = "f4", **changes: str) -> bytes:
+def pcd(encoding: str = "ascii", points: FloatArray = POINTS, kind: str = "f4", **changes: str) -> bytes:
     """With a filler before, and a colour and three normals after the position."""
     record = np.dtype(
         [("_", "u1", 2), *((axis, "<" + kind) for axis in "xyz"), ("rgb", "<u4"), ("n", "<f4", 3)]
@@ -55,7 +58,7 @@ def pcd(encoding: str = "ascii", points: np.ndarray = POINTS, kind: str = "f4", 
         return (head + "\n".join(rows) + "\n").encode()
     if encoding == "binary":
         return head.encode() + records.tobytes()
-    fields = b"".join(np.ascontiguousarray(records[name]).tobytes() for name in record.names)
+    fields = b"".join(np.ascontiguousarray(records[name]).tobytes() for name in records.dtype.names or ())
     packed = lzf(fields)
     return head.encode() + struct.pack("<2I", len(packed), len(fields)) + packed
 
@@ -95,7 +98,7 @@ def lzf(data: bytes) -> bytes:
         xyz().replace("\n", "\r\n"),
     ],
 )
-def test_xyz(tmp_path, text):
+def test_xyz(tmp_path: Path, text: str) -> None:
     cloud = read_mesh(write(tmp_path, "scan.xyz", text))
     assert cloud.is_point_cloud
     assert cloud.name == "scan.xyz"
@@ -104,18 +107,18 @@ def test_xyz(tmp_path, text):
 
 @pytest.mark.parametrize("kind", ["f4", "f8"])
 @pytest.mark.parametrize("encoding", ["ascii", "binary", "binary_compressed"])
-def test_pcd(tmp_path, encoding, kind):
+def test_pcd(tmp_path: Path, encoding: str, kind: str) -> None:
     cloud = read_mesh(write(tmp_path, "scan.PCD", pcd(encoding, kind=kind)))
     assert cloud.is_point_cloud
     np.testing.assert_allclose(cloud.vertices, POINTS, rtol=1e-6)
 
 
-def test_pcd_without_optional_lines(tmp_path):
+def test_pcd_without_optional_lines(tmp_path: Path) -> None:
     text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 25\nHEIGHT 2\nDATA ascii\n" + xyz()
     np.testing.assert_array_equal(read_mesh(write(tmp_path, "a.pcd", text)).vertices, POINTS)
 
 
-def test_rays_of_a_pcd_that_met_nothing_are_left_out(tmp_path):
+def test_rays_of_a_pcd_that_met_nothing_are_left_out(tmp_path: Path) -> None:
     points = np.vstack([POINTS, np.full((9, 3), np.nan)])
     for encoding in ("ascii", "binary", "binary_compressed"):
         assert len(read_mesh(write(tmp_path, "a.pcd", pcd(encoding, points))).vertices) == 50
@@ -124,16 +127,16 @@ def test_rays_of_a_pcd_that_met_nothing_are_left_out(tmp_path):
         read_mesh(write(tmp_path, "a.pcd", pcd("binary", points)))
 
 
-def test_ply_without_faces(tmp_path):
+def test_ply_without_faces(tmp_path: Path) -> None:
     for encoding in ("ascii", "binary"):
-        data = trimesh.PointCloud(POINTS).export(file_type="ply", encoding=encoding)
+        data = exported(file_type="ply", encoding=encoding)
         cloud = read_mesh(write(tmp_path, "scan.ply", data))
         assert cloud.is_point_cloud
         np.testing.assert_allclose(cloud.vertices, POINTS, rtol=1e-6)
 
 
-def test_what_trimesh_writes(tmp_path):
-    data = trimesh.PointCloud(POINTS).export(file_type="xyz")
+def test_what_trimesh_writes(tmp_path: Path) -> None:
+    data = exported(file_type="xyz")
     np.testing.assert_allclose(read_mesh(write(tmp_path, "scan.xyz", data)).vertices, POINTS)
 
 
@@ -149,7 +152,7 @@ def test_what_trimesh_writes(tmp_path):
         ("a.xyz", xyz() + "nan 0 0\n", "NaN"),
         ("a.xyz", xyz(POINTS[:9]), "no faces and 9 points"),
         ("a.xyz", xyz(np.repeat(POINTS[:3], 10, axis=0)), "3 of them at different places"),
-        ("a.xyz", xyz(np.outer(np.arange(30), [1, 2, 3])), "on a line"),
+        ("a.xyz", xyz(np.outer(np.arange(30.0), [1, 2, 3])), "on a line"),
         ("a.xyz", xyz(POINTS * 1e200), "scale the points"),
         ("a.pcd", pcd("binary")[:-1], "cut short"),
         ("a.pcd", pcd("binary_compressed")[:-1], "cut short"),
@@ -165,13 +168,13 @@ def test_what_trimesh_writes(tmp_path):
         ("a.pcd", pcd().replace(b"DATA ascii", b"DATA zipped"), "unknown kind of data 'zipped'"),
     ],
 )
-def test_what_is_refused(tmp_path, name, data, words):
+def test_what_is_refused(tmp_path: Path, name: str, data: str | bytes, words: str) -> None:
     with pytest.raises(MeshError, match="'a\\.") as caught:
         read_mesh(write(tmp_path, name, data))
     assert re.search(words, str(caught.value)), caught.value
 
 
-def test_damaged_compression(tmp_path):
+def test_damaged_compression(tmp_path: Path) -> None:
     """No damage crashes the reader, or gives more points."""
     whole = bytearray(pcd("binary_compressed"))
     start = whole.index(b"binary_compressed\n") + len(b"binary_compressed\n") + 8
@@ -186,17 +189,18 @@ def test_damaged_compression(tmp_path):
         assert len(cloud.vertices) <= 50
 
 
-def test_too_many_points(tmp_path):
-    for name, data in {
+def test_too_many_points(tmp_path: Path) -> None:
+    files: dict[str, bytes | str] = {
         "a.xyz": xyz(np.random.default_rng(0).random((2000, 3))),
         "a.pcd": pcd(),
-        "a.ply": trimesh.PointCloud(POINTS).export(file_type="ply"),
-    }.items():
+        "a.ply": exported(file_type="ply"),
+    }
+    for name, data in files.items():
         with pytest.raises(MeshError, match="points, above the limit of 12; thin it"):
             read_mesh(write(tmp_path, name, data), max_faces=12)
 
 
-def test_curves_are_no_scans(tmp_path):
+def test_curves_are_no_scans(tmp_path: Path) -> None:
     text = "".join("v " + " ".join(map(str, point)) + "\n" for point in POINTS)
     path = write(tmp_path, "curve.obj", text)
     with pytest.raises(MeshError, match="no faces and 50 points"):
