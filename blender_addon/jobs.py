@@ -9,12 +9,9 @@ Blender.
 from __future__ import annotations
 
 import json
-import subprocess
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -24,6 +21,8 @@ import bpy
 from . import connections, state
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from shapegoogle_core.processes.worker import Worker
 
 __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "watch", "worker"]
@@ -32,11 +31,8 @@ T = TypeVar("T")
 
 # How often the main thread looks for results, in seconds; nothing is drawn for a look.
 INTERVAL = 0.02
-# How long a background Blender may take to end by itself after it was asked to.
-PATIENCE = 5.0
-KEPT_LINES = 100
-# How the command's own errors begin.
-SAID = "shapegoogle: "
+# How the events of a command begin, which are JSON, and its errors.
+EVENT, ERROR = "{", "shapegoogle: "
 
 
 def worker() -> Worker:
@@ -66,14 +62,13 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
             return None
         if not future.done():
             return INTERVAL
-        try:
-            result = future.result()
-        except CancelledError:
-            pass  # whoever cancelled knows
-        except Exception as error:
-            failed(error)
-        else:
-            done(result)
+        if not future.cancelled():  # else the caller that cancelled it has shown that
+            try:
+                result = future.result()
+            except Exception as error:
+                failed(error)
+            else:
+                done(result)
         redraw()
         return None
 
@@ -98,55 +93,47 @@ class BackgroundRun:
 
     Attributes
     ----------
-    lines : deque of str
-        The last lines that it printed and that were no events.
     exit_code : int or None
         None while it runs.
     reported : bool
-        For whoever takes the events: whether the last one, which sums all up, was among them.
+        For the caller that takes the events: whether the last one, the summary, was among them.
+
+    Raises
+    ------
+    OSError
+        If the process cannot be started.
     """
 
     def __init__(self, arguments: Sequence[str]) -> None:
+        from shapegoogle_core.processes.program import Program
+
         command, environment = connections.package_command(arguments)
-        self.lines: deque[str] = deque(maxlen=KEPT_LINES)
         self.exit_code: int | None = None
         self.reported = False
         self._started = time.monotonic()
         self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
-        from shapegoogle_core.processes.launching import NO_WINDOW
-
-        self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            creationflags=NO_WINDOW,
-            env=environment,
-        )
+        self._program = Program(command, marker=EVENT, environment=environment)
         state.current().jobs.runs.append(self)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            if line.startswith("{"):
-                with suppress(ValueError):  # a line that only looks like one of ours
-                    self._events.put(json.loads(line))
-                    continue
-            self.lines.append(line.rstrip())
+        for message in self._program.messages():
+            line = EVENT + message
+            try:
+                self._events.put(json.loads(line))
+            except ValueError:  # a line that only looks like an event
+                self._program.other_lines.append(line)
 
     def events(self) -> list[dict[str, Any]]:
-        """Take the events that came in since the last call; sets `exit_code` after the last one."""
+        """Take the events since the last call; sets `exit_code` after the last one."""
         ended = not self._reader.is_alive()
         events = []
         with suppress(Empty):
             while True:
                 events.append(self._events.get_nowait())
         if ended and self.exit_code is None:
-            self.exit_code = self._process.wait()
+            self.exit_code = self._program.wait()
             state.current().jobs.runs.remove(self)
         return events
 
@@ -154,25 +141,24 @@ class BackgroundRun:
         """Return for how long it has been running."""
         return time.monotonic() - self._started
 
+    def last_line(self) -> str:
+        """Return the last line that it printed and that was no event; empty if there is none."""
+        return self._program.last_lines(1)
+
     def last_words(self) -> str:
-        """Return why it ended: what the command said, or else the last that was printed."""
-        said = [line for line in self.lines if line.startswith(SAID)]
-        if said:
-            return said[-1].removeprefix(SAID)
-        return "; ".join(line for line in list(self.lines)[-3:] if line) or f"exit code {self.exit_code}"
+        """Return why it ended: the error that the command reported, or else the last lines it printed."""
+        errors = [line for line in self._program.other_lines if line.startswith(ERROR)]
+        if errors:
+            return errors[-1].removeprefix(ERROR)
+        return self._program.last_lines(3) or f"exit code {self.exit_code}"
 
     def join(self) -> None:
         """Wait until it has ended; take its `events` then."""
         self._reader.join()
 
     def cancel(self) -> None:
-        """End it. What it had stored stays: each file is one transaction."""
-        if self._process.poll() is None:
-            self._process.terminate()
-            try:
-                self._process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
+        """End it. The shapes it has stored stay: each file is one transaction."""
+        self._program.terminate()
 
 
 def end(runs: list[Any]) -> None:

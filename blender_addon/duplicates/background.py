@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -14,6 +13,8 @@ from ..library.model import model_source
 from .properties import show_groups
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from shapegoogle_core import ShapeModel, ShapeSignature
 
     from .groups import Group, SceneShapes, Solid

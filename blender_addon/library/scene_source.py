@@ -6,15 +6,16 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from concurrent.futures import FIRST_COMPLETED, Future
-from concurrent.futures import wait as wait_for
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import jobs
 from ..scene.selection import shape_objects, split_evaluated
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 __all__ = ["SceneIndexing", "file_of", "is_here", "scene_source"]
 
@@ -68,7 +69,7 @@ class SceneIndexing:
     """
 
     def __init__(self, context: Any, library: Path, model: str) -> None:
-        self.lines: deque[str] = deque()
+        self._error = ""
         self.exit_code: int | None = None
         self.reported = False
         self._started = time.monotonic()
@@ -89,12 +90,14 @@ class SceneIndexing:
 
     def last_words(self) -> str:
         """Return why it ended."""
-        return self.lines[-1] if self.lines else f"exit code {self.exit_code}"
+        return self._error or f"exit code {self.exit_code}"
 
     def join(self) -> None:
         """Wait until there is something new to take."""
+        from concurrent.futures import FIRST_COMPLETED, wait
+
         if self.exit_code is None and self._tasks:
-            wait_for(self._tasks, return_when=FIRST_COMPLETED)
+            wait(self._tasks, return_when=FIRST_COMPLETED)
 
     def cancel(self) -> None:
         """Describe no more; nothing is stored."""
@@ -120,7 +123,7 @@ class SceneIndexing:
                 self.exit_code = DONE
         except ShapeGoogleError as error:
             self.cancel()
-            self.lines.append(str(error))
+            self._error = str(error)
             self.exit_code = UNUSABLE
             return []
         return events

@@ -89,7 +89,7 @@ def _take(run: BackgroundRun, path: Path) -> None:
     run.events()
     session = session_of(bpy.context)
     if run.exit_code is None:
-        session.training = run.lines[-1] if run.lines else "Training …"
+        session.training = run.last_line() or "Training …"
         return
     state.current().library.training = None
     session.training = ""

@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 import importlib
-from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import jobs, state
 from ..preferences import preferences
 from ..state import session_of
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 __all__ = ["warm_up"]
 
@@ -50,6 +52,8 @@ def _show_count(shapes: int) -> None:
 
 def _import_core() -> Future[ModuleType]:
     """Import in another thread the functions that tasks are sent with; numpy comes along."""
+    from concurrent.futures import ThreadPoolExecutor
+
     importer = ThreadPoolExecutor(1)
     imported = importer.submit(importlib.import_module, "shapegoogle_core.service.requests")
     importer.shutdown(wait=False)

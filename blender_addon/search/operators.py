@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -17,6 +16,8 @@ from .answer import explain_matches, show_answer, show_evidence, show_failure
 from .properties import examples_of
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from shapegoogle_core.service.requests import Answer
 
 __all__ = ["register", "unregister"]

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from .. import jobs
@@ -14,6 +13,8 @@ from .distance import scale_text
 from .properties import settings_of
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from .results import Known, Task
 
 __all__ = ["MODES", "Painter"]

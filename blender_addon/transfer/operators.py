@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import bpy
@@ -16,6 +15,8 @@ from ..scene.selection import mesh_objects
 from ..state import TransferState, session_of
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from .carry_over import Source, Target, Transferred
 
 __all__ = ["register", "unregister"]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import bpy
 import pytest
@@ -22,7 +23,7 @@ def addon_name() -> str:
 def to_point_cloud() -> bool:
     """Turn the selected meshes into Blender's own point clouds, where it can (not yet in 4.2)."""
     try:
-        return bpy.ops.object.convert(target="POINTCLOUD") == {"FINISHED"}
+        return bool(bpy.ops.object.convert(target="POINTCLOUD") == {"FINISHED"})
     except TypeError:
         return False
 
@@ -33,13 +34,13 @@ def addon() -> ModuleType:
     import addon_utils  # on the path only once bpy is imported
 
     name = addon_name()
-    module = addon_utils.enable(name, default_set=True)
+    module: ModuleType | None = addon_utils.enable(name, default_set=True)
     assert module is not None, f"{name} cannot be enabled"
     return module
 
 
 @pytest.fixture(autouse=True)
-def blender(addon: ModuleType, tmp_path: Path) -> ModuleType:
+def blender(addon: ModuleType, tmp_path: Path) -> Any:
     """An empty scene, no results, and a library of its own that is not there yet, for every test."""
     if bpy.context.object is not None and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import bpy
 import pytest
@@ -43,7 +44,7 @@ def run(script: str, *arguments: object) -> tuple[int, str, str]:
 
 
 @pytest.fixture
-def folder(blender, tmp_path: Path) -> Path:
+def folder(blender: Any, tmp_path: Path) -> Path:
     """One .blend of two objects in a folder below, a copy of it, an empty one and one that is none."""
     folder = tmp_path / "studio"
     (folder / "props").mkdir(parents=True)

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The demo in Blender: rigs that move like the core's creatures, a library of them, the search, pictures."""
 
+from __future__ import annotations
+
 import importlib.util
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
@@ -18,9 +23,11 @@ CHOSEN = ("Horse", "Elephant", "Hand")
 
 
 @pytest.fixture(scope="module")
-def demo():
+def demo() -> Iterator[Any]:
     """The demo's part in Blender; scripts are no package, so it is loaded from its file."""
     spec = importlib.util.spec_from_file_location("demo_blend", DEMO)
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look their module up
     spec.loader.exec_module(module)
@@ -29,23 +36,23 @@ def demo():
 
 
 @pytest.fixture(scope="module")
-def individuals():
+def individuals() -> Any:
     return [individual for individual in blend_library.INDIVIDUALS if individual.name in CHOSEN]
 
 
 @pytest.fixture(scope="module")
-def folder(addon, individuals, tmp_path_factory):
+def folder(addon: ModuleType, individuals: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("library")
     written = blend_library.write_library(folder, individuals)
     assert written == [folder / individual.path for individual in individuals]
     return folder
 
 
-def open_blend(path):
+def open_blend(path: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
 
 
-def world_vertices(item):
+def world_vertices(item: Any) -> Any:
     evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
     vertices = np.empty((len(mesh.vertices), 3), np.float32)
@@ -56,7 +63,7 @@ def world_vertices(item):
 
 
 @pytest.mark.parametrize("kind", ["human", "octopus", "desk lamp", "bird", "centaur"])
-def test_rigs_move_as_the_core_does(kind):
+def test_rigs_move_as_the_core_does(kind: str) -> None:
     creature = make_creature(kind, 5, vertex_count=1500)
     collection = bpy.context.scene.collection
     skins = rigs.add_creature(creature, "Probe", creature.pose_names, collection)
@@ -69,7 +76,7 @@ def test_rigs_move_as_the_core_does(kind):
         np.testing.assert_array_equal(faces, expected.faces)
 
 
-def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them():
+def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them() -> None:
     names = rigs.bone_names(make_creature("human", 5, vertex_count=800).skeleton)
     assert len(set(names)) == len(names)
     left = [name for name in names if name.endswith(".L")]
@@ -77,13 +84,13 @@ def test_bones_of_the_two_sides_are_named_as_blender_mirrors_them():
     assert all(bpy.utils.flip_name(name) in names for name in left)
 
 
-def test_an_unknown_pose_is_refused():
+def test_an_unknown_pose_is_refused() -> None:
     creature = make_creature("dog", 5, vertex_count=800)
     with pytest.raises(ValueError, match="a dog has no pose 'moonwalk'"):
         rigs.take_pose(creature, None, "moonwalk")
 
 
-def test_every_file_opens_and_shows_its_figures(folder, individuals):
+def test_every_file_opens_and_shows_its_figures(folder: Path, individuals: Any) -> None:
     for individual in individuals:
         open_blend(folder / individual.path)
         creature = make_creature(individual.kind, individual.seed)
@@ -109,7 +116,7 @@ def test_every_file_opens_and_shows_its_figures(folder, individuals):
             right_edge = vertices[:, 0].max()
 
 
-def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, individuals):
+def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder: Path, individuals: Any) -> None:
     lines = (folder / blend_library.CATALOG_FILE).read_text().splitlines()
     catalogs = dict(line.split(":")[:2] for line in lines if ":" in line)
     assert "VERSION 1" in lines
@@ -124,7 +131,7 @@ def test_every_mesh_is_an_asset_in_a_catalog_of_the_library(folder, individuals)
             assert individual.kind in asset.tags
 
 
-def test_only_what_changed_is_written_again(folder, individuals):
+def test_only_what_changed_is_written_again(folder: Path, individuals: Any) -> None:
     before = {path: path.read_bytes() for path in folder.rglob("*.blend")}
     assert blend_library.write_library(folder, individuals) == []
     lost = folder / individuals[-1].path
@@ -135,7 +142,7 @@ def test_only_what_changed_is_written_again(folder, individuals):
             assert path.read_bytes() == content, f"{path.name} was written without need"
 
 
-def test_a_picture_shows_the_whole_object_in_its_colours():
+def test_a_picture_shows_the_whole_object_in_its_colours() -> None:
     if workbench.missing_library():
         pytest.skip(f"no {workbench.missing_library()}: Workbench cannot render here")
     data = rigs.mesh_data(make_creature("bird", 5, vertex_count=800).rest, "Bird")
@@ -160,7 +167,7 @@ def test_a_picture_shows_the_whole_object_in_its_colours():
     assert not bystander.hide_render
 
 
-def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(individuals, tmp_path):
+def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(individuals: Any, tmp_path: Path) -> None:
     (tmp_path / blend_library.STAMP_FILE).write_text('{"animals/ho')
     hand = individuals[-1]
     assert blend_library.write_library(tmp_path, [hand]) == [tmp_path / hand.path]
@@ -168,7 +175,7 @@ def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(individuals,
 
 
 @pytest.fixture
-def indexed(addon, demo, folder, tmp_path):
+def indexed(addon: ModuleType, demo: Any, folder: Path, tmp_path: Path) -> Iterator[Any]:
     """The part of the demo that shows something, with the library indexed and chosen."""
     blend_library.start_empty()
     demo.index_library(addon, folder, tmp_path / "shapes.sglib")
@@ -178,13 +185,15 @@ def indexed(addon, demo, folder, tmp_path):
         chosen.property_unset(name)
 
 
-def test_indexing_leaves_every_file_as_it_is_to_the_byte(folder, addon, tmp_path, request):
+def test_indexing_leaves_every_file_as_it_is_to_the_byte(
+    folder: Path, addon: ModuleType, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
     before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
     request.getfixturevalue("indexed")
     assert before == {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in folder.rglob("*.*")}
 
 
-def test_the_query_finds_the_same_horse_in_all_its_poses(indexed, individuals):
+def test_the_query_finds_the_same_horse_in_all_its_poses(indexed: Any, individuals: Any) -> None:
     matches = indexed.find_similar(indexed.add_query())
     horse = next(individual for individual in individuals if individual.name == "Horse")
     poses = {f"Horse {figure.pose.title()}" for figure in horse.figures}
@@ -193,7 +202,7 @@ def test_the_query_finds_the_same_horse_in_all_its_poses(indexed, individuals):
     assert matches[len(poses)].similarity < 0.5 < matches[len(poses) - 1].similarity
 
 
-def test_the_picture_is_drawn_once(indexed, tmp_path, capsys):
+def test_the_picture_is_drawn_once(indexed: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     if workbench.missing_library():
         pytest.skip("Workbench cannot render here")
     picture = tmp_path / "picture.png"

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The add-on can be switched on and off, again and again, and costs little of Blender's start."""
 
+from __future__ import annotations
+
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import bpy
 import pytest
@@ -24,7 +27,7 @@ os._exit(0)
 """
 
 
-def test_off_and_on_again(addon):
+def test_off_and_on_again(addon: ModuleType) -> None:
     for _ in range(2):
         addon.unregister()
         assert not hasattr(bpy.types.WindowManager, "shape_google")
@@ -33,7 +36,8 @@ def test_off_and_on_again(addon):
 
 
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="needs a Python that has bpy as a module")
-def test_registering_imports_nothing_heavy(addon):
+def test_registering_imports_nothing_heavy(addon: ModuleType) -> None:
+    assert addon.__file__ is not None
     folder = Path(addon.__file__).parents[1]
     command = [sys.executable, "-c", ENABLE, str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)

@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
 import bpy
 import pytest
 
@@ -11,7 +15,9 @@ from benchmarks.speed.measuring import Options
 
 
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="the script measures the add-on of the repository")
-def test_all_parts_are_measured(blender, addon, tmp_path, monkeypatch):
+def test_all_parts_are_measured(
+    blender: Any, addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(speed_blender, "SHAPES", 3)
     monkeypatch.setattr(speed_blender, "LARGEST_CREATURE", 500)
     options = Options((2_000,), 1, tmp_path)

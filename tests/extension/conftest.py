@@ -15,7 +15,16 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 MARK = "shape-google-report "
 # All that a Blender has of Python packages: its own ones, but none of those that the extension brings along.
-OWN_PACKAGES = ("bpy", "lib", "numpy", "numpy.libs", "requests", "urllib3", "certifi", "idna")
+OWN_PACKAGES: tuple[str, ...] = (
+    "bpy",
+    "lib",
+    "numpy",
+    "numpy.libs",
+    "requests",
+    "urllib3",
+    "certifi",
+    "idna",
+)
 OWN_PACKAGES += (
     "charset_normalizer",
     "zstandard",
@@ -96,7 +105,7 @@ def host_names() -> list[str]:
 
 
 @pytest.fixture(scope="module", params=host_names())
-def host(request, tmp_path_factory) -> Host:
+def host(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Host:
     folder = tmp_path_factory.mktemp(request.param)
     if request.param == "real":
         return real_blender(folder)

@@ -1,21 +1,31 @@
 # SPDX-License-Identifier: MIT
 """Run inside a Blender without user files: install the zip, use it, switch it off and on, print a report."""
 
+from __future__ import annotations
+
 import importlib
 import importlib.metadata
 import json
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 NAME = "bl_ext.user_default.shape_google"
-BUNDLED = ("scipy", "sklearn", "joblib", "threadpoolctl", "robust_laplacian", "fast_simplification")
+BUNDLED: tuple[str, ...] = (
+    "scipy",
+    "sklearn",
+    "joblib",
+    "threadpoolctl",
+    "robust_laplacian",
+    "fast_simplification",
+)
 BUNDLED += ("trimesh", "PIL", "pebble", "tqdm", "shapegoogle_core")
 
 
-def is_known():
+def is_known() -> Any:
     """What of the add-on Blender knows."""
     import addon_utils  # on the path only once bpy is imported
 
@@ -23,7 +33,7 @@ def is_known():
     return [addon_utils.check(NAME)[1], operator, hasattr(bpy.types.WindowManager, "shape_google")]
 
 
-def paint():
+def paint() -> Any:
     """Paint a new object; the range of each attribute that was written."""
     bpy.ops.mesh.primitive_monkey_add()
     result = sorted(bpy.ops.shape_google.paint())
@@ -36,7 +46,7 @@ def paint():
     return {"result": result, "ranges": ranges, "vertices": len(mesh.vertices)}
 
 
-def describe():
+def describe() -> Any:
     """Describe a shape by the shipped model, which needs most of the packages."""
     import numpy as np
 
@@ -49,14 +59,14 @@ def describe():
     return float(sg.load_model().describe(sg.Mesh(vertices, faces)).bags.sum())
 
 
-def files_beside(module):
+def files_beside(module: Any) -> Any:
     """Every file of the installed extension with its size; Python's own caches aside."""
     folder = Path(module.__file__).parent
     files = sorted(path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     return [[path.relative_to(folder).as_posix(), path.stat().st_size] for path in files]
 
 
-def main(path):
+def main(path: str) -> dict[str, Any]:
     import addon_utils
 
     report = {"before": is_known()}

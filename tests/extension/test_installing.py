@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The built zip in every Blender at hand: installed into an empty user folder, used, switched off and on."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,11 +13,11 @@ ON, OFF = [True, True, True], [False, False, False]
 
 
 @pytest.fixture(scope="module")
-def report(host, extension):
+def report(host: Any, extension: Any) -> Any:
     return host.report(SCRIPT, extension)
 
 
-def test_it_can_be_installed_disabled_and_enabled_again(report):
+def test_it_can_be_installed_disabled_and_enabled_again(report: Any) -> None:
     assert report["before"] == OFF
     assert report["installed"] == ON, report["output"]
     assert report["disabled"] == OFF
@@ -22,18 +25,18 @@ def test_it_can_be_installed_disabled_and_enabled_again(report):
 
 
 @pytest.mark.parametrize("when", ["painted", "painted_again"])
-def test_an_operator_works(report, when):
+def test_an_operator_works(report: Any, when: Any) -> None:
     painted = report[when]
     assert painted["result"] == ["FINISHED"], report["output"]
     assert painted["ranges"], "a float attribute was written"
     assert all(low < high for low, high in painted["ranges"].values())
 
 
-def test_the_core_describes_a_shape(report):
+def test_the_core_describes_a_shape(report: Any) -> None:
     assert report["described"] > 0
 
 
-def test_packages_come_from_the_extension_but_numpy_from_blender(report, host):
+def test_packages_come_from_the_extension_but_numpy_from_blender(report: Any, host: Any) -> None:
     origins = {name: Path(path) for name, path in report["origins"].items()}
     assert host.user_folder / "extensions" not in origins.pop("numpy").parents
     assert [
@@ -41,16 +44,16 @@ def test_packages_come_from_the_extension_but_numpy_from_blender(report, host):
     ] == []
 
 
-def test_it_writes_nothing_beside_itself(report):
+def test_it_writes_nothing_beside_itself(report: Any) -> None:
     assert not report["wrote_beside_itself"]
 
 
-def test_blender_complains_of_nothing(report):
+def test_blender_complains_of_nothing(report: Any) -> None:
     lines = report["output"].splitlines()
     assert [line for line in lines if "Traceback" in line or "Error" in line] == []
 
 
-def test_it_is_there_after_a_restart_as_a_command(report, host):
+def test_it_is_there_after_a_restart_as_a_command(report: Any, host: Any) -> None:
     if not host.is_real:
         pytest.skip("Blender as a Python module has no command line")
     assert report["enabled_again"] == ON

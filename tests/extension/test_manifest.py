@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The manifest agrees with the project and with what the add-on does; Blender's tool checks its form."""
 
+from __future__ import annotations
+
 import re
 import tomllib
 from pathlib import Path
@@ -17,16 +19,16 @@ def sources_with(pattern: str) -> list[str]:
     return [name for name, text in SOURCES.items() if re.search(pattern, text)]
 
 
-def test_it_has_the_version_of_the_project():
+def test_it_has_the_version_of_the_project() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert MANIFEST["version"] == project["version"]
 
 
-def test_what_the_build_adds_is_not_there_yet():
+def test_what_the_build_adds_is_not_there_yet() -> None:
     assert not {"wheels", "platforms", "build"} & set(MANIFEST)
 
 
-def test_permissions_are_those_that_are_used():
+def test_permissions_are_those_that_are_used() -> None:
     permissions = MANIFEST["permissions"]
     assert ("clipboard" in permissions) == bool(sources_with(r"\.clipboard\b"))
     assert "files" in permissions
@@ -34,19 +36,19 @@ def test_permissions_are_those_that_are_used():
     assert all(len(reason) <= 64 and not reason.endswith(".") for reason in permissions.values())
 
 
-def test_the_addon_uses_no_network_and_no_installer():
+def test_the_addon_uses_no_network_and_no_installer() -> None:
     assert (
         sources_with(r"(?m)^\s*(import|from) (urllib|requests|socket|http|ensurepip|pip)\b|[\"']pip[\"']")
         == []
     )
 
 
-def test_the_addon_leaves_the_path_alone_and_knows_no_name_of_itself():
+def test_the_addon_leaves_the_path_alone_and_knows_no_name_of_itself() -> None:
     assert sources_with(r"sys\.path\b.*(append|insert|=)|bl_ext\.") == []
     assert sources_with(r"(?m)^\s*(from|import) blender_addon") == []
 
 
-def test_every_source_names_its_licence():
+def test_every_source_names_its_licence() -> None:
     assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later"]
     first_line = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
     assert [name for name, text in SOURCES.items() if not text.startswith(first_line)] == []

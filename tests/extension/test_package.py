@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
 """What is in the zip."""
 
+from __future__ import annotations
+
 import re
 import tomllib
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,32 +17,34 @@ PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml")
 
 def normalized(name: str) -> str:
     """Name of a package as one spelling: `scikit_learn` and `Scikit-Learn` are the same."""
-    return re.sub(r"[-_.]+", "-", re.match(r"[\w.-]+?(?=[=<>! ]|$)", name).group()).lower()
+    start = re.match(r"[\w.-]+?(?=[=<>! ]|$)", name)
+    assert start is not None, name
+    return re.sub(r"[-_.]+", "-", start.group()).lower()
 
 
 @pytest.fixture(scope="module")
-def package(extension):
+def package(extension: Any) -> Iterator[Any]:
     with zipfile.ZipFile(extension) as file:
         yield file
 
 
 @pytest.fixture(scope="module")
-def manifest(package):
+def manifest(package: Any) -> Any:
     return tomllib.loads(package.read("blender_manifest.toml").decode())
 
 
-def test_it_is_whole_and_holds_nothing_twice(package):
+def test_it_is_whole_and_holds_nothing_twice(package: Any) -> None:
     assert package.testzip() is None
     names = package.namelist()
     assert len(names) == len(set(names))
 
 
-def test_it_holds_all_wheels_it_names_and_no_others(package, manifest):
+def test_it_holds_all_wheels_it_names_and_no_others(package: Any, manifest: Any) -> None:
     assert sorted(f"./{name}" for name in package.namelist() if name.endswith(".whl")) == manifest["wheels"]
 
 
-def test_every_package_is_there_for_both_pythons_and_numpy_is_not(manifest):
-    tags = {}
+def test_every_package_is_there_for_both_pythons_and_numpy_is_not(manifest: Any) -> None:
+    tags: dict[str, set[str]] = {}
     for wheel in manifest["wheels"]:
         name, _version, python, *_ = Path(wheel).stem.split("-")
         tags.setdefault(normalized(name), set()).add(python)
@@ -50,19 +56,19 @@ def test_every_package_is_there_for_both_pythons_and_numpy_is_not(manifest):
     } == {}
 
 
-def test_the_pins_are_what_the_core_needs(manifest):
+def test_the_pins_are_what_the_core_needs(manifest: Any) -> None:
     pinned = {normalized(pin) for pin in PROJECT["dependency-groups"]["extension"]}
     needed = {normalized(requirement) for requirement in PROJECT["project"]["dependencies"]}
     assert needed - pinned == {"numpy"}
 
 
-def test_the_version_of_the_core_tells_its_builds_apart(manifest):
+def test_the_version_of_the_core_tells_its_builds_apart(manifest: Any) -> None:
     # Blender does not unpack a wheel of a version that it already has.
     (core,) = (name for name in manifest["wheels"] if "shapegoogle_core" in name)
     assert re.search(rf"-{re.escape(PROJECT['project']['version'])}\+[0-9a-f]{{8}}-", core)
 
 
-def test_only_what_is_meant_to_be_is_packed(package):
+def test_only_what_is_meant_to_be_is_packed(package: Any) -> None:
     suffixes = {Path(name).suffix for name in package.namelist()}
     assert suffixes <= {".py", ".toml", ".whl", ".png", ".svg", ".md", ""}
     assert [name for name in package.namelist() if not Path(name).suffix] == ["LICENSE"]

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """The scripts and the command in a real Blender, without the extension and with it."""
 
+from __future__ import annotations
+
 import json
 import os
 import shlex
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,11 +24,11 @@ bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])
 
 
 @pytest.fixture(scope="module")
-def blender(host):
+def blender(host: Any) -> Any:
     if not host.is_real:
         pytest.skip("Blender as a Python module runs the scripts in tests/addon")
 
-    def run(*arguments):
+    def run(*arguments: Any) -> Any:
         return subprocess.run(
             [host.command[0], *map(str, arguments)],
             cwd=ROOT,
@@ -40,11 +43,11 @@ def blender(host):
     return run
 
 
-def records(output):
+def records(output: Any) -> Any:
     return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
 
 
-def test_the_whole_way(blender, extension, tmp_path):
+def test_the_whole_way(blender: Any, extension: Any, tmp_path: Path) -> None:
     folder = tmp_path / "my assets"
     folder.mkdir()
     (tmp_path / "make.py").write_text(MAKE)

@@ -102,6 +102,7 @@ class Window:
     def wait(self, condition: Callable[[dict[str, Any]], object], what: str) -> dict[str, Any]:
         """Wait until the state of the add-on and the scene is as it should become."""
         end = time.monotonic() + LIMIT
+        state: dict[str, Any]
         while not condition(state := self.ask("state")):
             assert time.monotonic() < end, f"not within {LIMIT:.0f} s: {what}\n{json.dumps(state, indent=1)}"
             time.sleep(0.05)
@@ -307,20 +308,20 @@ def screen(log: Path) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder for everything."""
     return tmp_path_factory.mktemp("window")
 
 
 @pytest.fixture(scope="module")
-def query(folder) -> Path:
+def query(folder: Path) -> Path:
     """A horse in a pose that is in no file."""
     kind, pose, vertices = QUERY
     return write_ply(folder / "query.ply", make_creature(kind, 2011, vertex_count=vertices).pose(pose))
 
 
 @pytest.fixture(scope="module")
-def shapes(folder) -> Path:
+def shapes(folder: Path) -> Path:
     """The folder to index; `prepare.py` writes what is good in it, here is a file that is none."""
     place = folder / "shapes"
     place.mkdir()
@@ -344,7 +345,7 @@ def blend_files(folder: Path) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def user_folder(folder, shapes) -> Path:
+def user_folder(folder: Path, shapes: Any) -> Path:
     """A user folder of Blender with the built extension, which knows the folder to index."""
     extension = os.environ.get("SHAPEGOOGLE_EXTENSION")
     missing = [tool for tool in TOOLS if not shutil.which(tool)]
@@ -375,7 +376,7 @@ def user_folder(folder, shapes) -> Path:
 
 
 @pytest.fixture(scope="module")
-def window(folder, user_folder) -> Iterator[Window]:
+def window(folder: Path, user_folder: Any) -> Iterator[Window]:
     """Blender's window, with the add-on's tab of the sidebar open."""
     requests = folder / "requests"
     requests.mkdir()

@@ -5,12 +5,15 @@ The test writes a request into a folder, `N.request` with the name of a function
 JSON; this one answers in `N.answer`. Real clicks come from outside; only what they lead to is read here.
 """
 
+from __future__ import annotations
+
 import json
 import os
 import signal
 import sys
 import traceback
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -21,35 +24,35 @@ SECONDS_BETWEEN_LOOKS = 0.05
 NOTHING = "no button"
 
 
-def view():
+def view() -> Any:
     """The window, the 3D view and its regions by type."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     return window, area, {region.type: region for region in area.regions}
 
 
-def overridden(region_type):
+def overridden(region_type: Any) -> Any:
     window, area, regions = view()
     return bpy.context.temp_override(window=window, area=area, region=regions[region_type])
 
 
-def rectangle(region):
+def rectangle(region: Any) -> Any:
     """Left, top, right and bottom of a region in the picture of the window, whose rows count from above."""
     height = bpy.context.window_manager.windows[0].height
     return [region.x, height - region.y - region.height, region.x + region.width, height - region.y]
 
 
-def regions():
+def regions() -> Any:
     """Where the sidebar and the 3D view itself are."""
     return {name.lower(): rectangle(region) for name, region in view()[2].items()}
 
 
-def show_sidebar():
+def show_sidebar() -> None:
     """Open the sidebar; its tabs are there only after it was drawn once."""
     view()[1].spaces.active.show_region_ui = True
 
 
-def show_tab():
+def show_tab() -> Any:
     """Open the tab of the add-on."""
     sidebar = view()[2]["UI"]
     try:
@@ -60,17 +63,17 @@ def show_tab():
     return True
 
 
-def scrolled():
+def scrolled() -> Any:
     """How far the sidebar is scrolled."""
     return view()[2]["UI"].view2d.region_to_view(0, 0)[1]
 
 
-def view_direction():
+def view_direction() -> Any:
     """How the 3D view is turned."""
     return list(view()[1].spaces.active.region_3d.view_rotation)
 
 
-def button():
+def button() -> Any:
     """What the button under the pointer does, as Blender copies it: a command, or the path of a property."""
     manager = bpy.context.window_manager
     with overridden("UI"):
@@ -83,7 +86,7 @@ def button():
     return None
 
 
-def state():
+def state() -> Any:
     """All that the add-on shows, and what is in the scene."""
     manager = bpy.context.window_manager
     session, duplicates = manager.shape_google, manager.shape_google_duplicates
@@ -140,7 +143,7 @@ def state():
     }
 
 
-def word_colors(name):
+def word_colors(name: str) -> Any:
     """The word and the colour of every vertex of an object."""
     mesh = bpy.data.objects[name].data
     words = [item.value for item in mesh.attributes["sg_word"].data]
@@ -148,13 +151,13 @@ def word_colors(name):
     return [words, colors]
 
 
-def colors(name):
+def colors(name: str) -> Any:
     """The colour of every vertex of an object."""
     mesh = bpy.data.objects[name].data
     return [[round(value, 4) for value in item.color[:3]] for item in mesh.attributes["sg_color"].data]
 
 
-def weights(name, group):
+def weights(name: str, group: Any) -> Any:
     """The weight of every vertex of an object in a group; 0 for those that are not in it."""
     item = bpy.data.objects[name]
     index = item.vertex_groups[group].index
@@ -163,7 +166,7 @@ def weights(name, group):
     ]
 
 
-def add_object(path, name, location=(0, 0, 0)):
+def add_object(path: Path, name: str, location: Any = (0, 0, 0)) -> None:
     """Import a mesh file, as File > Import does, as the only selected object."""
     with overridden("WINDOW"):
         bpy.ops.wm.ply_import(filepath=path)
@@ -173,7 +176,7 @@ def add_object(path, name, location=(0, 0, 0)):
         bpy.ops.ed.undo_push(message="Import")
 
 
-def look(turn=0.5):
+def look(turn: Any = 0.5) -> None:
     """Show the whole scene from before, turned by an angle, and a little from above."""
     with overridden("WINDOW"):
         bpy.context.view_layer.update()
@@ -186,13 +189,13 @@ def look(turn=0.5):
         bpy.ops.view3d.view_pan(type="PANRIGHT")
 
 
-def empty_scene():
+def empty_scene() -> None:
     """Remove what a new file holds."""
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
 
 
-def run(code):
+def run(code: Any) -> Any:
     """Run code, for what no click can set."""
     scope = {"bpy": bpy, "name": NAME, "preferences": bpy.context.preferences.addons[NAME].preferences}
     exec(code, scope)
@@ -200,17 +203,17 @@ def run(code):
     return scope.get("result")
 
 
-def hold_worker():
+def hold_worker() -> Any:
     """Stop the process that computes where it is, for as long as a test needs; false if there is none."""
     return _signal_worker(signal.SIGSTOP)
 
 
-def release_worker():
+def release_worker() -> Any:
     """Let it go on."""
     return _signal_worker(signal.SIGCONT)
 
 
-def _signal_worker(number):
+def _signal_worker(number: Any) -> Any:
     process = sys.modules[f"{NAME}.jobs"].worker()._process
     if process is None or process.poll() is not None:
         return False
@@ -218,12 +221,12 @@ def _signal_worker(number):
     return True
 
 
-def quit_blender():
+def quit_blender() -> None:
     """End without a question for unsaved changes."""
     bpy.app.timers.register(lambda: os._exit(0), first_interval=0.2)
 
 
-def answer(folder):
+def answer(folder: Path) -> Any:
     """Do what was asked since the last look."""
     for path in sorted(folder.glob("*.request")):
         name, arguments = json.loads(path.read_text())

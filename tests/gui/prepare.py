@@ -8,15 +8,18 @@ creature: how high a vertex is in the first one, from 0 to 1, is in all of them 
 "High" and how red it is in the colour attribute "Coat".
 """
 
+from __future__ import annotations
+
 import sys
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 NAME = "bl_ext.user_default.shape_google"
 
 
-def dress(item, shares):
+def dress(item: Any, shares: Any) -> None:
     """Give an object what can be transferred."""
     group = item.vertex_groups.new(name="High")
     for vertex, share in enumerate(shares):
@@ -26,7 +29,7 @@ def dress(item, shares):
     coat.data.foreach_set("color", [value for share in shares for value in (share, 0.2, 0.2, 1.0)])
 
 
-def write_blend(path, meshes):
+def write_blend(path: Path, meshes: Any) -> None:
     """Save a file with one object for each mesh file, side by side."""
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
@@ -43,7 +46,7 @@ def write_blend(path, meshes):
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
 
 
-def main(package, library, folder, *files):
+def main(package: str, library: str, folder: str, *files: str) -> None:
     bpy.ops.extensions.package_install_files(filepath=package, repo="user_default", enable_on_install=True)
     preferences = bpy.context.preferences
     preferences.view.show_splash = False

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -27,13 +28,13 @@ pytestmark = pytest.mark.skipif(not TARGET, reason="SHAPEGOOGLE_SCREENSHOTS name
 
 
 @pytest.fixture(scope="module")
-def horse(folder) -> Path:
+def horse(folder: Path) -> Path:
     """The query of the demo, at the size of the horses in the library."""
     return write_ply(folder / "horse.ply", make_creature("horse", 2011, vertex_count=10_000).pose("rear"))
 
 
 @pytest.fixture(scope="module")
-def library(window, folder, horse) -> None:
+def library(window: Any, folder: Path, horse: Any) -> None:
     """A library of the demo's .blend files, indexed while it is photographed."""
     if not BLENDS.is_dir():
         pytest.skip("there is no demo/blend_library; run python3 scripts/demo.py first")
@@ -65,7 +66,7 @@ def save(image: Image.Image, name: str) -> None:
     assert path.stat().st_size <= LARGEST_FILE
 
 
-def test_search_and_words(window, library, horse):
+def test_search_and_words(window: Any, library: Any, horse: Any) -> None:
     window.clean_scene(horse, NAME)
     window.open("Search")
     window.press("shape_google.find_similar")
@@ -84,7 +85,7 @@ def test_search_and_words(window, library, horse):
     save(window.picture(), "sidebar")
 
 
-def test_signature(window, library, horse):
+def test_signature(window: Any, library: Any, horse: Any) -> None:
     window.clean_scene(horse, NAME)
     window.run("bpy.context.scene.shape_google_painting.kind = 'HKS'")
     window.open("Signature")
@@ -93,7 +94,7 @@ def test_signature(window, library, horse):
     save(window.picture(), "signature")
 
 
-def test_keypoints(window, horse):
+def test_keypoints(window: Any, horse: Any) -> None:
     window.clean_scene(horse, NAME)
     window.run(
         "settings = bpy.context.scene.shape_google_painting\n"
@@ -105,7 +106,7 @@ def test_keypoints(window, horse):
     save(window.picture(), "keypoints_in_blender")
 
 
-def test_duplicates(window, library, horse):
+def test_duplicates(window: Any, library: Any, horse: Any) -> None:
     window.clean_scene(horse, "Horse A")
     window.ask("add_object", str(horse), "Horse B", [1.5, 0, 0])
     window.ask("add_object", str(horse), "Foal", [0.2, -1.6, 0])
@@ -124,7 +125,7 @@ def test_duplicates(window, library, horse):
     save(window.picture(), "duplicates")
 
 
-def test_preferences(window, library):
+def test_preferences(window: Any, library: Any) -> None:
     # A new window opens under the pointer.
     window.move(SIZE[0] / 2, SIZE[1] / 2)
     window.run(

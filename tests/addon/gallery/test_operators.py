@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
 
-def add(name: str, subdivisions: int = 3):
+def add(name: str, subdivisions: int = 3) -> Any:
     """A lumpy ball."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
     item = bpy.context.object
@@ -30,7 +33,7 @@ def choose(name: str, source: Path | str, *, in_scene: bool = False) -> None:
 
 
 @pytest.fixture
-def source(blender, tmp_path: Path):
+def source(blender: Any, tmp_path: Path) -> Iterator[Any]:
     """A file with a man, who has an armature and shape keys, and a shape without faces."""
     bpy.ops.object.armature_add()
     armature = bpy.context.object
@@ -56,7 +59,7 @@ def blocks() -> set[str]:
 
 
 class TestLink:
-    def test_an_armature_may_have_the_name_of_one_here(self, source):
+    def test_an_armature_may_have_the_name_of_one_here(self, source: Any) -> None:
         bpy.ops.object.armature_add()
         assert bpy.context.object.name == "Armature"
         choose("Man", source)
@@ -65,7 +68,9 @@ class TestLink:
         assert [item.name for item in bpy.context.selected_objects] == ["Man"]
 
     @pytest.mark.parametrize("relative", [False, True])
-    def test_what_is_linked_already_is_selected(self, source, relative, capfd):
+    def test_what_is_linked_already_is_selected(
+        self, source: Any, relative: Any, capfd: pytest.CaptureFixture[str]
+    ) -> None:
         if relative:
             bpy.ops.wm.save_as_mainfile(filepath=str(source.with_name("here.blend")))
         choose("Man", source)
@@ -80,7 +85,7 @@ class TestLink:
         assert bpy.context.active_object.name == "Man"
         assert (own.mode, own.select_get()) == ("OBJECT", False)
 
-    def test_what_was_linked_and_taken_out_comes_back(self, source):
+    def test_what_was_linked_and_taken_out_comes_back(self, source: Any) -> None:
         choose("Man", source)
         bpy.ops.shape_google.link_match()
         man = bpy.context.active_object
@@ -88,7 +93,7 @@ class TestLink:
         assert bpy.ops.shape_google.link_match() == {"FINISHED"}
         assert bpy.context.active_object == man
 
-    def test_in_an_excluded_collection_it_says_so_or_is_shown(self, source):
+    def test_in_an_excluded_collection_it_says_so_or_is_shown(self, source: Any) -> None:
         choose("Man", source)
         bpy.ops.shape_google.link_match()
         man = bpy.context.active_object
@@ -106,7 +111,7 @@ class TestLink:
             assert bpy.context.active_object == man
 
 
-def test_nothing_is_listed_in_place_of_what_was_removed(source, addon):
+def test_nothing_is_listed_in_place_of_what_was_removed(source: Any, addon: ModuleType) -> None:
     placing = importlib.import_module(f"{addon.__name__}.gallery.placing")
     placing.bring_in(bpy.context, str(source), "Man")  # from then on the file is known, and stays
     before = set(bpy.data.user_map())
@@ -117,7 +122,7 @@ def test_nothing_is_listed_in_place_of_what_was_removed(source, addon):
     assert set(bpy.context.view_layer.objects) == shown
 
 
-def test_select_leaves_edit_mode_and_deselects_all_else():
+def test_select_leaves_edit_mode_and_deselects_all_else() -> None:
     bpy.ops.object.light_add()
     light = bpy.context.object
     edited = add("Edited")
@@ -134,7 +139,7 @@ def test_select_leaves_edit_mode_and_deselects_all_else():
 
 class TestMark:
     @pytest.mark.parametrize("trouble", ["library", "match"])
-    def test_what_fails_leaves_nothing_behind(self, source, tmp_path, trouble):
+    def test_what_fails_leaves_nothing_behind(self, source: Any, tmp_path: Path, trouble: Any) -> None:
         query, other = add("Query"), add("Other")
         other.select_set(True)
         bpy.context.view_layer.objects.active = query
@@ -156,7 +161,7 @@ class TestMark:
         assert chosen.kind == "HKS"
         bpy.data.orphans_purge(do_recursive=True)
 
-    def test_all_objects_of_an_imported_file_are_painted(self, tmp_path):
+    def test_all_objects_of_an_imported_file_are_painted(self, tmp_path: Path) -> None:
         path = tmp_path / "two.obj"
         first, second = add("First"), add("Second")
         second.location.x = 4
@@ -171,7 +176,7 @@ class TestMark:
         assert all("sg_word" in item.data.attributes for item in bpy.context.selected_objects)
         assert bpy.context.active_object == query
 
-    def test_the_query_itself(self):
+    def test_the_query_itself(self) -> None:
         query = add("Query")
         choose("Query", "(unsaved scene)", in_scene=True)
         assert bpy.ops.shape_google.mark_match() == {"FINISHED"}

@@ -8,6 +8,8 @@ import importlib
 import os
 import shutil
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
@@ -20,16 +22,16 @@ from tests.addon.conftest import to_point_cloud
 
 
 @pytest.fixture
-def preferences(addon):
+def preferences(addon: ModuleType) -> Any:
     return bpy.context.preferences.addons[addon.__name__].preferences
 
 
 @pytest.fixture
-def session():
+def session() -> Any:
     return bpy.context.window_manager.shape_google
 
 
-def lumpy(name: str, seed: int, subdivisions: int = 4):
+def lumpy(name: str, seed: int, subdivisions: int = 4) -> Any:
     """A lumpy ellipsoid, another one for each seed."""
     random = np.random.default_rng(seed)
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
@@ -47,7 +49,7 @@ def lumpy(name: str, seed: int, subdivisions: int = 4):
 
 
 @pytest.fixture
-def folder(blender, tmp_path: Path) -> Path:
+def folder(blender: Any, tmp_path: Path) -> Path:
     """A folder of three .blend files with a shape each, a mesh file, and one that is broken."""
     folder = tmp_path / "assets"
     folder.mkdir()
@@ -62,13 +64,13 @@ def folder(blender, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def indexed(folder: Path, preferences, session) -> Path:
+def indexed(folder: Path, preferences: Any, session: Any) -> Path:
     add_folder(preferences, folder)
     assert bpy.ops.shape_google.index_library() == {"FINISHED"}
     return folder
 
 
-def add_folder(preferences, folder: Path) -> None:
+def add_folder(preferences: Any, folder: Path) -> None:
     assert bpy.ops.shape_google.add_folder(directory=str(folder)) == {"FINISHED"}
     assert [item.path for item in preferences.folders] == [str(folder)]
 
@@ -77,7 +79,7 @@ def digests(folder: Path) -> dict[str, str]:
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
 
 
-def test_index_a_folder(folder: Path, preferences, session) -> None:
+def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
     before = digests(folder)
     add_folder(preferences, folder)
     assert bpy.ops.shape_google.index_library() == {"FINISHED"}
@@ -108,7 +110,7 @@ def test_index_a_folder(folder: Path, preferences, session) -> None:
     assert session.summary == "4 unchanged"
 
 
-def test_find_similar(indexed: Path, preferences, session) -> None:
+def test_find_similar(indexed: Path, preferences: Any, session: Any) -> None:
     item = lumpy("Query", 1)
     item.scale = 3, 3, 3
     item.rotation_euler = 1, 2, 3
@@ -123,7 +125,7 @@ def test_find_similar(indexed: Path, preferences, session) -> None:
     assert not best.in_scene
 
 
-def test_filters(addon, indexed: Path, preferences, session) -> None:
+def test_filters(addon: ModuleType, indexed: Path, preferences: Any, session: Any) -> None:
     shown_matches = importlib.import_module(f"{addon.__name__}.gallery.filters").shown_matches
     lumpy("Query", 2)
     bpy.ops.shape_google.find_similar()
@@ -144,7 +146,7 @@ def test_filters(addon, indexed: Path, preferences, session) -> None:
     assert shown_matches(session) == []
 
 
-def test_the_selected_part_and_several_objects(indexed: Path, preferences, session) -> None:
+def test_the_selected_part_and_several_objects(indexed: Path, preferences: Any, session: Any) -> None:
     item = lumpy("Query", 0)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
@@ -162,7 +164,7 @@ def test_the_selected_part_and_several_objects(indexed: Path, preferences, sessi
     assert session.query in ("Query and 1 more", "Other and 1 more")
 
 
-def test_selected_objects_as_examples(indexed: Path, preferences, session) -> None:
+def test_selected_objects_as_examples(indexed: Path, preferences: Any, session: Any) -> None:
     """Both are found: joined they would be a third shape, which the library does not have."""
     for seed, name in ((2, "Second"), (0, "First")):
         lumpy(name, seed)
@@ -182,7 +184,7 @@ def test_selected_objects_as_examples(indexed: Path, preferences, session) -> No
 
 
 def test_copies_of_two_examples_are_not_taken_for_one_shape(
-    addon, indexed: Path, preferences, session
+    addon: ModuleType, indexed: Path, preferences: Any, session: Any
 ) -> None:
     """All have distance 0, and as poses of one mesh as many vertices; Plum and nut.obj are one shape."""
     shown_matches = importlib.import_module(f"{addon.__name__}.gallery.filters").shown_matches
@@ -195,7 +197,7 @@ def test_copies_of_two_examples_are_not_taken_for_one_shape(
     assert names in ({"Apple", "Pear", "Plum"}, {"Apple", "Pear", "nut.obj"})
 
 
-def test_more_and_not_like_a_match(indexed: Path, preferences, session) -> None:
+def test_more_and_not_like_a_match(indexed: Path, preferences: Any, session: Any) -> None:
     lumpy("Query", 1)
     bpy.ops.shape_google.find_similar()
     second = session.matches[1]
@@ -227,7 +229,7 @@ def test_more_and_not_like_a_match(indexed: Path, preferences, session) -> None:
     assert not bpy.ops.shape_google.clear_examples.poll()
 
 
-def test_examples_of_the_library_alone(indexed: Path, preferences, session) -> None:
+def test_examples_of_the_library_alone(indexed: Path, preferences: Any, session: Any) -> None:
     lumpy("Query", 1)
     bpy.ops.shape_google.find_similar()
     best = session.matches[0].shape_id
@@ -242,7 +244,9 @@ def test_examples_of_the_library_alone(indexed: Path, preferences, session) -> N
     assert not session.examples
 
 
-def test_examples_belong_to_their_library(indexed: Path, preferences, session, tmp_path: Path) -> None:
+def test_examples_belong_to_their_library(
+    indexed: Path, preferences: Any, session: Any, tmp_path: Path
+) -> None:
     """In another one their numbers are those of other shapes; and what is gone is said by its name."""
     lumpy("Query", 1)
     bpy.ops.shape_google.find_similar()
@@ -262,7 +266,7 @@ def test_examples_belong_to_their_library(indexed: Path, preferences, session, t
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
 
 
-def test_the_scene_itself(preferences, session) -> None:
+def test_the_scene_itself(preferences: Any, session: Any) -> None:
     lumpy("First", 0)
     lumpy("Second", 1)
     preferences.use_scene = True
@@ -278,7 +282,7 @@ def test_the_scene_itself(preferences, session) -> None:
     assert [item.name for item in bpy.context.selected_objects] == ["Second"]
 
 
-def scan(kind: str, count: int = 6000):
+def scan(kind: str, count: int = 6000) -> Any:
     """A mesh of vertices alone, spread over a creature at random."""
     mesh = make_creature(kind, 100, 2000).pose(0)
     random = np.random.default_rng(3)
@@ -295,7 +299,9 @@ def scan(kind: str, count: int = 6000):
     return item
 
 
-def test_points_find_their_mesh_and_mesh_its_points(addon, preferences, session) -> None:
+def test_points_find_their_mesh_and_mesh_its_points(
+    addon: ModuleType, preferences: Any, session: Any
+) -> None:
     """Vertices without faces are looked for; kept are only objects of the kind point cloud."""
     kinds = ("horse", "octopus", "human")
     new_object = importlib.import_module(f"{addon.__name__}.scene.meshes").new_object
@@ -316,7 +322,7 @@ def test_points_find_their_mesh_and_mesh_its_points(addon, preferences, session)
     item.scale = 1, 1, -1
     bpy.context.view_layer.update()
     if not to_point_cloud():
-        return
+        pytest.skip("this Blender cannot convert meshes to point clouds; the parts without them passed")
     item = bpy.context.object
     assert item.type == "POINTCLOUD"
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
@@ -334,7 +340,7 @@ def test_points_find_their_mesh_and_mesh_its_points(addon, preferences, session)
     assert not bpy.ops.shape_google.mark_match.poll()
 
 
-def test_append_and_mark(indexed: Path, preferences, session) -> None:
+def test_append_and_mark(indexed: Path, preferences: Any, session: Any) -> None:
     query = lumpy("Query", 1)
     bpy.ops.shape_google.find_similar()
     bpy.context.scene.cursor.location = 10, 0, 0
@@ -361,7 +367,7 @@ def test_append_and_mark(indexed: Path, preferences, session) -> None:
     assert low > high
 
 
-def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences, session) -> None:
+def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences: Any, session: Any) -> None:
     lumpy("Query", 2)
     bpy.ops.shape_google.find_similar()
     index = [match.name for match in session.matches].index("nut.obj")
@@ -375,7 +381,7 @@ def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences, 
         bpy.ops.shape_google.append_match()
 
 
-def test_link(indexed: Path, preferences, session) -> None:
+def test_link(indexed: Path, preferences: Any, session: Any) -> None:
     lumpy("Query", 0)
     bpy.ops.shape_google.find_similar()
     bpy.ops.shape_google.link_match()
@@ -383,7 +389,7 @@ def test_link(indexed: Path, preferences, session) -> None:
     bpy.data.libraries.remove(bpy.data.libraries[0])
 
 
-def test_unusable_library(preferences, session, tmp_path: Path) -> None:
+def test_unusable_library(preferences: Any, session: Any, tmp_path: Path) -> None:
     lumpy("Query", 0)
     assert not bpy.ops.shape_google.find_similar.poll()
     (tmp_path / "shapes.sglib").write_text("no library")
@@ -393,7 +399,7 @@ def test_unusable_library(preferences, session, tmp_path: Path) -> None:
         bpy.ops.shape_google.choose_library(filepath=str(tmp_path / "shapes.sglib"))
 
 
-def test_jobs_of_two(addon) -> None:
+def test_jobs_of_two(addon: ModuleType) -> None:
     """A worker that was stopped starts again, and an error comes back as it is."""
     jobs = importlib.import_module(f"{addon.__name__}.jobs")
     worker = jobs.worker()
@@ -404,7 +410,7 @@ def test_jobs_of_two(addon) -> None:
         worker.submit(abs, "three").result()
 
 
-def test_paint_is_no_difference_and_library_groups_are_selected(preferences, session) -> None:
+def test_paint_is_no_difference_and_library_groups_are_selected(preferences: Any, session: Any) -> None:
     first = lumpy("First", 0)
     second = first.copy()
     second.data = first.data.copy()
@@ -427,7 +433,7 @@ def test_paint_is_no_difference_and_library_groups_are_selected(preferences, ses
     state.scope = "SCENE"
 
 
-def test_the_manual_s_script(folder: Path, preferences, session, tmp_path: Path) -> None:
+def test_the_manual_s_script(folder: Path, preferences: Any, session: Any, tmp_path: Path) -> None:
     manual = (Path(__file__).parents[3] / "docs" / "blender.md").read_text(encoding="utf-8")
     script = manual.partition("```python\n")[2].partition("```")[0]
     assert "find_similar" in script
@@ -441,7 +447,9 @@ def test_the_manual_s_script(folder: Path, preferences, session, tmp_path: Path)
     assert "sg_word" in bpy.context.active_object.data.attributes
 
 
-def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, session, tmp_path: Path) -> None:
+def test_results_outlast_the_opening_of_a_file(
+    indexed: Path, preferences: Any, session: Any, tmp_path: Path
+) -> None:
     lumpy("Query", 1)
     bpy.ops.shape_google.find_similar()
     names = [match.name for match in session.matches]
@@ -464,7 +472,9 @@ def test_results_outlast_the_opening_of_a_file(indexed: Path, preferences, sessi
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
-def test_the_scene_and_its_file_are_two_sources(addon, folder: Path, preferences, session) -> None:
+def test_the_scene_and_its_file_are_two_sources(
+    addon: ModuleType, folder: Path, preferences: Any, session: Any
+) -> None:
     (folder / "broken.blend").unlink()
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pear.blend"), load_ui=False)
     lumpy("Unsaved", 5)
@@ -485,7 +495,7 @@ def test_the_scene_and_its_file_are_two_sources(addon, folder: Path, preferences
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
-def test_a_cancelled_scene_stores_nothing(addon, preferences, session) -> None:
+def test_a_cancelled_scene_stores_nothing(addon: ModuleType, preferences: Any, session: Any) -> None:
     for seed in range(3):
         lumpy(f"Shape {seed}", seed)
     module = importlib.import_module(f"{addon.__name__}.library.scene_source")
@@ -512,7 +522,7 @@ def test_a_cancelled_scene_stores_nothing(addon, preferences, session) -> None:
     assert "cannot read the model" in indexing.lines[-1]
 
 
-def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences, session) -> None:
+def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, session: Any) -> None:
     lumpy("Hidden", 0).hide_viewport = True
     lumpy("Shown", 1)
     wire = bpy.data.meshes.new("wire")
@@ -524,7 +534,7 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences, session
     assert not session.errors
 
 
-def test_forget_missing_files(indexed: Path, preferences, session) -> None:
+def test_forget_missing_files(indexed: Path, preferences: Any, session: Any) -> None:
     (indexed / "plum.blend").unlink()
     (indexed / "broken.blend").unlink()
     bpy.ops.shape_google.index_library()
@@ -537,7 +547,7 @@ def test_forget_missing_files(indexed: Path, preferences, session) -> None:
         assert len(library) == 3
 
 
-def test_what_is_chosen_is_saved(preferences, tmp_path: Path) -> None:
+def test_what_is_chosen_is_saved(preferences: Any, tmp_path: Path) -> None:
     for change in (
         lambda: bpy.ops.shape_google.choose_library(filepath=str(tmp_path / "new")),
         lambda: bpy.ops.shape_google.add_folder(directory=str(tmp_path)),
@@ -554,7 +564,7 @@ def test_what_is_chosen_is_saved(preferences, tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_train_a_model_on_this_library(folder: Path, preferences, session, tmp_path: Path) -> None:
+def test_train_a_model_on_this_library(folder: Path, preferences: Any, session: Any, tmp_path: Path) -> None:
     (folder / "broken.blend").unlink()
     for seed in range(3, 10):
         item = lumpy(f"Shape {seed}", seed, subdivisions=3)

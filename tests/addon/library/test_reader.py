@@ -6,11 +6,16 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
@@ -28,13 +33,13 @@ def digest(path: Path) -> str:
 
 
 @pytest.fixture
-def read(addon):
+def read(addon: ModuleType) -> Iterator[Any]:
     """Read the shapes of a file with a Blender of its own."""
     import importlib
 
     assets = importlib.import_module(f"{addon.__name__}.connections")
 
-    def read_file(path: Path, objects: str = "all"):
+    def read_file(path: Path, objects: str = "all") -> Any:
         return read_shapes(path, replace(assets.blend_reader(), options=(("objects", objects),)))
 
     yield read_file
@@ -46,13 +51,13 @@ def save(path: Path) -> Path:
     return path
 
 
-def add(name: str, **options: object):
+def add(name: str, **options: object) -> Any:
     bpy.ops.mesh.primitive_monkey_add(**options)
     bpy.context.object.name = name
     return bpy.context.object
 
 
-def test_objects_with_modifiers_at_world_scale(read, tmp_path: Path) -> None:
+def test_objects_with_modifiers_at_world_scale(read: Any, tmp_path: Path) -> None:
     item = add("Suzanne", location=(1, 2, 3))
     item.scale = 2, 2, 2
     item.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -68,7 +73,7 @@ def test_objects_with_modifiers_at_world_scale(read, tmp_path: Path) -> None:
     assert digest(path) == before
 
 
-def test_hidden_objects_and_such_without_a_scene(read, tmp_path: Path) -> None:
+def test_hidden_objects_and_such_without_a_scene(read: Any, tmp_path: Path) -> None:
     add("Hidden").hide_viewport = True
     loose = add("Loose")
     loose.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -80,7 +85,7 @@ def test_hidden_objects_and_such_without_a_scene(read, tmp_path: Path) -> None:
     assert len(shapes["Loose"].vertices) > 3 * len(shapes["Hidden"].vertices)
 
 
-def test_armatures_pose(read, tmp_path: Path) -> None:
+def test_armatures_pose(read: Any, tmp_path: Path) -> None:
     bpy.ops.object.armature_add()
     armature = bpy.context.object
     item = add("Posed")
@@ -93,7 +98,7 @@ def test_armatures_pose(read, tmp_path: Path) -> None:
     assert shape.mesh.vertices[:, 2].mean() > 4
 
 
-def test_linked_data_is_described_once(read, tmp_path: Path) -> None:
+def test_linked_data_is_described_once(read: Any, tmp_path: Path) -> None:
     first = add("A")
     for name, scale in (("B", (3, 3, 3)), ("C", (1, 1, 2)), ("D", (-1, 1, 1))):
         copy = first.copy()
@@ -105,7 +110,7 @@ def test_linked_data_is_described_once(read, tmp_path: Path) -> None:
     assert twins == {"A": None, "B": 0, "C": None, "D": 0}
 
 
-def test_objects_that_their_parents_deform_are_no_twins(read, tmp_path: Path) -> None:
+def test_objects_that_their_parents_deform_are_no_twins(read: Any, tmp_path: Path) -> None:
     """As Blender before 2.5 made them: no modifier says that they are deformed."""
     first = add("A")
     for name, parented in (("B", True), ("C", True), ("D", False)):
@@ -132,7 +137,7 @@ def test_objects_that_their_parents_deform_are_no_twins(read, tmp_path: Path) ->
     assert not math.isclose(*extents, rel_tol=0.05)
 
 
-def test_assets_first(read, tmp_path: Path) -> None:
+def test_assets_first(read: Any, tmp_path: Path) -> None:
     add("Plain")
     add("Asset").asset_mark()
     path = save(tmp_path / "scene.blend")
@@ -143,7 +148,7 @@ def test_assets_first(read, tmp_path: Path) -> None:
     assert [shape.object_name for shape in read(path, "assets").shapes] == ["Asset", "Plain"]
 
 
-def test_wires_and_lamps_are_no_shapes(read, tmp_path: Path) -> None:
+def test_wires_and_lamps_are_no_shapes(read: Any, tmp_path: Path) -> None:
     bpy.ops.object.light_add()
     mesh = bpy.data.meshes.new("wire")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
@@ -153,7 +158,7 @@ def test_wires_and_lamps_are_no_shapes(read, tmp_path: Path) -> None:
     assert not found.problems
 
 
-def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read, tmp_path: Path) -> None:
+def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read: Any, tmp_path: Path) -> None:
     points = np.random.default_rng(1).random((40, 3)).astype(np.float32)
     mesh = bpy.data.meshes.new("points")
     mesh.from_pydata(points.tolist(), [], [])
@@ -174,7 +179,7 @@ def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read, tmp_pa
         np.testing.assert_allclose(shape.mesh.vertices, points * [1, 2, -3], atol=1e-6)
 
 
-def test_scripts_in_files_do_not_run(read, tmp_path: Path) -> None:
+def test_scripts_in_files_do_not_run(read: Any, tmp_path: Path) -> None:
     victim = tmp_path / "ran"
     text = bpy.data.texts.new("start.py")
     text.use_module = True  # runs when the file is opened, where that is allowed
@@ -190,7 +195,7 @@ def test_scripts_in_files_do_not_run(read, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"no Blender file", b"BLENDER-v405" + bytes(100)])
-def test_what_is_no_blend_file(read, tmp_path: Path, content: bytes) -> None:
+def test_what_is_no_blend_file(read: Any, tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.blend"
     path.write_bytes(content)
     with pytest.raises(MeshError, match=r"'broken\.blend'"):
@@ -200,7 +205,7 @@ def test_what_is_no_blend_file(read, tmp_path: Path, content: bytes) -> None:
     assert len(read(save(tmp_path / "good.blend")).shapes) == 1
 
 
-def test_a_missing_library_and_a_compressed_file(read, tmp_path: Path) -> None:
+def test_a_missing_library_and_a_compressed_file(read: Any, tmp_path: Path) -> None:
     add("Elsewhere")
     elsewhere = save(tmp_path / "elsewhere.blend")
     bpy.data.objects.remove(bpy.data.objects["Elsewhere"])
@@ -216,7 +221,7 @@ def test_a_missing_library_and_a_compressed_file(read, tmp_path: Path) -> None:
     bpy.data.libraries.remove(bpy.data.libraries[0])
 
 
-def test_an_fbx_is_one_shape(read, tmp_path: Path) -> None:
+def test_an_fbx_is_one_shape(read: Any, tmp_path: Path) -> None:
     if "fbx" not in dir(bpy.ops.export_scene):
         pytest.skip("this Blender writes no .fbx")
     # Inside a real Blender tests are lent packages; the Blender that reads files has its own alone.
@@ -241,7 +246,7 @@ def heavy(path: Path) -> Path:
 
 
 @linux_only
-def test_memory(read, addon, tmp_path: Path) -> None:
+def test_memory(read: Any, addon: ModuleType, tmp_path: Path) -> None:
     import importlib
 
     reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
@@ -264,7 +269,7 @@ read_shapes(sys.argv[1], ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:
 
 
 @linux_only
-def test_a_reading_blender_does_not_outlive_a_killed_worker(addon, tmp_path: Path) -> None:
+def test_a_reading_blender_does_not_outlive_a_killed_worker(addon: ModuleType, tmp_path: Path) -> None:
     import importlib
 
     path = heavy(tmp_path / "heavy.blend")
@@ -274,19 +279,35 @@ def test_a_reading_blender_does_not_outlive_a_killed_worker(addon, tmp_path: Pat
     worker = subprocess.Popen(
         [sys.executable, "-c", program, str(path), *command], stdout=subprocess.PIPE, start_new_session=True
     )
+    assert worker.stdout is not None
     assert worker.stdout.readline() == b"reads\n"
     readers: list[int] = []
     while not readers:
         assert worker.poll() is None
         time.sleep(0.05)
         readers = children(worker.pid)
-    time.sleep(4)  # time to start and to be at work
+    reader = Path(f"/proc/{readers[0]}")
+    while not writes_shapes(reader):  # it is at work
+        assert worker.poll() is None
+        time.sleep(0.01)
+    os.kill(readers[0], signal.SIGSTOP)  # so that it can neither finish nor notice that its input is closed
     worker.kill()
     worker.communicate()
-    deadline = time.monotonic() + 2
-    while Path(f"/proc/{readers[0]}").exists():
-        assert time.monotonic() < deadline, "the reading Blender goes on"
-        time.sleep(0.05)
+    for _ in range(3000):  # it ends at once, or never
+        if not reader.exists():
+            return
+        time.sleep(0.02)
+    os.kill(readers[0], signal.SIGKILL)
+    pytest.fail("the reading Blender goes on")
+
+
+def writes_shapes(process: Path) -> bool:
+    """Whether a reading Blender has opened the file that it writes shapes into."""
+    files = []
+    for entry in (process / "fd").iterdir():
+        with suppress(FileNotFoundError):  # closed meanwhile
+            files.append(entry.readlink().name)
+    return "shapes.bin" in files
 
 
 def children(pid: int) -> list[int]:

@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
 
-def same_as_blender_says(addon, data) -> bool:
+def same_as_blender_says(addon: ModuleType, data: Any) -> bool:
     arrays = import_module(f"{addon.__name__}.scene.mesh_arrays")
     faces = arrays.triangles(data)
-    return (
+    return bool(
         arrays.vertex_positions(data).tolist() == [list(vertex.co) for vertex in data.vertices]
         and arrays.corner_vertices(data).tolist() == [loop.vertex_index for loop in data.loops]
         and faces.tolist() == [list(triangle.vertices) for triangle in data.loop_triangles]
@@ -29,7 +31,7 @@ def same_as_blender_says(addon, data) -> bool:
         lambda: bpy.ops.mesh.primitive_circle_add(),  # edges alone
     ],
 )
-def test_blocks_and_single_values_agree(blender, addon, add):
+def test_blocks_and_single_values_agree(blender: Any, addon: ModuleType, add: Any) -> None:
     add()
     item = bpy.context.object
     assert same_as_blender_says(addon, item.data)
@@ -38,7 +40,7 @@ def test_blocks_and_single_values_agree(blender, addon, add):
     evaluated.to_mesh_clear()
 
 
-def test_a_mesh_that_is_edited_is_read_too(blender, addon):
+def test_a_mesh_that_is_edited_is_read_too(blender: Any, addon: ModuleType) -> None:
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
     data = bpy.context.object.data
     before = len(data.vertices)
@@ -50,7 +52,7 @@ def test_a_mesh_that_is_edited_is_read_too(blender, addon):
     assert same_as_blender_says(addon, data)
 
 
-def test_nothing_to_read(blender, addon):
+def test_nothing_to_read(blender: Any, addon: ModuleType) -> None:
     data = bpy.data.meshes.new("empty")
     arrays = import_module(f"{addon.__name__}.scene.mesh_arrays")
     assert arrays.vertex_positions(data).shape == (0, 3)

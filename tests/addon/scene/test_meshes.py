@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bmesh
 import bpy
@@ -16,16 +18,16 @@ from tests.addon.conftest import to_point_cloud
 
 
 @pytest.fixture
-def scene(addon):
+def scene(addon: ModuleType) -> Any:
     return importlib.import_module(f"{addon.__name__}.scene.meshes")
 
 
 @pytest.fixture
-def split_evaluated(addon):
+def split_evaluated(addon: ModuleType) -> Any:
     return importlib.import_module(f"{addon.__name__}.scene.selection").split_evaluated
 
 
-def add(name: str, collection=None, scale: float = 1):
+def add(name: str, collection: Any = None, scale: float = 1) -> Any:
     bpy.ops.mesh.primitive_cube_add()
     item = bpy.context.object
     item.name = name
@@ -37,13 +39,13 @@ def add(name: str, collection=None, scale: float = 1):
     return item
 
 
-def add_collection(name: str, parent=None):
+def add_collection(name: str, parent: Any = None) -> Any:
     collection = bpy.data.collections.new(name)
     (parent or bpy.context.scene.collection).children.link(collection)
     return collection
 
 
-def test_what_the_view_layer_does_not_evaluate(split_evaluated, tmp_path: Path) -> None:
+def test_what_the_view_layer_does_not_evaluate(split_evaluated: Any, tmp_path: Path) -> None:
     """The world matrix of such an object is wrong once the file was opened again."""
     layers = bpy.context.view_layer.layer_collection.children
     shown = [add("shown", scale=2)]
@@ -83,7 +85,7 @@ def test_what_the_view_layer_does_not_evaluate(split_evaluated, tmp_path: Path) 
     assert bpy.context.view_layer.layer_collection.children["Excluded"].exclude
 
 
-def test_the_selected_faces_of_all_objects_in_edit_mode(scene) -> None:
+def test_the_selected_faces_of_all_objects_in_edit_mode(scene: Any) -> None:
     items = [add("First"), add("Second", scale=2), add("Third")]
     twin = bpy.data.objects.new("Twin", items[0].data)
     bpy.context.collection.objects.link(twin)
@@ -107,7 +109,7 @@ def test_the_selected_faces_of_all_objects_in_edit_mode(scene) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def add_points(name: str, points: np.ndarray, edges=()):
+def add_points(name: str, points: np.ndarray, edges: Any = ()) -> Any:
     """A mesh of vertices without faces, as an imported scan is."""
     data = bpy.data.meshes.new(name)
     data.from_pydata(points.tolist(), edges, [])
@@ -123,7 +125,7 @@ def some_points(count: int = 30) -> np.ndarray:
     return np.random.default_rng(5).random((count, 3))
 
 
-def test_points_without_faces_are_a_shape(scene) -> None:
+def test_points_without_faces_are_a_shape(scene: Any) -> None:
     item = add_points("Scan", some_points())
     item.scale = 2, 2, 2
     (cloud,) = scene.query_meshes(bpy.context)
@@ -140,7 +142,7 @@ def test_points_without_faces_are_a_shape(scene) -> None:
         scene.query_meshes(bpy.context)
 
 
-def test_points_and_surfaces_are_not_joined_but_helpers_are_passed_over(scene) -> None:
+def test_points_and_surfaces_are_not_joined_but_helpers_are_passed_over(scene: Any) -> None:
     cube = add("Cube")
     add_points("Helper", some_points(2))
     add_points("Wire", some_points(20), [(index, index + 1) for index in range(19)])
@@ -155,14 +157,14 @@ def test_points_and_surfaces_are_not_joined_but_helpers_are_passed_over(scene) -
     assert len(scene.query_meshes(bpy.context, separate=True)) == 2
 
 
-def test_a_wire_is_no_point_cloud(scene) -> None:
+def test_a_wire_is_no_point_cloud(scene: Any) -> None:
     bpy.ops.mesh.primitive_circle_add()
     for separate in (False, True):
         with pytest.raises(MeshError, match="'Circle' has neither faces nor single points"):
             scene.query_meshes(bpy.context, separate=separate)
 
 
-def test_a_point_cloud_object_is_a_shape(scene) -> None:
+def test_a_point_cloud_object_is_a_shape(scene: Any) -> None:
     item = add_points("Scan", some_points())
     item.scale = 2, 2, 2
     if not to_point_cloud():
@@ -177,7 +179,7 @@ def test_a_point_cloud_object_is_a_shape(scene) -> None:
     assert scene.evaluated_mesh(empty).vertices.shape == (0, 3)
 
 
-def select_faces(item, count: int) -> None:
+def select_faces(item: Any, count: int) -> None:
     edited = bmesh.from_edit_mesh(item.data)
     edited.faces.ensure_lookup_table()
     for face in edited.faces[:count]:

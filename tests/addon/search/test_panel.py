@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import importlib
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import bpy
@@ -50,7 +50,7 @@ class Layout:
 
 
 @pytest.fixture
-def draw(addon):
+def draw(addon: ModuleType) -> Any:
     """Draw the panel; the texts and names in it."""
     module = importlib.import_module(f"{addon.__name__}.search.panel")
 
@@ -72,7 +72,7 @@ def draw(addon):
     return call
 
 
-def test_the_choice_for_several_objects_is_shown_where_there_are_several(draw) -> None:
+def test_the_choice_for_several_objects_is_shown_where_there_are_several(draw: Any) -> None:
     bpy.ops.mesh.primitive_cube_add()
     assert "several" not in draw()
     bpy.ops.mesh.primitive_cube_add()
@@ -82,7 +82,7 @@ def test_the_choice_for_several_objects_is_shown_where_there_are_several(draw) -
     assert "several" not in draw()
 
 
-def test_examples_are_listed_and_a_match_can_become_one(addon, draw) -> None:
+def test_examples_are_listed_and_a_match_can_become_one(addon: ModuleType, draw: Any) -> None:
     session = bpy.context.window_manager.shape_google
     library = bpy.context.preferences.addons[addon.__name__].preferences.library
     assert "Examples from the Library" not in draw()

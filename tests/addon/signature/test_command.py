@@ -7,7 +7,10 @@ import hashlib
 import importlib
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,12 +22,12 @@ SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "paint_signatures.py"
 
 
 @pytest.fixture
-def main(addon):
+def main(addon: ModuleType) -> Any:
     return importlib.import_module(f"{addon.__name__}.signature.command").main
 
 
 @pytest.fixture
-def source(blender, tmp_path):
+def source(blender: Any, tmp_path: Path) -> Iterator[Any]:
     """Two scenes; a scaled ball in each, and a curve, a ring without faces and an object in no scene."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
     bpy.context.object.name = "Ball"
@@ -50,7 +53,7 @@ def digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def test_paints_all_objects_at_their_scale(main, source, addon):
+def test_paints_all_objects_at_their_scale(main: Any, source: Any, addon: ModuleType) -> None:
     before, output = digest(source), source.with_name("out.blend")
     assert (
         main(
@@ -84,7 +87,9 @@ def test_paints_all_objects_at_their_scale(main, source, addon):
     assert not [each.name for each in bpy.data.objects["Lost"].data.attributes if each.name.startswith("sg_")]
 
 
-def test_what_cannot_be_painted_is_named_and_the_rest_is_saved(main, source, capsys):
+def test_what_cannot_be_painted_is_named_and_the_rest_is_saved(
+    main: Any, source: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
     output = source.with_name("out.blend")
     arguments = ["--attribute", "words", "--attribute", "rgb", "--weights", "2"]
     assert main([str(source), "--output", str(output), *arguments]) == 1
@@ -105,14 +110,18 @@ def test_what_cannot_be_painted_is_named_and_the_rest_is_saved(main, source, cap
         ("Nobody", "'Nobody' is in no scene"),
     ],
 )
-def test_without_anything_painted_nothing_is_written(main, source, capsys, name, reason):
+def test_without_anything_painted_nothing_is_written(
+    main: Any, source: Any, capsys: pytest.CaptureFixture[str], name: str, reason: Any
+) -> None:
     output = source.with_name("out.blend")
     assert main([str(source), "--output", str(output), "--object", name]) == 1
     assert reason in capsys.readouterr().err
     assert not output.exists()
 
 
-def test_heat_needs_a_vertex_that_is_there(main, source, capsys):
+def test_heat_needs_a_vertex_that_is_there(
+    main: Any, source: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
     output = source.with_name("out.blend")
     arguments = [str(source), "--output", str(output), "--object", "Ball", "--attribute", "heat", "--vertex"]
     assert main([*arguments, "100000"]) == 1
@@ -120,7 +129,9 @@ def test_heat_needs_a_vertex_that_is_there(main, source, capsys):
     assert main([*arguments, "7"]) == 0
 
 
-def test_keypoints_of_a_detector(main, source, addon, capsys):
+def test_keypoints_of_a_detector(
+    main: Any, source: Any, addon: ModuleType, capsys: pytest.CaptureFixture[str]
+) -> None:
     output = source.with_name("out.blend")
     arguments = ["--object", "Ball", "--attribute", "keypoints", "--detector", "harris-3d"]
     assert main([str(source), "--output", str(output), *arguments]) == 0
@@ -133,7 +144,9 @@ def test_keypoints_of_a_detector(main, source, addon, capsys):
     assert np.allclose(attributes.values_of(item.data, "sg_keypoint"), found.responses)
 
 
-def test_the_source_is_never_saved_over(main, source, capsys, tmp_path):
+def test_the_source_is_never_saved_over(
+    main: Any, source: Any, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     before = digest(source)
     link = tmp_path / "link.blend"
     link.symlink_to(source)
@@ -144,7 +157,9 @@ def test_the_source_is_never_saved_over(main, source, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"BLENDER-v402 cut short", b"no .blend at all"])
-def test_file_that_is_no_blend(main, tmp_path, capsys, content):
+def test_file_that_is_no_blend(
+    main: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: Any
+) -> None:
     broken = tmp_path / "broken.blend"
     broken.write_bytes(content)
     assert main([str(broken), "--output", str(tmp_path / "out.blend")]) == 2
@@ -162,7 +177,7 @@ def test_file_that_is_no_blend(main, tmp_path, capsys, content):
         ["in.blend", "--output", "x", "--attribute", "keypoints", "--detector", "corners"],
     ],
 )
-def test_wrong_usage(main, arguments):
+def test_wrong_usage(main: Any, arguments: Any) -> None:
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
@@ -179,7 +194,7 @@ def test_wrong_usage(main, arguments):
         (["IN"], 2, "--output"),
     ],
 )
-def test_script(source, tmp_path, arguments, code, said):
+def test_script(source: Any, tmp_path: Path, arguments: Any, code: Any, said: Any) -> None:
     files = {"IN": str(source), "OUT": str(tmp_path / "out.blend")}
     command = [sys.executable, str(SCRIPT), *(files.get(word, word) for word in arguments)]
     # From elsewhere: the script must find the add-on without help.
@@ -188,7 +203,9 @@ def test_script(source, tmp_path, arguments, code, said):
     assert said in done.stdout + done.stderr
 
 
-def test_disabled_objects_are_left_out_and_named(main, source, capsys):
+def test_disabled_objects_are_left_out_and_named(
+    main: Any, source: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Blender does not evaluate them: their scale would be taken for 1."""
     bpy.ops.wm.open_mainfile(filepath=str(source))
     hidden = bpy.data.objects.new("Cutter", bpy.data.objects["Ball"].data.copy())

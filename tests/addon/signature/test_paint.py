@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bmesh
 import bpy
@@ -19,7 +22,7 @@ from tests.addon.conftest import addon_name
 
 
 @pytest.fixture(autouse=True)
-def settings(blender):
+def settings(blender: Any) -> Any:
     """Settings of the scene, each at its default."""
     chosen = bpy.context.scene.shape_google_painting
     for name in [entry.identifier for entry in chosen.bl_rna.properties]:
@@ -29,18 +32,18 @@ def settings(blender):
 
 
 @pytest.fixture
-def modules(addon):
+def modules(addon: ModuleType) -> Any:
     """Access to the add-on's modules, whatever its package is called."""
 
     class Modules:
-        def __getattr__(self, name):
+        def __getattr__(self, name: str) -> Any:
             home = "scene.meshes" if name == "scene" else f"signature.{name}"
             return importlib.import_module(f"{addon.__name__}.{home}")
 
     return Modules()
 
 
-def add_blob(subdivisions: int = 4, name: str = "Blob"):
+def add_blob(subdivisions: int = 4, name: str = "Blob") -> Any:
     """A closed bumpy surface, scaled, turned and moved."""
     bpy.ops.mesh.primitive_ico_sphere_add(
         subdivisions=subdivisions, location=(3, -2, 5), rotation=(0.3, 1, 2)
@@ -54,7 +57,7 @@ def add_blob(subdivisions: int = 4, name: str = "Blob"):
     return item
 
 
-def add_creature(kind: str = "horse", vertex_count: int = 2000):
+def add_creature(kind: str = "horse", vertex_count: int = 2000) -> Any:
     """A body with limbs, which has keypoints of every detector."""
     mesh = make_creature(kind, 120, vertex_count).pose("rest")
     item = importlib.import_module(f"{addon_name()}.scene.meshes").new_object(bpy.context, mesh, "Creature")
@@ -64,21 +67,22 @@ def add_creature(kind: str = "horse", vertex_count: int = 2000):
     return item
 
 
-def selected_vertices(item) -> np.ndarray:
+def selected_vertices(item: Any) -> np.ndarray:
     selected = np.empty(len(item.data.vertices), bool)
     item.data.vertices.foreach_get("select", selected)
     return np.flatnonzero(selected)
 
 
-def paint(kind: str, **values) -> set[str]:
+def paint(kind: str, **values: Any) -> set[str]:
     chosen = bpy.context.scene.shape_google_painting
     chosen.kind = kind
     for name, value in values.items():
         setattr(chosen, name, value)
-    return bpy.ops.shape_google.paint()
+    result: set[str] = bpy.ops.shape_google.paint()
+    return result
 
 
-def own_names(item) -> set[str]:
+def own_names(item: Any) -> set[str]:
     return {attribute.name for attribute in item.data.attributes if attribute.name.startswith("sg_")}
 
 
@@ -86,7 +90,7 @@ class TestValues:
     @pytest.mark.parametrize(
         "laplacian", ["robust", "cotangent", "cotangent-voronoi", "fem1", "fem2", "fem3"]
     )
-    def test_hks_is_that_of_the_core(self, modules, laplacian):
+    def test_hks_is_that_of_the_core(self, modules: Any, laplacian: str) -> None:
         item = add_blob()
         assert paint("HKS", scale=0.3, laplacian=laplacian, eigenpairs=60) == {"FINISHED"}
         spectrum = sg.compute_spectrum(modules.scene.base_mesh(item), 60, laplacian)
@@ -98,7 +102,7 @@ class TestValues:
         assert (attribute.domain, attribute.data_type) == ("POINT", "FLOAT")
         assert np.allclose(modules.attributes.values_of(item.data, "sg_hks"), expected, rtol=1e-5, atol=0)
 
-    def test_several_times(self, modules):
+    def test_several_times(self, modules: Any) -> None:
         item = add_blob()
         paint("HKS_TIMES", count=4, eigenpairs=50)
         spectrum = sg.compute_spectrum(modules.scene.base_mesh(item), 50)
@@ -109,7 +113,7 @@ class TestValues:
         paint("HKS_TIMES", count=2)
         assert own_names(item) == {"sg_hks_1", "sg_hks_2", "sg_color"}
 
-    def test_scale_invariant_signature_does_not_know_the_size(self, modules):
+    def test_scale_invariant_signature_does_not_know_the_size(self, modules: Any) -> None:
         item = add_blob()
         paint("SI_HKS", frequencies=3)
         names = ["sg_sihks_0", "sg_sihks_1", "sg_sihks_2"]
@@ -121,7 +125,7 @@ class TestValues:
         assert np.allclose(small, large, rtol=1e-3, atol=1e-4)
         assert np.ptp(small[1]) > 0.01
 
-    def test_words_and_weights_are_those_of_the_model(self, modules):
+    def test_words_and_weights_are_those_of_the_model(self, modules: Any) -> None:
         item = add_blob()
         paint("WORDS", weights=3)
         expected = sg.vertex_words(sg.load_model(), modules.scene.base_mesh(item))
@@ -133,7 +137,7 @@ class TestValues:
             theta = expected.weights()[:, int(name.rpartition("_")[2])]
             assert np.allclose(modules.attributes.values_of(item.data, name), theta, atol=1e-6)
 
-    def test_word_colours_are_linear_and_the_same_on_every_shape(self, modules):
+    def test_word_colours_are_linear_and_the_same_on_every_shape(self, modules: Any) -> None:
         palette = modules.layers.linear_rgb(word_palette(40))
         for subdivisions in (4, 3):
             item = add_blob(subdivisions)
@@ -149,7 +153,7 @@ class TestValues:
         byte.data.foreach_get("color_srgb", shown)
         assert np.allclose(shown.reshape(-1, 4)[:, :3], word_palette(40)[word], atol=0.005)
 
-    def test_rgb_is_three_components(self, modules):
+    def test_rgb_is_three_components(self, modules: Any) -> None:
         item = add_blob()
         paint("RGB")
         assert own_names(item) == {"sg_hks_1", "sg_hks_2", "sg_hks_3", "sg_color"}
@@ -163,7 +167,7 @@ class TestValues:
             assert colors[:, channel].min() == 0
             assert colors[:, channel].max() == 1
 
-    def test_heat_spreads_from_the_active_vertex(self, modules):
+    def test_heat_spreads_from_the_active_vertex(self, modules: Any) -> None:
         item = add_blob()
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
@@ -185,12 +189,12 @@ class TestValues:
         paint("HEAT", scale=0.2)
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_heat"), heat)
 
-    def test_vertex_selected_by_a_script(self, modules):
+    def test_vertex_selected_by_a_script(self, modules: Any) -> None:
         item = add_blob()
         item.data.vertices.foreach_set("select", np.arange(len(item.data.vertices)) == 33)
         assert modules.attributes.picked_vertex(item) == 33
 
-    def test_heat_without_a_vertex_says_what_to_do(self):
+    def test_heat_without_a_vertex_says_what_to_do(self) -> None:
         item = add_blob()
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
@@ -202,7 +206,7 @@ class TestValues:
 
 class TestKeypoints:
     @pytest.mark.parametrize("detector", DETECTORS)
-    def test_are_those_of_the_core(self, modules, detector):
+    def test_are_those_of_the_core(self, modules: Any, detector: str) -> None:
         item = add_creature()
         assert paint("KEYPOINTS", detector=detector, eigenpairs=60) == {"FINISHED"}
         mesh = modules.scene.base_mesh(item)
@@ -212,10 +216,10 @@ class TestKeypoints:
         assert set(np.flatnonzero(response)) == set(expected.indices)
         assert np.allclose(response[expected.indices], expected.response)
 
-    def test_choices_are_those_of_the_core(self, modules):
+    def test_choices_are_those_of_the_core(self, modules: Any) -> None:
         assert [name for name, _, _ in modules.choices.DETECTORS] == list(DETECTORS)
 
-    def test_spots_are_seen_and_the_strongest_is_reddest(self, modules):
+    def test_spots_are_seen_and_the_strongest_is_reddest(self, modules: Any) -> None:
         item = add_creature()
         paint("KEYPOINTS")
         response = modules.attributes.values_of(item.data, "sg_keypoint")
@@ -227,7 +231,7 @@ class TestKeypoints:
         strongest = modules.layers.linear_rgb(np.array(modules.layers.STRONG_POINT))
         assert np.allclose(colors[response.argmax()], strongest, atol=1e-5)
 
-    def test_are_selected_in_edit_mode(self, modules):
+    def test_are_selected_in_edit_mode(self, modules: Any) -> None:
         item, plain = add_creature(), add_blob()
         item.select_set(True)
         plain.select_set(False)
@@ -246,7 +250,7 @@ class TestKeypoints:
             each.update_from_editmode()
             assert np.array_equal(selected_vertices(each), expected)
 
-    def test_undo_leaves_edit_mode(self):
+    def test_undo_leaves_edit_mode(self) -> None:
         item = add_creature()
         paint("KEYPOINTS")
         before = selected_vertices(item)
@@ -265,14 +269,14 @@ class TestKeypoints:
         assert 0 < len(selected_vertices(item)) < len(before)  # a new mesh has all selected
         bpy.ops.object.mode_set(mode="OBJECT")
 
-    def test_without_keypoints_there_is_nothing_to_select(self, modules):
+    def test_without_keypoints_there_is_nothing_to_select(self, modules: Any) -> None:
         item = add_blob()
         assert not bpy.ops.shape_google.select_keypoints.poll()
         item.data.attributes.new("sg_keypoint", "FLOAT", "POINT")
         assert bpy.ops.shape_google.select_keypoints() == {"CANCELLED"}
         assert item.mode == "OBJECT"
 
-    def test_hidden_ones_stay_unselected(self, modules):
+    def test_hidden_ones_stay_unselected(self, modules: Any) -> None:
         item = add_creature()
         paint("KEYPOINTS")
         points = np.flatnonzero(modules.attributes.values_of(item.data, "sg_keypoint"))
@@ -281,7 +285,7 @@ class TestKeypoints:
         bpy.ops.object.mode_set(mode="OBJECT")
         assert np.array_equal(selected_vertices(item), points[1:])
 
-    def test_other_detectors_in_edit_mode_and_clearing(self, modules):
+    def test_other_detectors_in_edit_mode_and_clearing(self, modules: Any) -> None:
         item = add_creature()
         paint("KEYPOINTS", detector="hks-maxima")
         bpy.ops.object.mode_set(mode="EDIT")
@@ -295,7 +299,7 @@ class TestKeypoints:
 
 
 class TestUncleanMeshes:
-    def test_heat_crosses_split_edges_and_loose_vertices_are_0(self, modules):
+    def test_heat_crosses_split_edges_and_loose_vertices_are_0(self, modules: Any) -> None:
         item = add_blob()
         paint("HKS", eigenpairs=40)
         whole = modules.attributes.values_of(item.data, "sg_hks")
@@ -314,14 +318,14 @@ class TestUncleanMeshes:
         paint("WORDS")
         assert modules.attributes.values_of(item.data, "sg_word")[-1] == -1
 
-    def test_suzanne_has_loose_eyes(self, modules):
+    def test_suzanne_has_loose_eyes(self, modules: Any) -> None:
         bpy.ops.mesh.primitive_monkey_add()
         for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT", "KEYPOINTS"):
             assert paint(kind) == {"FINISHED"}
         for name in own_names(bpy.context.object):
             assert np.isfinite(modules.attributes.values_of(bpy.context.object.data, name)).all()
 
-    def test_large_objects_are_computed_on_a_copy(self, modules):
+    def test_large_objects_are_computed_on_a_copy(self, modules: Any) -> None:
         item = add_blob(5)
         paint("HKS", budget=1_000_000, scale=0.4, eigenpairs=40)
         exact = modules.attributes.values_of(item.data, "sg_hks")
@@ -330,7 +334,7 @@ class TestUncleanMeshes:
         assert not np.array_equal(near, exact)
         assert np.abs(near / exact - 1).max() < 0.05
 
-    def test_object_without_faces_is_refused_and_others_go_on(self, modules):
+    def test_object_without_faces_is_refused_and_others_go_on(self, modules: Any) -> None:
         blob = add_blob()
         bpy.ops.mesh.primitive_circle_add()
         ring = bpy.context.object
@@ -344,7 +348,7 @@ class TestUncleanMeshes:
 
 
 class TestShowing:
-    def test_colours_are_active_and_rendered(self):
+    def test_colours_are_active_and_rendered(self) -> None:
         item = add_blob()
         paint("HKS")
         assert item.data.attributes.active_color_name == "sg_color"
@@ -352,12 +356,12 @@ class TestShowing:
         attribute = item.data.attributes["sg_color"]
         assert (attribute.domain, attribute.data_type) == ("POINT", "FLOAT_COLOR")
 
-    def test_no_colour_if_not_wanted(self):
+    def test_no_colour_if_not_wanted(self) -> None:
         item = add_blob()
         paint("HKS", color=False)
         assert own_names(item) == {"sg_hks"}
 
-    def test_slider_repaints_at_once(self, modules, settings):
+    def test_slider_repaints_at_once(self, modules: Any, settings: Any) -> None:
         item = add_blob()
         paint("HKS", scale=0.2)
         colors = modules.attributes.values_of(item.data, "sg_color")
@@ -367,7 +371,7 @@ class TestShowing:
         paint("HKS", scale=0.8)
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_hks"), moved)
 
-    def test_slider_leaves_unpainted_and_changed_objects_alone(self, modules, settings):
+    def test_slider_leaves_unpainted_and_changed_objects_alone(self, modules: Any, settings: Any) -> None:
         item = add_blob()
         settings.scale = 0.7
         assert not own_names(item)
@@ -377,7 +381,7 @@ class TestShowing:
         settings.scale = 0.8
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_hks"), before)
 
-    def test_scale_is_said_in_the_units_of_the_scene(self, modules):
+    def test_scale_is_said_in_the_units_of_the_scene(self, modules: Any) -> None:
         item = add_blob()
         paint("HKS")
         units = bpy.context.scene.unit_settings
@@ -391,7 +395,7 @@ class TestShowing:
         other = bpy.data.objects.new("Other", item.data)
         assert modules.distance.scale_text(other, painting, units) == ""
 
-    def test_chart_has_a_bar_for_each_frequent_word(self, modules):
+    def test_chart_has_a_bar_for_each_frequent_word(self, modules: Any) -> None:
         bag = np.zeros(40)
         bag[[3, 20]] = 0.25, 0.75
         pixels = np.asarray(modules.bag_chart.draw_chart(bag))
@@ -405,7 +409,7 @@ class TestShowing:
 
 
 class TestUndoAndClear:
-    def test_undo_removes_what_was_written(self):
+    def test_undo_removes_what_was_written(self) -> None:
         add_blob()
         bpy.ops.ed.undo_push(message="blob")
         paint("HKS")
@@ -416,7 +420,7 @@ class TestUndoAndClear:
         bpy.ops.ed.redo()
         assert own_names(bpy.data.objects["Blob"]) == {"sg_hks", "sg_color"}
 
-    def test_undo_brings_slider_and_values_back(self, modules):
+    def test_undo_brings_slider_and_values_back(self, modules: Any) -> None:
         add_blob()
         paint("HKS", scale=0.2)
         before = modules.attributes.values_of(bpy.data.objects["Blob"].data, "sg_hks")
@@ -427,7 +431,7 @@ class TestUndoAndClear:
         assert bpy.context.scene.shape_google_painting.scale == pytest.approx(0.2)
         assert np.array_equal(modules.attributes.values_of(bpy.data.objects["Blob"].data, "sg_hks"), before)
 
-    def test_clear_removes_ours_and_nothing_else(self):
+    def test_clear_removes_ours_and_nothing_else(self) -> None:
         item = add_blob()
         for name, kind in (("mine", "FLOAT_COLOR"), ("weight", "FLOAT"), ("my_sg_hks", "FLOAT")):
             item.data.attributes.new(name, kind, "POINT")
@@ -445,13 +449,13 @@ class TestUndoAndClear:
         assert dict(item.data.items()) == {"note": "keep"}
         assert bpy.ops.shape_google.clear_paint() == {"CANCELLED"}
 
-    def test_an_attribute_of_ours_with_another_type_is_replaced(self, modules):
+    def test_an_attribute_of_ours_with_another_type_is_replaced(self, modules: Any) -> None:
         item = add_blob()
         item.data.attributes.new("sg_hks", "INT", "FACE")
         paint("HKS")
         assert len(modules.attributes.values_of(item.data, "sg_hks")) == len(item.data.vertices)
 
-    def test_edit_mode(self, modules):
+    def test_edit_mode(self, modules: Any) -> None:
         item = add_blob()
         paint("HKS", scale=0.3)
         values = modules.attributes.values_of(item.data, "sg_hks")
@@ -474,7 +478,7 @@ class TestUndoAndClear:
 
 
 class TestCache:
-    def test_moving_and_turning_keeps_the_hash_and_scaling_does_not(self, modules):
+    def test_moving_and_turning_keeps_the_hash_and_scaling_does_not(self, modules: Any) -> None:
         item = add_blob()
         digest = modules.attributes.geometry_hash(item)
         item.location.x += 100
@@ -490,7 +494,7 @@ class TestCache:
             assert modules.attributes.geometry_hash(item) != digest
             digest = modules.attributes.geometry_hash(item)
 
-    def test_another_cut_of_the_same_bytes_is_another_hash(self, modules):
+    def test_another_cut_of_the_same_bytes_is_another_hash(self, modules: Any) -> None:
         """The corners of two meshes may be the same numbers in the same order."""
         digests = set()
         for polygons in ([(0, 1, 2, 3), (0, 3, 4, 5)], [(0, 1, 2), (3, 0, 3, 4, 5)]):
@@ -501,7 +505,7 @@ class TestCache:
             digests.add(modules.attributes.geometry_hash(item))
         assert len(digests) == 2
 
-    def test_is_bounded(self, modules, monkeypatch):
+    def test_is_bounded(self, modules: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         spectra = modules.results
         importlib.import_module(f"{addon_name()}.state").current().signature.results.clear()
         items = [add_blob(3, f"Blob{number}") for number in range(3)]
@@ -514,7 +518,7 @@ class TestCache:
             monkeypatch.setattr(spectra, "MOST_BYTES", 2 * entry.bytes)
         assert [spectra.known(key) is not None for key in paint_each] == [False, True, True]
 
-    def test_is_dropped_with_the_file(self, modules, tmp_path):
+    def test_is_dropped_with_the_file(self, modules: Any, tmp_path: Path) -> None:
         item = add_blob()
         paint("HKS")
         key = modules.results.key_of(item, modules.properties.settings_of(bpy.context.scene), None)
@@ -526,7 +530,7 @@ class TestCache:
 
 
 class TestPoll:
-    def test_needs_a_mesh(self):
+    def test_needs_a_mesh(self) -> None:
         assert not bpy.ops.shape_google.paint.poll()
         add_blob()
         assert bpy.ops.shape_google.paint.poll()
@@ -534,7 +538,7 @@ class TestPoll:
         assert not bpy.ops.shape_google.paint.poll()
         bpy.ops.object.mode_set(mode="OBJECT")
 
-    def test_objects_that_are_not_evaluated_are_refused(self, modules):
+    def test_objects_that_are_not_evaluated_are_refused(self, modules: Any) -> None:
         """Their scale is not known; another object of the same mesh is painted in their place."""
         item = add_blob()
         twin = bpy.data.objects.new("Twin", item.data)
@@ -544,7 +548,7 @@ class TestPoll:
         assert items == [item]
         assert [reason for reason in refused if "'Twin' is disabled" in reason]
 
-    def test_objects_that_share_a_mesh_are_painted_once(self, modules):
+    def test_objects_that_share_a_mesh_are_painted_once(self, modules: Any) -> None:
         item = add_blob()
         twin = bpy.data.objects.new("Twin", item.data)
         bpy.context.collection.objects.link(twin)

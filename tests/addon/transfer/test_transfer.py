@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
 import pytest
 
 
-def lumpy(name: str, subdivisions: int = 4, twist: float = 0.0):
+def lumpy(name: str, subdivisions: int = 4, twist: float = 0.0) -> Any:
     """A lopsided body, twisted more or less; the same surface at every number of subdivisions."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, calc_uvs=False)
     item = bpy.context.object
@@ -40,7 +42,7 @@ def lumpy(name: str, subdivisions: int = 4, twist: float = 0.0):
     return item, np.stack([x, y, z], axis=1)
 
 
-def dress(item, sphere: np.ndarray) -> None:
+def dress(item: Any, sphere: np.ndarray) -> None:
     """Give a body weights, colours and UVs that are functions of where on the sphere a vertex was."""
     high = item.vertex_groups.new(name="high")
     low = item.vertex_groups.new(name="low")
@@ -72,7 +74,7 @@ def choose(name: str, source: Path | str, *, in_scene: bool = False) -> None:
     bpy.context.window_manager.shape_google.active_match = 0
 
 
-def weights_of(item, name: str) -> np.ndarray:
+def weights_of(item: Any, name: str) -> np.ndarray:
     index = item.vertex_groups[name].index
     return np.array(
         [
@@ -83,7 +85,7 @@ def weights_of(item, name: str) -> np.ndarray:
 
 
 @pytest.fixture
-def pair(blender):
+def pair(blender: Any) -> Any:
     """A dressed body, and a twisted one of another mesh with nothing on it, which is active."""
     source, sphere = lumpy("Source", 4)
     dress(source, sphere)
@@ -96,7 +98,7 @@ def pair(blender):
     return source, target, sphere
 
 
-def test_weights_colors_and_uvs_arrive(pair, capfd):
+def test_weights_colors_and_uvs_arrive(pair: Any, capfd: pytest.CaptureFixture[str]) -> None:
     _, target, sphere = pair
     choose("Source", "(unsaved scene)", in_scene=True)
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
@@ -116,7 +118,7 @@ def test_weights_colors_and_uvs_arrive(pair, capfd):
     assert (corners.domain, corners.data_type) == ("CORNER", "BYTE_COLOR")
 
 
-def test_no_face_spans_a_seam(pair):
+def test_no_face_spans_a_seam(pair: Any) -> None:
     _, target, sphere = pair
     choose("Source", "(unsaved scene)", in_scene=True)
     bpy.ops.shape_google.transfer_match()
@@ -130,7 +132,7 @@ def test_no_face_spans_a_seam(pair):
     assert first[upper].all()
 
 
-def test_existing_ones_are_kept_unless_replaced(pair, capfd):
+def test_existing_ones_are_kept_unless_replaced(pair: Any, capfd: pytest.CaptureFixture[str]) -> None:
     _, target, _ = pair
     target.vertex_groups.new(name="high").add([0, 1], 0.25, "REPLACE")
     target.vertex_groups.new(name="low").lock_weight = True
@@ -150,7 +152,9 @@ def test_existing_ones_are_kept_unless_replaced(pair, capfd):
     assert len(target.data.uv_layers) == 1
 
 
-def test_that_all_is_kept_is_said_before_anything_is_matched(pair, addon, monkeypatch, capfd):
+def test_that_all_is_kept_is_said_before_anything_is_matched(
+    pair: Any, addon: ModuleType, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     _, target, _ = pair
     for name in ("high", "low"):
         target.vertex_groups.new(name=name)
@@ -162,7 +166,7 @@ def test_that_all_is_kept_is_said_before_anything_is_matched(pair, addon, monkey
     assert "Kept as they are: 'high', 'low'" in capfd.readouterr().out
 
 
-def test_from_another_file_leaves_nothing_behind(pair, tmp_path):
+def test_from_another_file_leaves_nothing_behind(pair: Any, tmp_path: Path) -> None:
     source, target, sphere = pair
     bpy.context.view_layer.objects.active = target
     target.select_set(True)
@@ -179,7 +183,7 @@ def test_from_another_file_leaves_nothing_behind(pair, tmp_path):
     assert (bpy.context.active_object, bpy.context.selected_objects) == (target, [target])
 
 
-def test_what_cannot_be_matched_is_named_and_nothing_is_changed(pair):
+def test_what_cannot_be_matched_is_named_and_nothing_is_changed(pair: Any) -> None:
     _, target, _ = pair
     points = bpy.data.meshes.new("Points")
     points.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1)], [])
@@ -192,7 +196,7 @@ def test_what_cannot_be_matched_is_named_and_nothing_is_changed(pair):
     assert not target.vertex_groups
 
 
-def test_nothing_to_transfer_and_itself(pair):
+def test_nothing_to_transfer_and_itself(pair: Any) -> None:
     _, target, _ = pair
     choose("Target", "(unsaved scene)", in_scene=True)
     with pytest.raises(RuntimeError, match="'Target' is the match itself"):
@@ -208,7 +212,7 @@ def test_nothing_to_transfer_and_itself(pair):
     assert not bpy.ops.shape_google.transfer_match.poll()
 
 
-def test_a_mirrored_object_keeps_its_corners(pair):
+def test_a_mirrored_object_keeps_its_corners(pair: Any) -> None:
     """Its triangles are turned for matching; what belongs to their corners has to turn along."""
     source, target, sphere = pair
     source.scale = (-1, 1, 1)
@@ -224,7 +228,7 @@ def test_a_mirrored_object_keeps_its_corners(pair):
     assert np.abs(color[:, :3] - (sphere[vertices] + 1) / 2).mean() < 0.03
 
 
-def test_it_is_undone_in_one_step(pair):
+def test_it_is_undone_in_one_step(pair: Any) -> None:
     bpy.context.preferences.edit.use_global_undo = True
     choose("Source", "(unsaved scene)", in_scene=True)
     bpy.ops.ed.undo_push(message="before")
