@@ -13,8 +13,8 @@ from shapegoogle_core.library.duplicates.groups import DuplicateGroup, Duplicate
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.search.checks import Compared, Explainer
+from shapegoogle_core.library.search.surfaces import StoredSurfaces
 from shapegoogle_core.library.storage.records import ShapeRecord
-from shapegoogle_core.library.storage.signatures import unpack_sample
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 
@@ -71,13 +71,11 @@ def _compared(
     store: Store, model: ShapeModel, group: DuplicateGroup, records: dict[int, ShapeRecord]
 ) -> dict[int, Compared]:
     """Read samples and counts of the members of a group, without members that were removed meanwhile."""
-    samples = store.samples([member.shape_id for member in group.members])
+    there = [member.shape_id for member in group.members if member.shape_id in records]
     known = {}
-    for shape_id, data in samples.items():
-        record = records.get(shape_id)
-        if record is not None:
-            sample = unpack_sample(store, model, shape_id, data)
-            known[shape_id] = Compared(sample, record.vertex_count, record.face_count, record.area)
+    for shape_id, sample in StoredSurfaces(store, model).samples(there):
+        record = records[shape_id]
+        known[shape_id] = Compared(sample, record.vertex_count, record.face_count, record.area)
     return known
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The tiny model and its signatures for all tests of this folder."""
+"""The tiny model, its signatures, and a library with evidence, for all tests of this folder."""
 
+from tests.core.library.explained_pairs import answers, pairs
 from tests.core.tiny_model import make_model, make_signature, meshes, model, other_model, path
 
-__all__ = ["make_model", "make_signature", "meshes", "model", "other_model", "path"]
+__all__ = ["answers", "make_model", "make_signature", "meshes", "model", "other_model", "pairs", "path"]

@@ -3,40 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from benchmarks.experiments.evidence_pairs import EvidencePair, make_pairs
-from shapegoogle_core import Library, Match
+from benchmarks.experiments.evidence_pairs import EvidencePair
+from shapegoogle_core import Library
 from shapegoogle_core.library.evidence import KINDS, Evidence
-
-
-def kept(match: Match) -> Evidence:
-    """Evidence of a match that has some."""
-    assert match.evidence is not None, match.name
-    return match.evidence
-
-
-@pytest.fixture(scope="module")
-def pairs() -> list[EvidencePair]:
-    return make_pairs("deer", 1234)
-
-
-@pytest.fixture(scope="module")
-def answers(
-    tmp_path_factory: pytest.TempPathFactory, pairs: list[EvidencePair]
-) -> Iterator[tuple[Library, dict[str, Evidence]]]:
-    """All candidates of one query in a library, and the evidence of each."""
-    path: Path = tmp_path_factory.mktemp("evidence") / "shapes.sglib"
-    query = pairs[0].query
-    with Library.open(path) as library:
-        for pair in pairs:
-            if pair.query is query:
-                library.add(pair.candidate, pair.detail)
-        yield library, {match.name: kept(match) for match in library.query(query, top=20, explain=20)}
+from tests.core.library.explained_pairs import kept
 
 
 def test_every_kind_is_made(pairs: list[EvidencePair]) -> None:
@@ -134,29 +109,3 @@ def test_samples_alone_give_the_same_kinds(
     assert {match.name: kept(match).kind for match in matches} == {
         name: said.kind for name, said in exact.items()
     }
-
-
-def test_duplicates_are_grouped_by_kind(answers: tuple[Library, dict[str, Evidence]]) -> None:
-    library, _ = answers
-    groups = {group.kind: [member.name for member in group.members] for group in library.duplicates(0.5)}
-    first = "a copy"
-    assert groups["identical"] == [first, "other order of vertices and faces"]
-    assert groups["moved"] == [first, "moved"]
-    assert groups["scaled"] == [first, "moved and scaled"]
-    assert groups["mirrored"] == [first, "reflected and moved"]
-    assert set(groups["re-meshed"]) == {first, "other mesh, moved", "other mesh in place"}
-    assert set(groups["re-posed"]) >= {first, "other pose"}
-
-
-def test_exact_copies_are_recognised_without_alignment(
-    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
-) -> None:
-    library, _ = answers
-    groups = library.duplicates(0.5, explained=0)
-    kinds = {group.kind: group for group in groups}
-    assert {"moved", "scaled"} <= set(kinds)
-    assert not {"re-meshed", "re-posed"} & set(kinds)
-    scaled = next(pair for pair in pairs if pair.kind == "scaled")
-    assert kinds["scaled"].members[1].scale == pytest.approx(scaled.factor, rel=1e-3)
-    savings = [group.saved_faces for group in groups]
-    assert savings == sorted(savings, reverse=True)
