@@ -12,18 +12,18 @@ __all__ = ["row_distances"]
 
 
 def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:
-    """Distance between the rows of two arrays.
+    """Compute the distances between the rows of two arrays.
 
     Parameters
     ----------
     metric : {"cosine", "l1"}
     first, second : (n, p) arrays
-        From `ShapeModel.comparable`; one of them may have a single row.
+        From `ShapeModel.comparable`. Either may have a single row.
 
     Returns
     -------
     distances : (n,) array
-        ≥ 0.
+        At least 0.
     """
     if metric == "l1":
         return np.asarray(np.abs(first - second).sum(axis=1, dtype=np.float64))

@@ -24,14 +24,14 @@ FloatBags = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class ChannelWords:
-    """The learnt vocabulary of one channel.
+    """Vocabulary of one channel.
 
     Attributes
     ----------
     centers : (V, d) array
         The words, in the unit of the descriptor.
     sigma : float
-        Width of the soft words, in the same unit.
+        Width σ of the soft words, in the same unit (paper, equation 12).
     """
 
     centers: FloatArray
@@ -41,7 +41,7 @@ class ChannelWords:
 def channel_words(
     settings: ModelSettings, channel: int, vocabulary: ChannelWords, shape: WorkingShape
 ) -> FloatArray:
-    """Express one channel's descriptors of a shape in words.
+    """Compute the words at every vertex of a shape in one channel.
 
     Parameters
     ----------
@@ -49,13 +49,13 @@ def channel_words(
     channel : int
         Index of the channel.
     vocabulary : ChannelWords
-        Of that channel.
+        Vocabulary of that channel.
     shape : WorkingShape
 
     Returns
     -------
     words : (n, V) array
-        θ(x) at every vertex.
+        θ(x), the distribution of each vertex over the words.
 
     Raises
     ------
@@ -68,7 +68,8 @@ def channel_words(
     except MeshError:
         raise
     except ValueError as error:
-        # The parameters were tried with the settings: it is the shape that has, say, no positive eigenvalue.
+        # The settings have tried the parameters, so the cause is the shape, e.g. it has no positive
+        # eigenvalue.
         raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
     if chosen.soft:
         return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
@@ -78,7 +79,7 @@ def channel_words(
 def shape_bags(
     settings: ModelSettings, vocabularies: tuple[ChannelWords, ...], shape: WorkingShape
 ) -> FloatBags:
-    """All bags of a shape side by side, before tf-idf.
+    """Compute all bags of a shape, side by side, before tf-idf (paper, equations 13 and 16).
 
     Parameters
     ----------
@@ -89,9 +90,14 @@ def shape_bags(
     Returns
     -------
     bags : (B,) array of float32
-        Of pairs of words the upper triangle, an entry off the diagonal counting for both its halves: every
-        bag sums to 1, or its squares do with `settings.square_root` (nearly: where a truncated kernel is
-        negative, its root is taken as 0).
+        A bag of pairs of words is its upper triangle, in which entries off the diagonal count for both
+        halves. Every bag sums to 1, or its squares do with `settings.square_root`; only nearly, because the
+        root of a negative value of a truncated kernel is 0.
+
+    Raises
+    ------
+    MeshError
+        If the shape has no such descriptor.
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):
@@ -120,15 +126,15 @@ def counted_points(mesh: Mesh, spectrum: Spectrum, detector: str) -> NDArray[np.
     mesh : Mesh
         See `prepare`.
     spectrum : Spectrum
-        Of that mesh.
+        Spectrum of that mesh.
     detector : str
         A key of `shapegoogle_core.keypoints.DETECTORS`.
 
     Returns
     -------
     vertices : (p,) array of int
-        The points it finds, X′ of the algorithm, but those on parts that the truncated spectrum leaves out,
-        between which there is no heat. All vertices of a shape where nothing stands out, such as a sphere.
+        Keypoints, X′ of the algorithm, without those on parts that the truncated spectrum leaves out, as no
+        heat flows between these. All vertices of a shape without keypoints, such as a sphere.
     """
     points = detect_keypoints(mesh, spectrum, detector).indices
     points = points[spectrum.eigenvectors[points].any(axis=1)]

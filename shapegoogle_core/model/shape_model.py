@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A trained Shape Google: from a mesh to its signature (paper, figure 2 and algorithm 2)."""
+"""`ShapeModel`: from a mesh to its signature, and from signatures to similarities (paper, figure 2)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.distances import row_distances
 from shapegoogle_core.model.model_file import (
@@ -27,6 +27,7 @@ from shapegoogle_core.model.model_file import (
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, channel_words, shape_bags
 from shapegoogle_core.model.signature import ShapeSignature, WordMap
+from shapegoogle_core.model.validation import check_learnt
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, sample_surface
 
@@ -35,33 +36,55 @@ __all__ = ["ShapeModel", "load_model"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShapeModel:
-    """All that is learnt, and the settings it was learnt with.
+    """Trained model: everything learnt from training shapes, and the settings of the training.
+
+    Made by `load_model` or `train_model`.
 
     Attributes
     ----------
     settings : ModelSettings
+        Settings of the training.
     vocabularies : tuple of ChannelWords
-        One for each channel.
+        Vocabulary of each channel.
     weights : (B,) array of float32
-        Of tf-idf, for each entry of the bags; ones where it is not used.
+        Weights of tf-idf for each entry of the bags (paper, equation 17); ones where it is not used.
     mean : (B,) array of float32
         Mean of the training bags.
     projection : (B, p) array of float16
-        The learnt metric: bags are compared and hashed as (f - mean) @ projection.
+        The learnt metric: bags f are compared and hashed as (f - mean) @ projection.
     directions : (s, p) array of float32
-        A of the code y = sign(A f + b) (paper, equation 19), f projected and of unit length.
+        A of the code y = sign(A f + b) (paper, equation 19), with f projected and of unit length.
     thresholds : (s,) array of float32
-        b.
+        b of the code.
     similarity_half, similarity_slope : float
-        Calibration of `similarity`: the distance at which it is ½, and how fast it falls there.
+        Calibration of `similarity`: the distance at which it is ½, and its steepness there.
     trained_on : str
-        A sentence on the training shapes.
+        A sentence about the training shapes.
     agreement_gain : float
-        How much an agreement in space says, see `verified_distance`.
+        Weight of a spatial agreement, see `verified_distance`.
     verified_half, verified_slope : float
         Calibration of the similarity of verified distances.
     local_words : LocalWords or None
         The index of parts, if `settings.local` asks for one.
+
+    Raises
+    ------
+    ModelError
+        If an array has another shape than the settings ask for or is not finite, or a number is out of range.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> model = sg.load_model()
+    >>> model.name, model.bag_size, model.code_bits
+    ('default', 2700, 256)
+    >>> box = model.describe(trimesh.creation.box((1, 2, 3)))
+    >>> larger = model.describe(trimesh.creation.box((2, 4, 6)))
+    >>> torus = model.describe(trimesh.creation.torus(1.0, 0.4))
+    >>> distances = model.distances(box.bags, [larger.bags, torus.bags])
+    >>> bool(distances[0] < 0.01 < distances[1])
+    True
     """
 
     settings: ModelSettings
@@ -80,52 +103,24 @@ class ShapeModel:
     local_words: LocalWords | None = None
 
     def __post_init__(self) -> None:
-        size, projected, bits = self.bag_size, self.projection.shape[-1], self.code_bits
-        expected = {
-            "weights": (size,),
-            "mean": (size,),
-            "projection": (size, projected),
-            "directions": (bits, projected),
-            "thresholds": (bits,),
-        }
-        for name, shape in expected.items():
-            array = getattr(self, name)
-            if array.shape != shape or not np.isfinite(array).all():
-                raise ModelError(f"the model's {name} are damaged: expected finite numbers of shape {shape}")
-        for channel, words in zip(self.settings.channels, self.vocabularies, strict=True):
-            fits = words.centers.shape == (channel.words, channel.size)
-            if not (fits and np.isfinite(words.centers).all() and 0 < words.sigma < np.inf):
-                raise ModelError(f"the model's vocabulary of {channel.descriptor!r} is damaged")
-        calibration = (
-            self.similarity_half,
-            self.similarity_slope,
-            self.verified_half,
-            self.verified_slope,
-        )
-        if not all(0 < value < np.inf for value in calibration):
-            raise ModelError("the model's calibration of similarities is damaged")
-        if not 0 <= self.agreement_gain < np.inf:
-            raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
-        local = None if self.settings.local is None else self.settings.local.words
-        if local != (None if self.local_words is None else len(self.local_words.weights)):
-            raise ModelError("the model's local words are damaged: they are not of the size in its settings")
+        check_learnt(self)
 
     def __repr__(self) -> str:
         return f"ShapeModel({self.name!r}, {self.identifier})"
 
     @property
     def bag_size(self) -> int:
-        """B, the length of all bags side by side."""
+        """Length B of all bags side by side."""
         return self.settings.bag_size
 
     @property
     def code_bits(self) -> int:
-        """The length of the binary code."""
+        """Length s of the binary code."""
         return self.settings.code_bits
 
     @property
     def name(self) -> str:
-        """The preset's name, for people; `identifier` tells models apart."""
+        """Name of the preset, for people; `identifier` distinguishes models."""
         return self.settings.name
 
     @cached_property
@@ -133,16 +128,16 @@ class ShapeModel:
         """16 hexadecimal digits, equal only for models whose signatures can be compared."""
         return identifier_of(self.settings.to_dict(), arrays_of(self._fields()), self.agreement_gain)
 
-    def describe(self, mesh: Mesh, *, keep_surface: bool = False) -> ShapeSignature:
+    def describe(self, mesh: MeshLike, *, keep_surface: bool = False) -> ShapeSignature:
         """Compute the signature of a shape.
 
         Parameters
         ----------
-        mesh : Mesh
-            As read: any resolution, size and state of repair; or points without faces, at least ten.
+        mesh : MeshLike
+            A surface of any resolution, size and state of repair, or a point cloud of at least ten points.
         keep_surface : bool, optional
-            Put the mended mesh into the signature too: evidence of matches is measured on it. Of points
-            without faces there is none, and the evidence is coarser.
+            Keep the preprocessed mesh in the signature: evidence of matches is measured on it. A point cloud
+            has none, and its evidence is coarser.
 
         Returns
         -------
@@ -151,8 +146,21 @@ class ShapeModel:
         Raises
         ------
         MeshError
-            If the mesh has no surface, or its points are none of a surface.
+            If the shape cannot be described (see `check_surface` and `check_cloud`), or its eigenproblem
+            cannot be solved.
+
+        Examples
+        --------
+        >>> import shapegoogle_core as sg
+        >>> import trimesh
+        >>> model = sg.load_model()
+        >>> signature = model.describe(trimesh.creation.box((1, 2, 3)), keep_surface=True)
+        >>> signature.bags.shape, signature.code.shape, signature.area
+        ((2700,), (32,), 22.0)
+        >>> signature.surface
+        Mesh('mesh', 1006 vertices, 2008 faces)
         """
+        mesh = as_mesh(mesh)
         # On matrices of this size a second BLAS thread only doubles the processor time.
         with threadpool_limits(1, user_api="blas"):
             shape = working_shape(self.settings, mesh)
@@ -177,26 +185,26 @@ class ShapeModel:
             surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
         )
 
-    def word_map(self, mesh: Mesh, channel: int = 0) -> WordMap:
-        """Show which word each part of a shape is.
+    def word_map(self, mesh: MeshLike, channel: int = 0) -> WordMap:
+        """Compute the geometric words on the preprocessed mesh; `vertex_words` has them on the mesh as given.
 
         Parameters
         ----------
-        mesh : Mesh
-        channel : int
-            Which of the model's channels.
+        mesh : MeshLike
+            As for `describe`.
+        channel : int, optional
+            Index of one of the model's channels.
 
         Returns
         -------
         word_map : WordMap
-            On the mended mesh.
 
         Raises
         ------
         MeshError
-            If the mesh has no surface.
+            If the shape cannot be described, or its eigenproblem cannot be solved.
         """
-        shape = working_shape(self.settings, mesh)
+        shape = working_shape(self.settings, as_mesh(mesh))
         words = channel_words(self.settings, channel, self.vocabularies[channel], shape)
         return WordMap(shape.mesh, words)
 
@@ -206,6 +214,7 @@ class ShapeModel:
         Parameters
         ----------
         bags : (n, B) array
+            Bags of n shapes, see `ShapeSignature.bags`.
 
         Returns
         -------
@@ -217,11 +226,12 @@ class ShapeModel:
         return np.asarray(vectors, dtype=np.float32)
 
     def codes(self, bags: FloatBags) -> NDArray[np.uint8]:
-        """Binary codes y = sign(A f + b) of bags (paper, equation 19).
+        """Compute the binary codes y = sign(A f + b) of bags (paper, equation 19).
 
         Parameters
         ----------
         bags : (n, B) array
+            Bags of n shapes.
 
         Returns
         -------
@@ -231,13 +241,14 @@ class ShapeModel:
         return np.packbits(self.code_projections(bags) > 0, axis=1)
 
     def code_projections(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
-        """Projections A f + b, whose signs are the codes.
+        """Compute the projections A f + b, whose signs are the codes.
 
         Parameters
         ----------
         bags : (n, B) array
+            Bags of n shapes.
         embedded : (n, p) array, optional
-            f: what `embed` makes of them, where it is known.
+            f, the result of `embed`, where it is known already.
 
         Returns
         -------
@@ -247,72 +258,78 @@ class ShapeModel:
         return np.asarray(embedded @ self.directions.T + self.thresholds, np.float32)
 
     def comparable(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
-        """Vectors between which `row_distances` is this model's distance.
+        """Compute vectors between which `row_distances` is this model's distance.
 
         Parameters
         ----------
         bags : (n, B) array
+            Bags of n shapes.
         embedded : (n, p) array, optional
-            What `embed` makes of them, where it is known.
+            The result of `embed`, where it is known already.
 
         Returns
         -------
         vectors : (n, p) or (n, B) array of float32
-            "cosine": projected. "l1": the bags, divided by how many stand side by side.
+            For the metric "cosine" the projected bags; for "l1" the bags, divided by their number.
         """
         if self.settings.metric == "cosine":
             return self.embed(bags) if embedded is None else embedded
         count = sum(len(channel.bags) for channel in self.settings.channels)
         return np.asarray(bags, np.float32) / np.float32(count)
 
-    def distances(self, query: FloatBags, bags: FloatBags) -> FloatArray:
-        """Distance of one shape's bags to others', as `settings.metric` says.
+    def distances(self, query: ArrayLike, bags: ArrayLike) -> FloatArray:
+        """Compute the distances of one shape's bags from others, by `settings.metric`.
 
         Parameters
         ----------
-        query : (B,) array
-        bags : (n, B) array
+        query : (B,) array_like
+            Bags of one shape, see `ShapeSignature.bags`.
+        bags : (n, B) array_like
+            Bags of n shapes.
 
         Returns
         -------
         distances : (n,) array
-            ≥ 0. "cosine": 1 - cos of the projections. "l1": Σ|f - f'|, averaged over the bags.
+            At least 0. For the metric "cosine" 1 - cos of the projections; for "l1" Σ|f - f′|, averaged over
+            the bags.
         """
+        query, bags = np.asarray(query, np.float32), np.asarray(bags, np.float32)
         return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
 
     def verified_distance(self, distance: float, excess: float) -> float:
-        """Lower the distance of bags by what two surfaces have in common in space.
+        """Lower the distance between bags if the two surfaces agree in space.
 
         d′ = d exp(-k e). The logistic regression behind `similarity` is linear in log d; with the excess e as
-        its second variable, k is the ratio of both coefficients (see `metric.calibrate`).
+        its second variable, k is the ratio of the two coefficients (see `calibrate`).
 
         Parameters
         ----------
         distance : float
-            From `distances`.
+            Distance d from `distances`.
         excess : float
-            e, see `Alignment.excess`.
+            Agreement e beyond that of unrelated shapes, see `Alignment.excess`.
 
         Returns
         -------
         distance : float
-            d′ ≤ d. No agreement leaves it as it is: bags alone find other poses.
+            d′ ≤ d. Without an agreement it does not change, because bags alone find other poses.
         """
         return distance * math.exp(-self.agreement_gain * excess)
 
     def similarity(self, distances: FloatArray, *, verified: bool = False) -> FloatArray:
-        """Turn distances into a similarity from 0 to 1.
+        """Convert distances to similarities from 0 to 1.
 
         s(d) = 1 / (1 + (d / d_½)^p), fitted on training shapes by logistic regression: the probability that
-        a shape at distance d is the same one transformed rather than the nearest of fifty different ones, if
-        either is as likely beforehand.
+        a shape at distance d is the same one transformed and not the nearest of fifty different ones, if both
+        are equally likely beforehand.
 
         Parameters
         ----------
         distances : (n,) array
-        verified : bool
-            Whether agreements in space have lowered the distances. A distance that none has lowered then says
-            less than one of bags alone: nothing was found to agree.
+            From `distances`, or from `verified_distance`.
+        verified : bool, optional
+            Whether the distances are verified. An unchanged distance then means a lower similarity than that
+            of bags alone, since verification found no agreement.
 
         Returns
         -------
@@ -333,7 +350,12 @@ class ShapeModel:
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     def to_bytes(self) -> bytes:
-        """Serialise: a numpy .npz archive whose entry `header` is JSON; nothing is pickled."""
+        """Serialise to a numpy .npz archive whose entry `header` is JSON; nothing is pickled.
+
+        Returns
+        -------
+        data : bytes
+        """
         return pack(self._fields(), self.identifier)
 
     @classmethod
@@ -343,8 +365,9 @@ class ShapeModel:
         Parameters
         ----------
         data : bytes
-        origin : str
-            What errors call the model: its file.
+            Content of a model file.
+        origin : str, optional
+            Name of the model in error messages.
 
         Returns
         -------
@@ -353,7 +376,7 @@ class ShapeModel:
         Raises
         ------
         ModelError
-            If the data is no model, damaged, or of a newer version.
+            If the data is not a model, is damaged, or has a newer format.
         """
         with damage_refused(origin):
             entries, identifier = unpack(data, origin)
@@ -363,11 +386,12 @@ class ShapeModel:
         return model
 
     def save(self, path: str | Path) -> None:
-        """Write the model to a file, by convention `.npz`.
+        """Write the model to a file.
 
         Parameters
         ----------
         path : str or Path
+            By convention with the suffix ``.npz``.
 
         Raises
         ------
@@ -395,6 +419,14 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     Raises
     ------
     ModelError
-        If there is no such file, or it is no model.
+        If the file cannot be read, or is not a model.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> sg.load_model()
+    ShapeModel('default', 79e04702d8fdd2a0)
+    >>> sg.load_model("paper").settings.eigenpairs
+    200
     """
     return ShapeModel.from_bytes(*read_file(path))

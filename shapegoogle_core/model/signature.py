@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a model says of a shape: its signature, which the search compares, and the words on its vertices."""
+"""Results of a model: the signature of a shape, which a search compares, and the words on its surface."""
 
 from __future__ import annotations
 
@@ -18,26 +18,35 @@ __all__ = ["ShapeSignature", "WordMap"]
 
 @dataclass(frozen=True, eq=False)
 class ShapeSignature:
-    """What the search knows of a shape.
+    """Signature of a shape, as a search compares it and a library stores it.
 
     Attributes
     ----------
     bags : (B,) array of float32
-        All bags of words and of pairs of words, side by side, as `ShapeModel.distances` compares them.
+        All bags of words and of pairs of words side by side, for `ShapeModel.distances`.
     code : (s/8,) array of uint8
-        The binary code, packed as by `numpy.packbits`.
+        Binary code, packed as by `numpy.packbits`.
     area : float
-        Of the mesh as given, in squared units. Of points without faces: of the surface they stand on.
+        Area of the mesh as given, in squared units; for a point cloud that of the surface it samples.
     vertex_count, face_count : int
-        Of the mesh as given.
+        Numbers of vertices and faces of the mesh as given.
     sample : SurfaceSample or None
-        Points of the mended mesh, if the model's settings ask for them.
+        Points of the preprocessed mesh, if the model's settings ask for them.
     local_code : (V/8,) array of uint8 or None
-        Which local words the sample has, if the model has an index of parts; see `LocalWords.code`.
+        Local words of the sample, if the model has an index of parts; see `LocalWords.code`.
     surface : Mesh or None
-        The mended mesh itself, where the mesh as given was. Of a query; libraries do not keep it.
+        Preprocessed mesh in the position of the mesh as given. Only queries need it; libraries do not keep
+        it.
     extents : (float, float, float)
         Side lengths of the axis-aligned bounding box of the mesh as given; zeros if they are not known.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> signature = sg.load_model().describe(trimesh.creation.icosphere())
+    >>> signature.vertex_count, signature.face_count, len(signature.bags), len(signature.sample.points)
+    (642, 1280, 2700, 600)
     """
 
     bags: FloatBags
@@ -53,14 +62,14 @@ class ShapeSignature:
 
 @dataclass(frozen=True, eq=False)
 class WordMap:
-    """A shape at the working resolution with the words on its vertices.
+    """Preprocessed shape with the geometric words at its vertices.
 
     Attributes
     ----------
     mesh : Mesh
-        Mended and scaled to the model's area.
+        Preprocessed and scaled to the model's area.
     words : (n, V) array
-        θ(x), the distribution of each vertex over the words.
+        θ(x), the distribution of each vertex over the words (paper, equation 12).
     """
 
     mesh: Mesh
