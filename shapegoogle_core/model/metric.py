@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The learnt metric between bags, and what its distances mean."""
+"""The learnt metric between bags, and the calibration of its distances to probabilities."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from shapegoogle_core.model.shape_bags import FloatBags
 __all__ = ["RIVALS", "Calibration", "calibrate", "choose_pairs", "learn_projection", "rival_pairs"]
 
 RIVALS = 50
-"""Of about so many different shapes the nearest stands against a version of the same shape."""
+"""Number of different shapes whose nearest one competes with a version of the same shape, about."""
 
 
 def learn_projection(
@@ -25,16 +25,17 @@ def learn_projection(
 ) -> tuple[FloatBags, FloatBags]:
     """Learn the metric: regularised linear discriminants of the training shapes.
 
-    Principal components first; there, directions are scaled by the inverse root of the spread within
-    shapes (their versions), shrunk towards a sphere, so that what transformations change counts less.
+    Bags are projected to principal components, and these are scaled by the inverse square root of the spread
+    within shapes (over their versions), which is shrunk towards a sphere. So directions that augmentations
+    change count less.
 
     Parameters
     ----------
     bags : (n, B) array
     labels : (n,) array of int
-        Which shape each bag belongs to.
+        Number of the shape that each bag belongs to.
     dimensions : int
-        p, at most; never more than the bags span.
+        Maximum of p, which is never more than the dimension that the bags span.
     shrinkage : float
         γ in S = (1 - γ) S_within + γ tr(S_within)/p · I, from 0 to 1.
 
@@ -69,15 +70,15 @@ def learn_projection(
 def choose_pairs(
     labels: NDArray[np.int64], random: np.random.Generator, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Choose as many positive as negative pairs at random.
+    """Choose equally many positive and negative pairs at random.
 
     Parameters
     ----------
     labels : (n,) array of int
-        Which shape each version belongs to.
+        Number of the shape that each version belongs to.
     random : numpy.random.Generator
     count : int
-        Of each kind, at most.
+        Maximum number of each kind.
 
     Returns
     -------
@@ -106,8 +107,8 @@ def rival_pairs(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """Pair versions with another one of the same shape, and with the nearest of `RIVALS` different shapes.
 
-    Random different shapes are easy to tell apart; who looks at a list of matches wants to know whether the
-    best one is the shape itself or only the most similar other one.
+    Random pairs of different shapes are easily distinguished. But a similarity in a list of matches has to
+    say whether the best match is the shape itself or only the most similar other one.
 
     Parameters
     ----------
@@ -115,10 +116,10 @@ def rival_pairs(
     vectors : (n, p) array
         From `ShapeModel.comparable`.
     labels : (n,) array of int
-        Which shape each version belongs to.
+        Number of the shape that each version belongs to.
     random : numpy.random.Generator
-    count : int
-        Of each kind.
+    count : int, optional
+        Number of pairs of each kind.
 
     Returns
     -------
@@ -144,16 +145,16 @@ def rival_pairs(
 
 @dataclass(frozen=True)
 class Calibration:
-    """What distances and agreements say, see `ShapeModel.similarity` and `ShapeModel.verified_distance`.
+    """Calibration of distances, see `ShapeModel.similarity` and `ShapeModel.verified_distance`.
 
     Attributes
     ----------
     half : float
-        The distance at which the probability is ½, where nothing agrees in space.
+        Distance at which the probability is ½ without a spatial agreement.
     slope : float
         p in 1 / (1 + (d / half)^p).
     gain : float
-        k in d exp(-k · agreement), 0 without agreements.
+        k in d exp(-k · agreement); 0 without agreements.
     """
 
     half: float
@@ -166,15 +167,15 @@ def calibrate(
 ) -> Calibration:
     """Fit the probability that a pair is similar.
 
-    Logistic regression on the logarithm of the distance and on the agreement, both kinds of pairs counting
-    alike: log odds = p log(half / d) + k p · agreement.
+    Logistic regression on the logarithm of the distance and on the agreement, with equal weight for both
+    kinds of pairs: log odds = p log(half / d) + k p · agreement.
 
     Parameters
     ----------
     distances : (P,) array
     similar : (P,) array of bool
     agreements : (P,) array, optional
-        What the two surfaces have in common in space, beyond what any two have.
+        Spatial agreement beyond that of unrelated surfaces, see `Alignment.excess`.
 
     Returns
     -------
@@ -183,7 +184,7 @@ def calibrate(
     Raises
     ------
     ModelError
-        If similar pairs are not nearer than others.
+        If similar pairs are not closer than others.
     """
     from sklearn.linear_model import LogisticRegression
 
@@ -195,8 +196,8 @@ def calibrate(
     regression.fit(np.stack(features, axis=1), similar[usable])
     slope = -float(regression.coef_[0, 0])
     if not slope > 0:
-        raise ModelError("the training shapes cannot be told apart: give more varied ones")
+        raise ModelError("the training shapes cannot be distinguished: give more varied ones")
     gain = 0.0 if agreements is None else float(regression.coef_[0, 1]) / slope
-    if gain < 0:  # nothing to be learnt from these agreements
+    if gain < 0:  # these agreements are no evidence
         return calibrate(distances, similar)
     return Calibration(float(np.exp(regression.intercept_[0] / slope)), slope, gain)

@@ -11,13 +11,15 @@ from shapegoogle_core.registration.sample import SampleSettings
 
 __all__ = ["PAPER_AREA", "PAPER_TIMES", "PRESETS"]
 
-# The authors' times 1024 … 4096, for shapes of area 40,000 (paper, section 6).
 PAPER_AREA = 40_000.0
+"""Area of the authors' shapes, in their unit."""
+
 PAPER_TIMES = (1024.0, 1351.2, 1782.9, 2352.5, 3104.2, 4096.0)
+"""The authors' times, for shapes of that area (paper, section 6)."""
 
 
 def _octaves(first: float, last: float) -> tuple[float, ...]:
-    """Return times 2^first … 2^last in the authors' unit, two for each octave; here for unit area."""
+    """Return the authors' times 2^first … 2^last, two for each octave, scaled to unit area."""
     exponents = np.arange(first, last + 0.25, 0.5)
     return tuple(float(f"{2.0**exponent / PAPER_AREA:.4g}") for exponent in exponents)
 
@@ -25,7 +27,7 @@ def _octaves(first: float, last: float) -> tuple[float, ...]:
 _ALL_BAGS = ("area", "plain", "pairs")
 
 PRESETS: dict[str, ModelSettings] = {
-    # Chosen on procedural creatures and CC0 models that were not trained on (docs/measurements/libraries.md).
+    # Chosen on procedural creatures and CC0 models that it was not trained on (docs/measurements/libraries.md).
     "default": ModelSettings(
         name="default",
         channels=(
@@ -67,3 +69,4 @@ PRESETS: dict[str, ModelSettings] = {
         code_bits=96,
     ),
 }
+"""Settings of the shipped models by name: "default", and "paper" with the authors' choices."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a model is made with: every choice of the method in one place, and the presets."""
+"""Settings of a model: every choice of the method in one place."""
 
 from __future__ import annotations
 
@@ -31,36 +31,48 @@ def _check(right: bool, name: str, wanted: str, value: object) -> None:
 CODE_DIRECTIONS = ("eigenvectors", "random", "rotated")
 
 BAGS = ("area", "plain", "pairs", "plain-pairs")
-"""Kinds of bags: of words or of pairs of words, weighted by area or counting vertices alike."""
+"""Kinds of bags: of words or of pairs of words, weighted by area or counting all vertices equally."""
 
 COUNTING_BAGS = ("plain", "plain-pairs")
-"""Those of `BAGS` that count vertices alike: detected points have no area."""
+"""Kinds that count all vertices equally, for detected points, which have no area."""
 
 
 @dataclass(frozen=True)
 class ChannelSettings:
-    """One descriptor, its vocabulary and its bags.
+    """Settings of one channel: a descriptor, its vocabulary and its bags.
 
     Attributes
     ----------
     descriptor : str
         A key of `DESCRIPTORS`.
     parameters : mapping
-        Of the descriptor. Times of the surface's heat are in squared units of the shape after scaling to
-        `ModelSettings.area`; whatever else is a length or a time is relative to the area.
+        Parameters of the descriptor. Times of heat kernels are in squared units of the shape after scaling to
+        `ModelSettings.area`; all other lengths and times are relative to the area.
     words : int
-        V, the size of the vocabulary.
+        Size V of the vocabulary.
     soft : bool
         Soft (paper, equation 12) or hard quantisation.
     bags : tuple of str
-        Which of `BAGS` are taken.
+        Kinds of bags, some of `BAGS`.
     pair_time : float
-        t of the kernel in the bags of pairs (equation 16), in the same unit as the times.
+        Time t of the kernel in bags of pairs (paper, equation 16), in the same unit as the times.
     sigma_factor : float
-        σ of the soft words as a multiple of the median distance of a descriptor to its nearest word.
+        σ of the soft words, as a multiple of the median distance of a descriptor from its nearest word.
     detector : str or None
-        A key of `shapegoogle_core.keypoints.DETECTORS`: only the points it finds are counted (paper,
-        algorithm 2, lines 1 to 4), in "plain" bags. None: all vertices.
+        A key of `shapegoogle_core.keypoints.DETECTORS`, to count only detected points (paper, algorithm 2,
+        lines 1 to 4), in "plain" bags. None counts all vertices.
+
+    Raises
+    ------
+    ModelError
+        If a choice does not exist, a value is out of range, or the descriptor rejects its parameters.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> channel = sg.ChannelSettings("hks", {"times": (0.001, 0.01, 0.1)}, words=8)
+    >>> channel.size, channel.bag_sizes()
+    (3, [8, 36])
     """
 
     descriptor: str
@@ -95,59 +107,82 @@ class ChannelSettings:
 
     @property
     def size(self) -> int:
-        """d, how many values the descriptor has at a vertex."""
+        """Number d of values of the descriptor at a vertex."""
         tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
         spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(4, 3), np.ones(4))
         return int(DESCRIPTORS[self.descriptor](tetrahedron, spectrum, **self.parameters).shape[1])
 
     def bag_sizes(self) -> list[int]:
-        """Length of each of the bags; a bag of pairs is symmetric and keeps its upper triangle."""
+        """Compute the length of each bag; a bag of pairs is symmetric and keeps only its upper triangle.
+
+        Returns
+        -------
+        sizes : list of int
+        """
         pairs = self.words * (self.words + 1) // 2
         return [pairs if "pairs" in bag else self.words for bag in self.bags]
 
 
 @dataclass(frozen=True)
 class ModelSettings:
-    """Every choice between a mesh and its code.
+    """Settings of a model: every choice between a mesh and its signature.
 
     Attributes
     ----------
     name : str
-        Of the preset, shown to users.
+        Name of the preset, shown to users.
     channels : tuple of ChannelSettings
-        Their bags stand side by side.
+        Channels, whose bags stand side by side.
     preprocessing : PreprocessingSettings or None
         Preprocessing of a mesh; None: it is only repaired.
     area : float
         Every shape is scaled to this area first, in squared units: the search forgets the size.
     laplacian : str
-        A key of `shapegoogle_core.laplacian.LAPLACIANS`. Points without faces always have "point-cloud".
+        A key of `shapegoogle_core.laplacian.LAPLACIANS`. Point clouds always have "point-cloud".
     boundary : {"neumann", "dirichlet"}
-        Condition on open boundaries, see `compute_spectrum`. What is held at 0 has no heat: descriptors there
-        say nothing.
+        Condition on open boundaries, see `compute_spectrum`. Heat is 0 on a Dirichlet boundary, so that
+        descriptors there carry no information.
     eigenpairs : int
-        k, the size of the spectrum.
+        Number k of eigenpairs of the spectrum.
     square_root : bool
-        Take the square root of all bags (Hellinger), so that frequent words do not drown the rare.
+        Whether to take the square root of all bags (Hellinger), so that frequent words do not outweigh rare
+        ones.
     inverse_document_frequency : bool
-        Weight words and pairs by tf-idf (paper, equations 17 and 18).
+        Whether to weight words and pairs by tf-idf (paper, equations 17 and 18).
     projected : int
-        Dimensions of the learnt projection in which bags are compared and hashed.
+        Dimension of the learnt projection in which bags are compared and hashed.
     shrinkage : float
-        How far the learnt metric is drawn towards plain principal components, from 0 to 1.
+        Shrinkage of the learnt metric towards plain principal components, from 0 to 1.
     metric : {"cosine", "l1"}
         Compare bags by the cosine of their projections, or by the L1 distance of the bags themselves
         (the paper's).
     code_bits : int
         Length of the binary code, a multiple of 8.
     code_directions : {"eigenvectors", "random", "rotated"}
-        Where the candidates for the codes' directions come from, see `SimilaritySensitiveHashing`; or
-        "rotated": no candidates, the directions of `rotated_components`, which are not learnt from pairs.
+        Origin of the candidates for the directions of the code, see `SimilaritySensitiveHashing`; "rotated"
+        uses the directions of `rotated_components`, which are not learnt from pairs.
     sample : SampleSettings or None
-        How many points of a surface are kept, to lay the best candidates of a search over the query. None:
-        candidates are compared by their bags alone.
+        Size of the samples with which a search aligns the best candidates with the query. None compares
+        candidates by their bags alone.
     local : LocalSettings or None
-        The index of parts, which is made from the samples; None: candidates come from the bags' codes alone.
+        Size of the index of parts, which is made from the samples. None takes candidates from the codes
+        alone.
+
+    Raises
+    ------
+    ModelError
+        If a choice does not exist or a value is out of range.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> settings = sg.load_model().settings
+    >>> [channel.descriptor for channel in settings.channels]
+    ['hks', 'log-hks', 'si-hks']
+    >>> settings.bag_size
+    2700
+    >>> settings.with_descriptors(["log-hks"]).bag_size
+    900
     """
 
     name: str
@@ -186,11 +221,11 @@ class ModelSettings:
         _check(self.projected >= 1, "projected", "at least 1", self.projected)
         _check(0 <= self.shrinkage <= 1, "shrinkage", "from 0 to 1", self.shrinkage)
         if self.local is not None and self.sample is None:
-            raise ModelError("local words are of samples: a model with them needs sample settings")
+            raise ModelError("local words are made from samples: settings with `local` also need `sample`")
 
     @property
     def bag_size(self) -> int:
-        """B, the length of all bags side by side."""
+        """Length B of all bags side by side."""
         return sum(sum(channel.bag_sizes()) for channel in self.channels)
 
     def with_descriptors(self, names: Sequence[str]) -> ModelSettings:
@@ -204,13 +239,13 @@ class ModelSettings:
         Returns
         -------
         settings : ModelSettings
-            A descriptor that these settings have keeps its channel. Others have their usual parameters, and
+            Descriptors that these settings have keep their channels. Others get their default parameters, and
             words and bags as the first channel.
 
         Raises
         ------
         ModelError
-            If a name is unknown, or a descriptor that is not here has no usual parameters.
+            If a name is unknown, or another descriptor has no default parameters.
         """
         known = {channel.descriptor: channel for channel in self.channels}
         return replace(
@@ -222,7 +257,7 @@ class ModelSettings:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Nested dicts for JSON; see `from_dict`.
+        """Convert to nested dicts for JSON; see `from_dict`.
 
         Returns
         -------
@@ -246,6 +281,7 @@ class ModelSettings:
         Parameters
         ----------
         values : mapping
+            Nested mappings from `to_dict`.
 
         Returns
         -------

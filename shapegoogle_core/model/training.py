@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Learning a model from shapes: vocabularies, the metric, the codes and what a similarity means.
+"""Training of a model: vocabularies, the metric, the codes and the calibration of similarities.
 
-Positive pairs are a shape in two versions: poses that came with it, and transformations made here
-(noise, holes, parts cut off, …; see `shapegoogle_core.model.augmentation`). Negative pairs are
-versions of two different shapes.
+Positive pairs are two versions of a shape: poses that came with it, or augmentations such as noise, holes and
+missing parts (see `shapegoogle_core.model.augmentation`). Negative pairs are versions of two different
+shapes.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ from shapegoogle_core.words import (
 __all__ = ["TrainingShape", "train_model"]
 
 PAIRS = 10_000
-"""Of each kind, to learn the codes and the similarity from."""
+"""Number of positive and of negative pairs that the codes are learnt from."""
 
 ALIGNED_PAIRS = 2_000
-"""Of each kind, to learn from what an agreement in space says."""
+"""Number of positive and of negative pairs that the weight of a spatial agreement is learnt from."""
 
 logger = logging.getLogger(__name__)
 
@@ -58,7 +58,7 @@ T = TypeVar("T")
 
 
 class Progress(Protocol):
-    """Shows how far a loop is, as tqdm does."""
+    """Progress display of a loop, such as tqdm's."""
 
     def __call__(self, iterable: Iterable[T], description: str, total: int, /) -> Iterable[T]:
         """Wrap an iterable of a known length."""
@@ -70,14 +70,22 @@ def _silent(iterable: Iterable[T], _description: str, _total: int, /) -> Iterabl
 
 @dataclass(frozen=True, eq=False)
 class TrainingShape:
-    """A shape to learn from.
+    """Shape to learn from, in one or several poses.
 
     Attributes
     ----------
     identity : str
-        Its name; training shapes of one identity are the same shape.
+        Name of the shape. Training shapes of one identity are the same shape.
     meshes : tuple of Mesh
-        The shape in one or several poses, at least one.
+        The poses, at least one.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> mesh = sg.as_mesh(trimesh.creation.box((1, 2, 3)))
+    >>> sg.TrainingShape("box", (mesh,)).identity
+    'box'
     """
 
     identity: str
@@ -86,7 +94,7 @@ class TrainingShape:
 
 @dataclass(frozen=True, eq=False)
 class _Version:
-    """One transformed version of a shape, made where it is needed: in a worker process."""
+    """Augmented version of a shape, made where it is needed: in a worker process."""
 
     label: int
     mesh: Mesh
@@ -112,23 +120,24 @@ def train_model(
     trained_on: str = "",
     progress: Progress | None = None,
 ) -> ShapeModel:
-    """Learn a model.
+    """Train a model.
 
     Parameters
     ----------
     shapes : sequence of TrainingShape
-        At least 8 different ones; the more varied, the better it generalises.
+        At least 8 different ones. The more varied they are, the better the model generalises.
     settings : ModelSettings
-    versions : int
-        How many transformed versions of each shape are made, beside its own meshes.
-    jobs : int
-        Worker processes.
-    seed : int
-        Of all random choices: the same shapes, settings and seed give the same model.
-    trained_on : str
+        Such as the value "default" of `shapegoogle_core.model.PRESETS`.
+    versions : int, optional
+        Number of augmented versions of each shape, besides its own meshes.
+    jobs : int, optional
+        Number of worker processes.
+    seed : int, optional
+        Seed of all random choices: the same shapes, settings and seed give the same model.
+    trained_on : str, optional
         A sentence that `shapegoogle info` shows.
     progress : callable, optional
-        Wraps an iterable: `progress(iterable, description, total)`.
+        Wraps an iterable: ``progress(iterable, description, total)``.
 
     Returns
     -------
@@ -138,6 +147,20 @@ def train_model(
     ------
     ModelError
         If there are too few usable shapes.
+    ValueError
+        If `versions` is less than 1, or a shape has no mesh.
+
+    Examples
+    --------
+    Worker processes import the program that started them, so it needs the usual guard:
+
+    >>> import shapegoogle_core as sg
+    >>> from shapegoogle_core.model import PRESETS
+    >>> if __name__ == "__main__":  # doctest: +SKIP
+    ...     shapes = [
+    ...         sg.TrainingShape(str(path), (sg.read_mesh(path),)) for path in Path("meshes").glob("*.ply")
+    ...     ]
+    ...     sg.train_model(shapes, PRESETS["default"], jobs=4).save("mine.npz")
     """
     _check_variety(len({shape.identity for shape in shapes}))
     if versions < 1 or not all(shape.meshes for shape in shapes):
@@ -241,32 +264,40 @@ def fit_metric(
     seed: int = 0,
     trained_on: str = "",
 ) -> ShapeModel:
-    """Learn what comes after the bags: weights, projection, codes and the calibration of similarities.
+    """Learn everything after the bags: weights, projection, codes and the calibration of similarities.
 
     Parameters
     ----------
     settings : ModelSettings
     vocabularies : tuple of ChannelWords
     bags : (n, B) array of float32
-        Of all versions of all training shapes.
+        Bags of all versions of all training shapes.
     labels : (n,) array of int
-        Which shape each is a version of.
+        Number of the shape that each is a version of.
     samples : sequence of SurfaceSample, optional
-        Of all versions; left out, an agreement in space will say nothing, and parts have no index.
-    seed : int
-    trained_on : str
+        Samples of all versions. Without them a spatial agreement gets no weight, and the model has no index
+        of parts.
+    seed : int, optional
+    trained_on : str, optional
         A sentence that `shapegoogle info` shows.
 
     Returns
     -------
     model : ShapeModel
+
+    Raises
+    ------
+    ValueError
+        If the numbers of samples and bags differ.
+    ModelError
+        If the shapes are too similar to each other to calibrate similarities.
     """
     if samples and len(samples) != len(bags):
         raise ValueError(f"there are {len(samples)} samples for {len(bags)} bags")
     random = np.random.default_rng(seed)
     weights = np.ones(bags.shape[1], np.float32)
     if settings.inverse_document_frequency:
-        # Soft bags contain every word a little: a word occurs where it has more than its own mean share.
+        # Every word has some share of a soft bag: a word counts as present above its own mean share.
         occurrences = (bags > bags.mean(axis=0)).astype(np.float64)
         weights = InverseDocumentFrequency().fit(occurrences).weights_.astype(np.float32)
     bags = bags * weights
@@ -325,7 +356,7 @@ def _learn_code(
 def _agreements(
     samples: Sequence[SurfaceSample], first: NDArray[np.int64], second: NDArray[np.int64]
 ) -> FloatArray:
-    """Align pairs of surfaces, for `Alignment.excess`."""
+    """Return `Alignment.excess` of pairs of surfaces."""
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         agreements = [
