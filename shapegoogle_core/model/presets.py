@@ -27,7 +27,8 @@ def _octaves(first: float, last: float) -> tuple[float, ...]:
 _ALL_BAGS = ("area", "plain", "pairs")
 
 PRESETS: dict[str, ModelSettings] = {
-    # Chosen on procedural creatures and CC0 models that it was not trained on (docs/measurements/libraries.md).
+    # Chosen on procedural creatures and CC0 models that it was not trained on
+    # (docs/measurements/libraries.md).
     "default": ModelSettings(
         name="default",
         channels=(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Spectrum, words and keypoints of a mesh as it is: computed on a clean copy, known at its own vertices."""
+"""Spectrum, words and keypoints at the vertices of a mesh as it is, computed on a clean copy of it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.spatial import KDTree
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.keypoints import detect_keypoints
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.checks import check_surface
 from shapegoogle_core.mesh.connectivity import unique_edges
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -35,23 +35,32 @@ __all__ = [
     "vertex_words",
 ]
 
-# Of the spots by which keypoints are seen, as a share of √area: a horse's leg is nearly as wide.
+# Radius of the spots that show keypoints, as a share of √area: a little less than the width of a horse's leg.
 SPOT_RADIUS = 0.045
 
 
 @dataclass(frozen=True, eq=False)
 class VertexSpectrum:
-    """Eigenpairs of a clean copy of a mesh, and the way back.
+    """Spectrum of a clean copy of a mesh, and the prolongation to the vertices of the mesh.
 
     Attributes
     ----------
     spectrum : Spectrum
-        Of the copy, with m vertices.
+        Spectrum of the copy, which has m vertices.
     prolongation : (n, m) sparse array
         Carries values from the copy to the n vertices of the mesh: ``prolongation @ values``. The rows of
         loose vertices, which no face uses, are empty; all others sum to 1.
     simplified : bool
         Whether the copy has fewer vertices because of the budget. If not, values are carried unchanged.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> found = sg.vertex_spectrum(trimesh.creation.icosphere(), k=10)
+    >>> signature = sg.heat_kernel_signature(found.spectrum, [0.1, 0.2])
+    >>> found.carry(signature).shape
+    (642, 2)
     """
 
     spectrum: Spectrum
@@ -59,11 +68,12 @@ class VertexSpectrum:
     simplified: bool
 
     def carry(self, values: FloatArray) -> FloatArray:
-        """Values on the clean copy, at the vertices of the mesh.
+        """Carry values from the clean copy to the vertices of the mesh.
 
         Parameters
         ----------
         values : (m,) or (m, d) array
+            Values at the vertices of the copy.
 
         Returns
         -------
@@ -74,7 +84,18 @@ class VertexSpectrum:
         return carried
 
     def nearest(self, vertex: int) -> int | None:
-        """Vertex of the copy that stands for a vertex of the mesh; None for a loose one."""
+        """Find the vertex of the copy that is nearest to a vertex of the mesh.
+
+        Parameters
+        ----------
+        vertex : int
+            Index of a vertex of the mesh.
+
+        Returns
+        -------
+        nearest : int or None
+            Index of a vertex of the copy; None for a loose vertex.
+        """
         start, end = self.prolongation.indptr[vertex : vertex + 2]
         if start == end:
             return None
@@ -83,16 +104,24 @@ class VertexSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class VertexWords:
-    """Geometric words of a mesh, and the way back from the mesh on which they were computed.
+    """Geometric words of a preprocessed mesh, and the prolongation to the vertices of the mesh as given.
 
     Attributes
     ----------
     words : (m, V) array
-        θ(x) at the vertices of the mended mesh.
+        θ(x) at the vertices of the preprocessed mesh (paper, equation 12).
     prolongation : (n, m) sparse array
         As in `VertexSpectrum`.
     bag : (V,) array
         Share of each word in the area of the shape; sums to 1 (paper, equation 13).
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> found = sg.vertex_words(sg.load_model(), trimesh.creation.icosphere())
+    >>> found.weights().shape, found.heaviest.shape
+    ((642, 40), (642,))
     """
 
     words: FloatArray
@@ -100,24 +129,24 @@ class VertexWords:
     bag: FloatArray
 
     def weights(self, words: NDArray[np.int64] | None = None) -> FloatArray:
-        """Soft weights at the vertices of the mesh.
+        """Compute soft weights at the vertices of the mesh.
 
         Parameters
         ----------
         words : (w,) array of int, optional
-            Of which words; all when left out.
+            Words to return; all by default.
 
         Returns
         -------
         weights : (n, w) array
-            θ of those words; over all words a vertex has 1, a loose one 0.
+            θ of those words. Over all words they sum to 1 at each vertex, and to 0 at a loose one.
         """
         weights: FloatArray = self.prolongation @ (self.words if words is None else self.words[:, words])
         return weights
 
     @property
     def heaviest(self) -> NDArray[np.int64]:
-        """(n,) word with the most weight at each vertex of the mesh; −1 at loose vertices."""
+        """(n,) word with the largest weight at each vertex of the mesh; −1 at loose vertices."""
         word = np.asarray(self.weights().argmax(axis=1), np.int64)
         word[np.diff(self.prolongation.indptr) == 0] = -1
         return word
@@ -125,7 +154,7 @@ class VertexWords:
 
 @dataclass(frozen=True, eq=False)
 class VertexKeypoints:
-    """Keypoints of a mesh, as vertices of its own.
+    """Keypoints among the vertices of a mesh.
 
     Attributes
     ----------
@@ -136,11 +165,20 @@ class VertexKeypoints:
     prolongation : (n, m) sparse array
         As in `VertexSpectrum`.
     strength, coverage : (m,) array
-        Of spots around the keypoints, by which they are seen where a single vertex is too small, on the clean
-        copy: the response of the nearest keypoint along the surface, as a share of the strongest; and 1 at
-        the keypoint, 0 where none is near.
+        Spots around the keypoints on the clean copy, which show them where a single vertex is too small: the
+        response of the nearest keypoint along the surface, relative to the strongest one; and a value that
+        falls from 1 at the keypoint to 0 at the edge of its spot.
     simplified : bool
         As in `VertexSpectrum`.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> ellipsoid = trimesh.creation.icosphere().apply_scale([1, 1.2, 3])
+    >>> found = sg.vertex_keypoints(ellipsoid, k=30)
+    >>> len(found), found.responses.shape
+    (2, (642,))
     """
 
     indices: NDArray[np.int64]
@@ -155,29 +193,30 @@ class VertexKeypoints:
 
     @property
     def responses(self) -> FloatArray:
-        """(n,) response at each vertex of the mesh; 0 at all that are no keypoints."""
+        """(n,) response at each vertex of the mesh; 0 at vertices that are not keypoints."""
         values = np.zeros(self.prolongation.shape[0])
         values[self.indices] = self.response
         return values
 
 
 def vertex_spectrum(
-    mesh: Mesh, k: int = 100, laplacian: str = "robust", budget: int | None = None
+    mesh: MeshLike, k: int = 100, laplacian: str = "robust", budget: int | None = None
 ) -> VertexSpectrum:
-    """Compute the spectrum of a mesh in whatever state, for its own vertices.
+    """Compute the spectrum of a mesh in any state of repair, for its own vertices.
 
-    Vertices at one place are welded and faces without area dropped first (see `repair`), so that heat
-    crosses seams. The vertices of a clean mesh are those of its spectrum, in the same order.
+    Duplicate vertices are welded and faces without area dropped first (see `repair`), so that heat crosses
+    seams. A clean mesh has the vertices of its spectrum, in the same order.
 
     Parameters
     ----------
-    mesh : Mesh
-    k : int
+    mesh : MeshLike
+        A surface as read.
+    k : int, optional
         Number of eigenpairs.
-    laplacian : str
+    laplacian : str, optional
         See `compute_spectrum`.
     budget : int, optional
-        A mesh of more vertices is simplified to that many first. Left out: none is.
+        Maximum number of vertices: a finer mesh is simplified first. By default no mesh is.
 
     Returns
     -------
@@ -187,31 +226,41 @@ def vertex_spectrum(
     ------
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> soup = trimesh.creation.icosphere().triangles.reshape(-1, 3)
+    >>> found = sg.vertex_spectrum((soup, [[i, i + 1, i + 2] for i in range(0, len(soup), 3)]), k=10)
+    >>> len(found.spectrum.mass), found.prolongation.shape
+    (642, (3840, 642))
     """
-    copy, matrix, simplified = _clean_copy(mesh, budget)
+    copy, matrix, simplified = _clean_copy(as_mesh(mesh), budget)
     return VertexSpectrum(compute_spectrum(copy, k, laplacian), matrix, simplified)
 
 
 def vertex_keypoints(
-    mesh: Mesh,
+    mesh: MeshLike,
     detector: str = "hks-maxima",
     k: int = 100,
     laplacian: str = "robust",
     budget: int | None = None,
 ) -> VertexKeypoints:
-    """Find the keypoints of a mesh in whatever state, among its own vertices.
+    """Find the keypoints of a mesh in any state of repair, among its own vertices.
 
     They are detected on the copy that `vertex_spectrum` makes, and moved to the nearest vertex of the mesh
-    that belongs to a face; of two that come to the same vertex the stronger remains.
+    that belongs to a face. Of two keypoints at the same vertex the stronger one remains.
 
     Parameters
     ----------
-    mesh : Mesh
-    detector : str
+    mesh : MeshLike
+        A surface as read.
+    detector : str, optional
         See `detect_keypoints`. Its parameters have their defaults.
-    k, laplacian, budget
-        As in `vertex_spectrum`. Detectors look at discs whose size grows with the square of the resolution:
-        a budget of some thousand vertices is what they are made for.
+    k, laplacian, budget : int, str, int, optional
+        As in `vertex_spectrum`. The neighbourhoods that detectors compare grow with the square of the
+        resolution, so a budget of some thousand vertices suits them.
 
     Returns
     -------
@@ -223,7 +272,17 @@ def vertex_keypoints(
         If there is no such detector.
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> ellipsoid = trimesh.creation.icosphere().apply_scale([1, 1.2, 3])
+    >>> found = sg.vertex_keypoints(ellipsoid, k=30)
+    >>> sorted(float(z) for z in ellipsoid.vertices[found.indices, 2].round(2))
+    [-3.0, 3.0]
     """
+    mesh = as_mesh(mesh)
     copy, matrix, simplified = _clean_copy(mesh, budget)
     found = detect_keypoints(copy, compute_spectrum(copy, k, laplacian), detector)
     used = np.unique(mesh.faces)
@@ -236,16 +295,17 @@ def vertex_keypoints(
     )
 
 
-def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords:
+def vertex_words(model: ShapeModel, mesh: MeshLike, channel: int = 0) -> VertexWords:
     """Find the geometric words of a mesh, at its own vertices.
 
     Parameters
     ----------
     model : ShapeModel
-    mesh : Mesh
-        As read: any resolution, size and state of repair.
-    channel : int
-        Which of the model's channels.
+        Model with the vocabulary.
+    mesh : MeshLike
+        A surface as read, of any resolution, size and state of repair.
+    channel : int, optional
+        Index of one of the model's channels.
 
     Returns
     -------
@@ -255,10 +315,19 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
     ------
     MeshError
         If the mesh has no surface, or no such descriptor.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> found = sg.vertex_words(sg.load_model(), trimesh.creation.capsule(2.0, 0.5))
+    >>> found.words.shape[1], round(float(found.bag.sum()), 6)
+    (40, 1.0)
     """
+    mesh = as_mesh(mesh)
     check_surface(mesh)
     settings = model.settings
-    # As in `ShapeModel.describe`: the words are those that the search sees.
+    # One thread as in `ShapeModel.describe`, so that the words are exactly those of a search.
     with threadpool_limits(1, user_api="blas"):
         shape = working_shape(settings, mesh)
         words = channel_words(settings, channel, model.vocabularies[channel], shape)
@@ -268,7 +337,7 @@ def vertex_words(model: ShapeModel, mesh: Mesh, channel: int = 0) -> VertexWords
 
 
 def _clean_copy(mesh: Mesh, budget: int | None) -> tuple[Mesh, csr_array, bool]:
-    """Repair a mesh, and simplify it above a budget; with the way back, and whether it was simplified."""
+    """Repair and perhaps simplify a mesh; return also the prolongation, and whether it was simplified."""
     check_surface(mesh)
     repaired, place = repair_mapped(mesh)
     check_surface(repaired)
@@ -281,7 +350,7 @@ def _clean_copy(mesh: Mesh, budget: int | None) -> tuple[Mesh, csr_array, bool]:
 
 
 def _spots(mesh: Mesh, indices: NDArray[np.int64], response: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Strength and coverage, as in `VertexKeypoints`, of spots around vertices."""
+    """Return strength and coverage of spots around vertices, as in `VertexKeypoints`."""
     n = len(mesh.vertices)
     if not len(indices):
         return np.zeros(n), np.zeros(n)

@@ -14,10 +14,10 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh, unique_edges
+from shapegoogle_core.mesh import Mesh, check_surface, unique_edges
 from shapegoogle_core.mesh.measures import vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.augmentation.surface import check_surface, diagonal_of, edge_lengths
+from shapegoogle_core.model.augmentation.surface import diagonal_of, edge_lengths
 
 __all__ = ["TRANSFORMATIONS", "scale_factor", "transform"]
 
@@ -27,13 +27,13 @@ Random = np.random.Generator
 _SCALES = (0.5, 0.875, 1.25, 1.625, 2.0)
 _FACE_SHARES = (0.50, 0.35, 0.25, 0.20, 0.15)
 _BUMPS = 3
-# Where to look for places to weld: this many random vertices, each with the nearest one that is far along
-# the surface.
+# Places to weld are searched at this many random vertices, each with the nearest one that is far along the
+# surface.
 _WELD_CANDIDATES = 64
 
 
 def transform(mesh: Mesh, kind: str, strength: int, seed: int) -> Mesh:
-    """Transform a mesh as the benchmark does.
+    """Transform a mesh as the SHREC 2010 benchmark does (paper, section 6.1).
 
     With e the mean edge length, D the diagonal of the bounding box and s the strength:
 
@@ -50,31 +50,30 @@ def transform(mesh: Mesh, kind: str, strength: int, seed: int) -> Mesh:
     mixed        noise, holes and scale together at strength max(1, s − 1)
     ============ ==========================================================================================
 
-    The same seed picks the same places at every strength, so a stronger transformation continues a weaker
-    one.
+    The same seed chooses the same places at every strength, so that a stronger transformation continues a
+    weaker one.
 
     Parameters
     ----------
     mesh : Mesh
-        Any triangles, soup included. It is not changed.
+        Any triangles, including polygon soup. It is not changed.
     kind : str
         One of `TRANSFORMATIONS`.
     strength : int
-        1 … 5.
+        From 1 to 5.
     seed : int
 
     Returns
     -------
     transformed : Mesh
-        Named after the mesh, the kind and the strength. Vertices that no face uses are left out where faces
-        were removed.
+        Named after the mesh, the kind and the strength. Where faces were removed, it has no loose vertices.
 
     Raises
     ------
     ValueError
         If the kind or the strength does not exist.
     MeshError
-        If the mesh has no faces or no extent, or this transformation cannot be applied to it.
+        If the mesh has no surface (see `check_surface`), or this transformation cannot be applied to it.
     """
     if kind not in _FUNCTIONS:
         raise ValueError(f"no transformation {kind!r}; there are {', '.join(TRANSFORMATIONS)}")
@@ -92,13 +91,13 @@ def _noise(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _per_place(mesh: Mesh, rng: Random) -> FloatArray:
-    """Draw standard normal vectors for the vertices, the same for all at one place, or soup would tear."""
+    """Draw standard normal vectors for the vertices; duplicates get the same, or polygon soup would tear."""
     _, place = _places(mesh)
     return rng.standard_normal((place.max() + 1, 3))[place]
 
 
 def _places(mesh: Mesh) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Distinct positions of the vertices, in order of appearance, and every vertex's position number."""
+    """Return distinct positions of the vertices in order of appearance, and the position number of each."""
     _, first, place = np.unique(mesh.vertices, axis=0, return_index=True, return_inverse=True)
     order = first.argsort()
     return mesh.vertices[first[order]], order.argsort()[place.reshape(-1)]
@@ -111,7 +110,7 @@ def _shot_noise(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _share_of_places(mesh: Mesh, share: float, rng: Random) -> BoolArray:
-    """Mask of the vertices at a random share of the places, at least at one."""
+    """Return a mask of the vertices at a random share of the distinct positions, at least at one."""
     positions, place = _places(mesh)
     rank = rng.permutation(len(positions))
     hit: BoolArray = np.less(rank[place], max(1, round(share * len(positions))))
@@ -127,7 +126,7 @@ def _holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _in_balls(mesh: Mesh, count: int, radius: float, rng: Random) -> BoolArray:
-    """Mask of the vertices inside balls around random vertices."""
+    """Return a mask of the vertices inside balls around random vertices."""
     used = np.unique(mesh.faces)
     centres = mesh.vertices[rng.permutation(used)[:count]]
     distances, _ = cKDTree(centres).query(mesh.vertices)
@@ -136,7 +135,7 @@ def _in_balls(mesh: Mesh, count: int, radius: float, rng: Random) -> BoolArray:
 
 
 def _without(mesh: Mesh, removed: BoolArray, kind: str) -> Mesh:
-    """Return the mesh without these vertices, their faces and the vertices that no face uses then."""
+    """Return the mesh without these vertices, their faces and all loose vertices."""
     faces = mesh.faces[~removed[mesh.faces].any(axis=1)]
     if len(faces) == 0:
         raise MeshError(
@@ -151,7 +150,7 @@ def _compact(vertices: FloatArray, faces: NDArray[np.int32], name: str) -> Mesh:
 
 
 def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    # Vertices at one place count as one: the surface of a soup goes on across its seams.
+    # Duplicate vertices count as one, so that the surface of polygon soup continues across its seams.
     positions, place = _places(mesh)
     joined = Mesh(positions, place[mesh.faces], mesh.name)
     wanted = 3 * strength
@@ -165,7 +164,7 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     moved[pairs] = positions[pairs].mean(axis=1, keepdims=True)
     merged = np.arange(len(positions))
     merged[pairs[:, 1]] = pairs[:, 0]
-    # A vertex of the result is a vertex of the mesh, or two that were welded.
+    # Each vertex of the result is a vertex of the mesh, or two welded ones.
     target = np.arange(len(mesh.vertices))
     first_at_place = np.full(len(positions), len(mesh.vertices))
     np.minimum.at(first_at_place, place, target)
@@ -177,12 +176,12 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _places_to_weld(mesh: Mesh, apart: float, rng: Random) -> NDArray[np.int64]:
-    """Disjoint pairs of vertices, nearest in space first, that are at least `apart` along the edges."""
+    """Find disjoint pairs of vertices, nearest in space first, that are at least `apart` along the edges."""
     edges, _ = unique_edges(mesh)
     graph = coo_array((edge_lengths(mesh), edges.T), shape=(len(mesh.vertices),) * 2).tocsr()
     used = np.unique(mesh.faces)
     sources = rng.permutation(used)[:_WELD_CANDIDATES]
-    # Beyond the limit the answer is infinite, which is all that has to be known.
+    # Distances beyond the limit are infinite, which is all that matters.
     along = dijkstra(graph, directed=False, indices=sources, limit=apart)[:, used]
     across = np.linalg.norm(mesh.vertices[sources][:, None] - mesh.vertices[used][None], axis=2)
     across[along < apart] = np.inf
@@ -199,19 +198,19 @@ def _places_to_weld(mesh: Mesh, apart: float, rng: Random) -> NDArray[np.int64]:
 
 
 def _scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    del rng  # nothing is left to chance
+    del rng  # deterministic
     return Mesh(mesh.vertices * _SCALES[strength - 1], mesh.faces, mesh.name)
 
 
 def scale_factor(kind: str, strength: int) -> float:
-    """By how much `transform` enlarges a shape.
+    """Return the factor by which `transform` enlarges a shape.
 
     Parameters
     ----------
     kind : str
         One of `TRANSFORMATIONS`.
     strength : int
-        1 … 5.
+        From 1 to 5.
 
     Returns
     -------
@@ -232,13 +231,13 @@ def _local_scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _normals(mesh: Mesh) -> FloatArray:
-    """Compute unit normals of the vertices, the same for all at one place; 0 where faces cancel out."""
+    """Compute unit normals of the vertices; duplicates get the same, and 0 where faces cancel out."""
     positions, place = _places(mesh)
     return vertex_normals(Mesh(positions, place[mesh.faces].astype(np.int32)))[place]
 
 
 def _sampling(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    del rng  # nothing is left to chance
+    del rng  # deterministic
     wanted = round(_FACE_SHARES[strength - 1] * len(mesh.faces))
     if max(wanted, 4) >= len(mesh.faces):
         raise MeshError(
@@ -249,7 +248,7 @@ def _sampling(mesh: Mesh, strength: int, rng: Random) -> Mesh:
         positions.copy(), place[mesh.faces].astype(np.int32), target_count=max(wanted, 4)
     )
     if len(faces) > 1.02 * wanted:
-        # Soup keeps its borders, so collapsing edges stops early; what is left is merged by place.
+        # Edge collapse keeps the borders of polygon soup and stops early, so the rest is merged by position.
         vertices, faces = _clustered(vertices, faces, wanted)
     if len(faces) == 0:
         raise MeshError(
@@ -262,7 +261,7 @@ def _sampling(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 def _clustered(
     vertices: FloatArray, faces: NDArray[np.int32], wanted: int
 ) -> tuple[FloatArray, NDArray[np.int32]]:
-    """Merge the vertices in every cell of a grid, which is as fine as at most `wanted` faces allow."""
+    """Merge the vertices in each cell of a grid, the finest one that leaves at most `wanted` faces."""
     low = vertices.min(axis=0)
     finest, coarsest = 0.0, float(np.ptp(vertices, axis=0).max()) + np.finfo(float).tiny
     best = vertices[:0], faces[:0]
@@ -317,4 +316,4 @@ _FUNCTIONS: dict[str, Callable[[Mesh, int, Random], Mesh]] = {
 }
 
 TRANSFORMATIONS: tuple[str, ...] = tuple(_FUNCTIONS)
-"""The kinds that `transform` knows."""
+"""Kinds of `transform`."""

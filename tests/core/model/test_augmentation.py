@@ -307,7 +307,7 @@ class TestTinyAndBroken:
             transform(Mesh(np.eye(3), name="cloud"), "noise", 1, 0)
 
     def test_no_extent(self):
-        with pytest.raises(MeshError, match="'dot': all vertices coincide"):
+        with pytest.raises(MeshError, match="'dot': all points of its faces coincide"):
             transform(Mesh(np.ones((4, 3)), [[0, 1, 2], [1, 2, 3]], "dot"), "noise", 1, 0)
 
     def test_unknown_kind_and_strength(self):
