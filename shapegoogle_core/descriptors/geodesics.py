@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Distances along a surface, near every vertex, and their histograms."""
+"""Distances along a surface around every vertex, and their histograms (paper, section 1.1)."""
 
 from __future__ import annotations
 
@@ -12,26 +12,28 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.connectivity import unique_edges
 from shapegoogle_core.mesh.measures import vertex_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
 __all__ = ["geodesic_histograms", "geodesic_neighbors", "surface_graph"]
 
-# So many sources at a time: their rows of distances, mostly infinite, take little memory.
+# Number of sources at a time, so that their rows of distances take little memory.
 _TOGETHER = 500
 
 
 def surface_graph(mesh: Mesh) -> csr_array:
-    """Straight ways along a surface: its edges, and across each edge between the two corners opposite to it.
+    """Build the graph of straight paths along a surface: its edges, and paths across each edge.
 
-    With edges alone, the shortest way would be up to 15 % too long on equilateral triangles, whose directions
-    lie 60° apart, and more on others. The ways across, straight where both triangles are laid flat, halve
-    that angle, which leaves 3.5 %.
+    A path across an edge joins the two corners opposite to it, straight where both triangles are unfolded to
+    a plane. With edges alone, shortest paths would be up to 15 % too long on equilateral triangles, where the
+    directions lie 60° apart, and more on others. The paths across halve that angle, which leaves 3.5 %.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
 
     Returns
     -------
@@ -40,11 +42,11 @@ def surface_graph(mesh: Mesh) -> csr_array:
     """
     edges, _ = unique_edges(mesh)
     lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-    across, across_lengths = _ways_across(mesh)
+    across, across_lengths = _paths_across(mesh)
     start, end = np.concatenate([edges, across]).astype(np.int64).T
     weights = np.concatenate([lengths, across_lengths])
     count = len(mesh.vertices)
-    # Two corners may be neighbours as well, or see each other across several edges: the shortest way counts.
+    # Two corners may also be neighbours, or lie across several edges: the shortest path counts.
     keys = np.minimum(start, end) * count + np.maximum(start, end)
     order = np.lexsort((weights, keys))
     keys, first = np.unique(keys[order], return_index=True)
@@ -54,10 +56,10 @@ def surface_graph(mesh: Mesh) -> csr_array:
     return csr_array((np.concatenate([weights, weights]), pairs), shape=(count, count))
 
 
-def _ways_across(mesh: Mesh) -> tuple[NDArray[np.int64], FloatArray]:
-    """Pairs of corners opposite to an edge of two faces, and how far they are apart with the faces laid flat.
+def _paths_across(mesh: Mesh) -> tuple[NDArray[np.int64], FloatArray]:
+    """Find pairs of corners opposite to an edge of two faces, and their distance in the unfolded faces.
 
-    Left out where the straight line between them does not cross the edge.
+    Pairs whose straight connection does not cross the edge are left out.
     """
     faces = mesh.faces.astype(np.int64)
     corner = faces.ravel()
@@ -70,7 +72,7 @@ def _ways_across(mesh: Mesh) -> tuple[NDArray[np.int64], FloatArray]:
     a, b = (mesh.vertices[sides[one, side]] for side in (0, 1))
     length = np.linalg.norm(b - a, axis=1)
     along = (b - a) / np.maximum(length, np.finfo(float).tiny)[:, None]
-    # Each corner by its place along the edge and its height over it.
+    # Each corner has a place along the edge and a height over it.
     places, heights = [], []
     for half in (one, other):
         offset = mesh.vertices[corner[half]] - a
@@ -89,26 +91,27 @@ def _ways_across(mesh: Mesh) -> tuple[NDArray[np.int64], FloatArray]:
 def geodesic_neighbors(
     mesh: Mesh, radius: float
 ) -> Iterator[tuple[slice, NDArray[np.int64], NDArray[np.int64], FloatArray]]:
-    """Find what lies within a distance along the surface from each vertex, for some vertices at a time.
+    """Find the vertices within a distance along the surface of each vertex, for a portion of them at a time.
 
-    Distances are lengths of shortest ways over `surface_graph`, by Dijkstra's algorithm.
+    Distances are lengths of shortest paths in `surface_graph`, by Dijkstra's algorithm.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     radius : float
-        As a share of the root of the surface's area.
+        Largest distance, as a share of the square root of the surface's area.
 
     Yields
     ------
     chunk : slice
-        Of the vertices.
+        Vertices of the portion.
     center : (p,) array of int
-        Counted from the start of the chunk, ascending.
+        First vertex of each pair, counted from the start of the chunk, ascending.
     neighbor : (p,) array of int
-        The center itself is one.
+        Second vertex of each pair. Each vertex is also its own neighbour.
     distance : (p,) array
-        As a share of the root of the surface's area; at most the radius.
+        As a share of the square root of the surface's area; at most the radius.
     """
     graph = surface_graph(mesh)
     graph.data /= math.sqrt(mesh.area)
@@ -119,21 +122,22 @@ def geodesic_neighbors(
         yield chunk, center, neighbor, found[center, neighbor]
 
 
-def geodesic_histograms(mesh: Mesh, radius: float = 0.3, bins: int = 8) -> FloatArray:
-    """Histogram of the distances along the surface to what is near, for every vertex.
+def geodesic_histograms(mesh: MeshLike, radius: float = 0.3, bins: int = 8) -> FloatArray:
+    """Histogram of the distances along the surface to the surroundings, for every vertex.
 
-    The descriptor of Raviv et al. (2007) and Bronstein et al. (2009) (paper, section 1.1), each point
-    counting with its area: the k-th value is the area at distances from r √((k-1)/d) to r √(k/d), divided by
-    π r²/d, what it is on a plane. So it is 1 in the middle of a plane, less at tips and rims, and more at a
+    The descriptor of Raviv et al. (2007) and Bronstein et al. (2009) (paper, section 1.1), where each point
+    counts with its area: the k-th value is the area at distances from r √((k-1)/d) to r √(k/d), divided by
+    π r²/d, its value on a plane. So it is 1 in the middle of a plane, less at tips and rims, and more at a
     saddle; an isometry does not change it.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
+        A mesh of triangles.
     radius : float
-        r, as a share of the root of the surface's area.
+        r, as a share of the square root of the surface's area.
     bins : int
-        d
+        d, the number of bins.
 
     Returns
     -------
@@ -144,7 +148,21 @@ def geodesic_histograms(mesh: Mesh, radius: float = 0.3, bins: int = 8) -> Float
     ------
     ValueError
         If the radius is not positive or there are no bins.
+    MeshError
+        If the shape is not a mesh.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> histograms = sg.geodesic_histograms((vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]), bins=3)
+    >>> histograms.shape
+    (4, 3)
+    >>> bool(np.allclose(histograms, histograms[0]))  # all corners of a tetrahedron are alike
+    True
     """
+    mesh = as_mesh(mesh)
     check_radius(radius)
     check_bins("bins", bins)
     areas = vertex_areas(mesh) / mesh.area

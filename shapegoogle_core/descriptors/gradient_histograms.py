@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Mesh HOG: histograms of the gradient of a function on the surface (Zaharescu et al. 2009)."""
+"""Mesh HOG, histograms of the gradient of a function on the surface (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from shapegoogle_core.descriptors.checks import check_bins, check_radius
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors
 from shapegoogle_core.laplacian import cotangent, heat_step
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.connectivity import boundary_vertices
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
@@ -20,16 +21,17 @@ __all__ = ["mean_curvature", "mesh_hog", "vertex_gradients"]
 def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
     """Mean curvature of every vertex, smoothed and without its sign.
 
-    The Laplacian of the positions is twice the mean curvature along the normal, Δx = -2 H n. With the
-    cotangent stiffness W, the areas A and the time t of an implicit step of heat flow, which takes off the
-    noise that two derivatives bring forth: |H| = ½ ‖(A + tW)⁻¹ W x‖. On an open boundary W x is taken as 0.
-    Where the sign counts there is `keypoints.scale_space.signed_mean_curvature`.
+    The Laplacian of the positions is twice the mean curvature along the normal, Δx = -2 H n. An implicit step
+    of heat flow removes the noise that two derivatives amplify: |H| = ½ ‖(A + tW)⁻¹ W x‖, with the cotangent
+    stiffness W, the areas A and the time t of the step. On an open boundary W x is set to 0. If the sign
+    matters, use `keypoints.scale_space.signed_mean_curvature`.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     smoothing : float
-        t as a share of the area: waves shorter than 2π √(t · area) lose more than half of their height.
+        t as a share of the area: waves shorter than 2π √(t · area) lose more than half of their amplitude.
 
     Returns
     -------
@@ -45,7 +47,7 @@ def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
         raise ValueError(f"smoothing must be a share of the area ≥ 0, not {smoothing}")
     operator = cotangent(mesh)
     bending = operator.stiffness @ mesh.vertices
-    # There it is the pull of the rim, however flat the surface.
+    # There W x is the pull of the rim, however flat the surface is.
     bending[boundary_vertices(mesh)] = 0
     factor = heat_step(operator, smoothing * operator.lumped_mass.sum())
     curvature: FloatArray = 0.5 * np.linalg.norm(factor.solve(bending), axis=1)
@@ -53,16 +55,17 @@ def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
 
 
 def vertex_gradients(mesh: Mesh, values: FloatArray) -> FloatArray:
-    """Gradient of a function along the surface, at every vertex: the mean of its faces', by area.
+    """Gradient of a function along the surface, at every vertex: the mean over its faces, weighted by area.
 
-    On a face of unit normal n and area a the gradient is Σ_k f_k n × e_k / 2a, where e_k is the side opposite
-    to corner k.
+    On a face with unit normal n and area a the gradient is Σ_k f_k n × e_k / 2a, where e_k is the side
+    opposite to corner k.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     values : (n,) array
-        f at the vertices.
+        f, the function at the vertices.
 
     Returns
     -------
@@ -81,50 +84,65 @@ def vertex_gradients(mesh: Mesh, values: FloatArray) -> FloatArray:
 
 
 def mesh_hog(
-    mesh: Mesh,
+    mesh: MeshLike,
     radius: float = 0.2,
     sectors: int = 4,
     orientations: int = 8,
     smoothing: float = 3e-3,
     floor: float = 10.0,
 ) -> FloatArray:
-    """Mesh HOG of every vertex, of the mean curvature (paper, section 3.2).
+    """Mesh HOG of every vertex, of the mean curvature (paper, section 3.2; Zaharescu et al. 2009).
 
-    The gradients of the mean curvature around x are laid into the tangent plane at x, whose first axis is
-    their mean. Their lengths, with a Gaussian weight of the distance, are summed by the sector in which they
-    stand and by their orientation; the histogram is brought to unit length.
+    The gradients of the mean curvature around x are projected to the tangent plane at x, whose first axis is
+    their mean. Their lengths, with a Gaussian weight of the distance, are summed by the sector of the plane
+    in which they lie and by their orientation; the histogram is scaled to unit length.
 
-    Three things differ from Zaharescu et al.: neighbours are those within a distance along the surface, so
-    that another triangulation changes little; the axis is a mean and not the peak of a histogram, which
-    would need an axis of its own; and there is one plane and not three, on which a neighbourhood and its
-    mirror image, or a normal to the other side, give the same: sectors on one side of the axis are laid onto
-    those of the other.
+    Three things differ from Zaharescu et al. Neighbours are the vertices within a distance along the surface,
+    so that another triangulation changes little. The axis is a mean and not the peak of a histogram, which
+    would need an axis of its own. And there is one plane and not three, in which the sectors on both sides of
+    the axis are joined, so that a mirror image or an inverted normal changes nothing.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
+        A mesh of triangles.
     radius : float
-        Of the neighbourhood, as a share of the root of the surface's area; twice the width σ of the weight.
+        Radius of the neighbourhood, as a share of the square root of the surface's area; twice the standard
+        deviation σ of the weight.
     sectors : int
-        How many, from 0° to 180° off the axis.
+        Number of sectors, from 0° to 180° off the axis.
     orientations : int
-        How many, from 0° to 360° against the axis; the first one is around 0°.
+        Number of orientations, from 0° to 360° off the axis; the first one is centred at 0°.
     smoothing : float
-        Of `mean_curvature`.
+        Smoothing of the curvature, see `mean_curvature`.
     floor : float
-        Length below which a histogram is not brought to unit length but fades, so that the noise of a plane
-        or a sphere does not count as much as a shape. As a mean gradient, times the area.
+        Length below which a histogram fades instead of being scaled to unit length, so that the noise of a
+        plane or a sphere does not count as much as a shape. In units of a mean gradient times the area.
 
     Returns
     -------
     histograms : (n, sectors · orientations) array
-        Of length below 1.
+        Each of length below 1.
 
     Raises
     ------
     ValueError
         If a parameter is out of range.
+    MeshError
+        If the shape is not a mesh.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> histograms = sg.mesh_hog((vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]))
+    >>> histograms.shape
+    (4, 32)
+    >>> bool((np.linalg.norm(histograms, axis=1) < 1).all())
+    True
     """
+    mesh = as_mesh(mesh)
     check_radius(radius)
     check_bins("sectors and orientations", sectors, orientations)
     if not 0 < floor < math.inf:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The descriptors that a channel of a model can have, by name."""
+"""Local descriptors by name, as the channels of a model use them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _gps(_mesh: Mesh, spectrum: Spectrum, count: int = 15) -> FloatArray:
     return np.abs(global_point_signature(spectrum, count))
 
 
-# Of histograms the root is taken: their Euclidean distance is then that of Hellinger, in which a difference
+# Histograms are square-rooted: their Euclidean distance is then that of Hellinger, in which a difference
 # between small shares counts as well.
 
 
@@ -117,7 +117,9 @@ DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
     "geodesic-histogram": _geodesic_histogram,
     "volumetric-hks": _volumetric_hks,
 }
-"""Descriptors by name: called with a mesh, its spectrum and a channel's parameters, give (n, d) values.
+"""Local descriptors by name.
 
-Times are in squared mesh units where the spectrum's are; lengths of the others are shares of the root of the
-mesh's area, so that the size does not matter."""
+Each is called with a mesh, its spectrum and the parameters of a channel, and returns (n, d) values.
+Descriptors of the spectrum take times in squared mesh units; the others take lengths as shares of the square
+root of the
+mesh's area, and times as shares of the area, so that the size does not matter."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Descriptors of every vertex, computed from the spectrum (paper, sections 3.1 and 3.2)."""
+"""Local descriptors computed from the spectrum (paper, sections 3.1 and 3.2)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from shapegoogle_core.descriptors.times import default_exponents, default_times
 from shapegoogle_core.laplacian import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh import MeshLike
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import Spectrum, heat_kernel_diagonal
 from shapegoogle_core.spectral.truncated import checked_times
 
@@ -22,12 +23,12 @@ __all__ = [
     "wave_kernel_signature",
 ]
 
-# A component left out of the truncated spectrum has no heat at all; e⁻¹⁰ stands for that.
+# Least value under a logarithm: a component left out of the truncated spectrum has no heat at all.
 LEAST_HEAT = math.exp(-10)
 
 
 def heat_kernel_signature(
-    shape: Spectrum | Operator | Mesh,
+    shape: Spectrum | Operator | MeshLike,
     times: ArrayLike | None = None,
     *,
     multiply_by_time: bool = False,
@@ -42,7 +43,7 @@ def heat_kernel_signature(
 
     Parameters
     ----------
-    shape : Spectrum, Operator or mesh-like
+    shape : Spectrum, Operator or MeshLike
         A `Spectrum` for the method "spectral"; an operator with a value for each vertex, see
         `build_operator`, or a mesh for the method "rational".
     times : (d,) array_like, optional
@@ -117,20 +118,38 @@ def heat_kernel_signature(
 
 
 def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
-    """Logarithm of the heat kernel signature, which has no unit.
+    """Logarithm of the heat kernel signature of every vertex, without unit.
 
-    log(t·K_t(x, x)), where that is not below e⁻¹⁰
+    log(t·K_t(x, x)), but at least -10
 
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
     times : (d,) array_like
         Times t > 0, in squared mesh units.
 
     Returns
     -------
     signature : (n, d) array
-        ≥ -10: where the truncated spectrum has no heat at all, -10 stands for that.
+        -10 where the truncated spectrum has no heat at all.
+
+    Raises
+    ------
+    ValueError
+        If a time is not positive.
+
+    See Also
+    --------
+    heat_kernel_signature : The signature itself.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> spectrum = sg.Spectrum(np.array([0.0, 1.0]), np.array([[0.6, 0.8], [0.8, -0.6]]), np.ones(2))
+    >>> sg.log_heat_kernel_signature(spectrum, [0.5, 2.0]).round(3).tolist()
+    [[-0.983, -0.113], [-0.846, 0.32]]
     """
     kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
     values: FloatArray = np.log(np.maximum(kernel, LEAST_HEAT))
@@ -147,21 +166,21 @@ def scale_invariant_hks(
     """Scale-invariant heat kernel signature of every vertex (paper, equation 3; Bronstein, Kokkinos 2010).
 
     With t = α^τ, scaling a shape shifts log K along τ and adds a constant. Differences along τ remove the
-    constant, the modulus of the Fourier transform removes the shift:
-    |F{log K_{α^(τ+Δτ)}(x, x) - log K_{α^τ}(x, x)}(ω)|.
+    constant, and the modulus of the Fourier transform removes the shift:
+    |F{log K_{α^(τ+Δτ)}(x, x) - log K_{α^τ}(x, x)}(ω)|
 
     Parameters
     ----------
     spectrum : Spectrum
-        How many eigenpairs it has is part of the definition: at small t the kernel is truncated.
+        Eigenpairs of the shape. Their number is part of the definition: at small t the kernel is truncated.
     alpha : float
-        Base of the logarithmic scale, > 1.
+        α > 1, base of the logarithmic scale.
     tau : (s,) array_like, optional
         Evenly spaced exponents; t = α^τ in squared mesh units. Default: those of the default model for a
         shape of this area, see `default_exponents`. Bronstein and Kokkinos use 1 to 25 in steps of 1/16 for
         shapes of about 10⁴ squared units.
     frequencies : int
-        How many of the lowest frequencies to keep, from ω = 0.
+        Number of frequencies to keep: the lowest ones, from ω = 0.
 
     Returns
     -------
@@ -172,6 +191,21 @@ def scale_invariant_hks(
     ------
     ValueError
         If `tau` has too few values for the frequencies, or a parameter is out of range.
+
+    See Also
+    --------
+    heat_kernel_signature : Signature that changes with the size of a shape.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    >>> small, large = (sg.compute_spectrum((scale * vertices, faces)) for scale in (1.0, 10.0))
+    >>> values = sg.scale_invariant_hks(small)
+    >>> values.shape, bool(np.allclose(sg.scale_invariant_hks(large), values))
+    ((4, 6), True)
     """
     if alpha <= 1:
         raise ValueError(f"alpha must be greater than 1, not {alpha}")
@@ -187,11 +221,11 @@ def scale_invariant_hks(
         raise ValueError(
             f"frequencies must be between 1 and {samples // 2 + 1} for {samples + 1} values of tau"
         )
-    # The kernel is positive; a vertex on a component left out of the truncated spectrum gets zeros.
+    # The kernel is positive, except on a component left out of the truncated spectrum, which gets zeros.
     kernel = heat_kernel_signature(spectrum, alpha**exponents)
     log_kernel = np.log(np.maximum(kernel, np.finfo(float).tiny))
     differences = np.diff(log_kernel, axis=1)
-    # Only a few rows of the transform are wanted: a thin matrix product beats a full FFT.
+    # Only a few rows of the transform are needed: a thin matrix product is faster than a full FFT.
     waves = np.exp(-2j * np.pi * np.outer(np.arange(samples), np.arange(frequencies)) / samples)
     values: FloatArray = np.hypot(differences @ waves.real, differences @ waves.imag)
     return values
@@ -207,11 +241,13 @@ def wave_kernel_signature(
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
     energies : int or (d,) array_like
-        The values e (logarithms of eigenvalues in 1 / squared mesh units), or how many to take: evenly
-        from the logarithm of the first positive eigenvalue to that of the last, 2σ inside them.
+        The energies e (logarithms of eigenvalues in 1 / squared mesh units), or their number: they are then
+        evenly spaced between the logarithms of the first positive eigenvalue and of the last, with a margin
+        of 2σ at both ends.
     sigma : float, optional
-        Width in logarithmic energy. Default, for a number of energies: 7 of their steps.
+        σ, width in logarithmic energy. Default, for a number of energies: 7 of their steps.
 
     Returns
     -------
@@ -221,9 +257,22 @@ def wave_kernel_signature(
     Raises
     ------
     ValueError
-        If the spectrum has fewer than two positive eigenvalues, or explicit energies come without sigma.
+        If the spectrum has fewer than two positive eigenvalues, the number of energies is less than 1, or
+        explicit energies come without a positive sigma.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
+    >>> spectrum = sg.compute_spectrum((vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    >>> values = sg.wave_kernel_signature(spectrum, 5)
+    >>> values.shape
+    (4, 5)
+    >>> (values.T @ spectrum.mass).round(6).tolist()  # means of squared eigenfunctions
+    [1.0, 1.0, 1.0, 1.0, 1.0]
     """
-    # The zeros of the components have no logarithm; relative to the largest, so in any unit.
+    # The zeros of the components have no logarithm. The bound is relative to the largest, for any unit.
     positive = spectrum.eigenvalues > 1e-8 * spectrum.eigenvalues[-1]
     if positive.sum() < 2:
         raise ValueError("the wave kernel signature needs at least two positive eigenvalues")
@@ -244,7 +293,7 @@ def wave_kernel_signature(
     if not sigma > 0:
         raise ValueError(f"sigma must be positive, not {sigma}")
     exponents = -((grid[None, :] - log_eigenvalues[:, None]) ** 2) / (2 * sigma**2)
-    weights = np.exp(exponents - exponents.max(axis=0))  # shifted, so that no column underflows to zeros
+    weights = np.exp(exponents - exponents.max(axis=0))  # shifted so that no column underflows to zeros
     weights /= weights.sum(axis=0)
     values: FloatArray = spectrum.eigenvectors[:, positive] ** 2 @ weights
     return values
@@ -255,29 +304,38 @@ def global_point_signature(spectrum: Spectrum, count: int = 25) -> FloatArray:
 
     GPS(x) = (φ₁(x)/√λ₁, φ₂(x)/√λ₂, …) over the positive eigenvalues
 
-    Distances between signatures come from the Green's function of the surface, so they are intrinsic; a
-    single number is not: an eigenfunction has no sign of its own, and those of one eigenvalue any basis.
+    Distances between signatures come from the Green's function of the surface, so they are intrinsic. Single
+    components are not: the sign of an eigenfunction is arbitrary, and so is the basis of an eigenspace.
 
     Parameters
     ----------
     spectrum : Spectrum
+        Eigenpairs of the shape.
     count : int
-        How many eigenfunctions.
+        Number of eigenfunctions.
 
     Returns
     -------
     values : (n, count) array
-        Without unit: the size of the shape does not matter. A coarse mesh has fewer eigenfunctions; 0, to
-        which the values fall, stands for the others.
+        Without unit: the size of the shape does not matter. If the spectrum has fewer positive eigenvalues,
+        the remaining columns are 0, the limit of the values.
 
     Raises
     ------
     ValueError
         If count < 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> spectrum = sg.Spectrum(np.array([0.0, 4.0]), np.array([[0.6, 0.8], [0.8, -0.6]]), np.ones(2))
+    >>> sg.global_point_signature(spectrum, 2).round(3).tolist()
+    [[0.4, 0.0], [-0.3, 0.0]]
     """
     if count < 1:
         raise ValueError(f"a global point signature needs at least one eigenfunction, not {count}")
-    # Relative to the largest, so in any unit: the zeros of the parts have no square root to divide by.
+    # The zeros of the components are left out. The bound is relative to the largest, for any unit.
     positive = np.flatnonzero(spectrum.eigenvalues > 1e-8 * spectrum.eigenvalues[-1])[:count]
     values = np.zeros((len(spectrum.mass), count))
     values[:, : len(positive)] = spectrum.eigenvectors[:, positive] / np.sqrt(spectrum.eigenvalues[positive])

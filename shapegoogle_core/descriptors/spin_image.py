@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Spin images: what the surface around a point looks like in space (Johnson and Hebert 1999)."""
+"""Spin images, histograms of the surface around a point in space (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import math
 import numpy as np
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
+from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["spin_images", "vertex_spin_images"]
 
-# So many images at a time: the coordinates of the cloud as each point sees it stay in the processor's cache.
+# Number of images at a time, so that the coordinates of the cloud about each point stay in the processor's
+# cache.
 _TOGETHER = 100
 
 
@@ -25,28 +27,29 @@ def spin_images(
     radius: float,
     bins: tuple[int, int],
 ) -> FloatArray:
-    """Histograms of a surface in the cylindrical coordinates of each of some oriented points.
+    """Histograms of a surface in the cylindrical coordinates of oriented points (Johnson and Hebert 1999).
 
-    Of every point x of the cloud, α is the distance to the axis through p along its normal n, and β the
+    For each point x of the cloud, α is the distance to the axis through p along its normal n, and β the
     height over the tangent plane: β = n · (x - p), α² = ‖x - p‖² - β². A rotation about the axis changes
     neither. The height is taken without its sign, as the normals of many meshes point to either side.
 
     Parameters
     ----------
     points, normals : (k, 3) arrays
-        Normals of unit length.
+        Oriented points p; the normals n have unit length.
     cloud : (n, 3) array
+        Points x of the surface.
     weights : (n,) array
-        What each point of the cloud counts: the area that it stands for, say.
+        Weight of each point of the cloud, for example the area that it represents.
     radius : float
-        Of the support, in the unit of the points: 0 ≤ α < radius, 0 ≤ |β| < radius.
+        Radius of the support, in the unit of the points: 0 ≤ α < radius, 0 ≤ |β| < radius.
     bins : (int, int)
-        In α and in β.
+        Numbers of bins in α and in β.
 
     Returns
     -------
     images : (k, bins) array
-        The weight of the cloud in each bin, flattened; a row's sum is the weight inside the support.
+        Weight of the cloud in each bin, flattened; a row sums to the weight inside the support.
     """
     heights = np.abs(normals @ cloud.T - (normals * points).sum(axis=1)[:, None])
     squares = (cloud**2).sum(axis=1) + (points**2).sum(axis=1)[:, None] - 2 * points @ cloud.T
@@ -61,27 +64,41 @@ def spin_images(
     return np.asarray(summed.reshape(len(points), -1), dtype=np.float64)
 
 
-def vertex_spin_images(mesh: Mesh, radius: float = 0.4, bins: tuple[int, int] = (8, 4)) -> FloatArray:
+def vertex_spin_images(mesh: MeshLike, radius: float = 0.4, bins: tuple[int, int] = (8, 4)) -> FloatArray:
     """Spin image of every vertex of a surface (paper, section 3.2; Johnson and Hebert 1999).
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
+        A mesh of triangles.
     radius : float
-        Of the support, as a share of the root of the surface's area.
+        Radius of the support, as a share of the square root of the surface's area.
     bins : (int, int)
-        In the distance to the normal through the vertex, and in the height over its tangent plane.
+        Numbers of bins in the distance to the normal through the vertex, and in the height over its tangent
+        plane.
 
     Returns
     -------
     images : (n, bins) array
-        Share of the area inside the support that each bin of `spin_images` holds; a row sums to 1.
+        Share of the area inside the support in each bin of `spin_images`; a row sums to 1.
 
     Raises
     ------
     ValueError
         If the radius is not positive or there are no bins.
+    MeshError
+        If the shape is not a mesh.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> mesh = sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> images = sg.vertex_spin_images(mesh, radius=0.8, bins=(2, 2))
+    >>> images[0].round(3).tolist()  # the vertex itself, and the three others on a ring around its normal
+    [0.25, 0.0, 0.0, 0.75]
     """
+    mesh = as_mesh(mesh)
     check_radius(radius)
     check_bins("bins", *bins)
     unit = math.sqrt(mesh.area)

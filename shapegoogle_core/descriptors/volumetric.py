@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Heat inside a solid: the volumetric heat kernel signature (Raviv et al. 2010)."""
+"""Volumetric heat kernel signature, of the heat inside a solid (paper, section 1.1)."""
 
 from __future__ import annotations
 
@@ -12,52 +12,69 @@ from scipy.sparse import coo_array, csc_array, diags_array, eye_array
 
 from shapegoogle_core.descriptors.spectral import LEAST_HEAT, heat_kernel_signature
 from shapegoogle_core.laplacian import Operator
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import operator_spectrum
 
 __all__ = ["volumetric_hks"]
 
-# Cubes along the diagonal of the bounding box at most: parts far from each other must not fill the memory.
+# Largest number of cubes along the diagonal of the bounding box: distant parts must not fill the memory.
 _MOST_CUBES = 250
 
 
-def volumetric_hks(mesh: Mesh, times: ArrayLike, resolution: int = 30, eigenpairs: int = 100) -> FloatArray:
+def volumetric_hks(
+    mesh: MeshLike, times: ArrayLike, resolution: int = 30, eigenpairs: int = 100
+) -> FloatArray:
     """Volumetric heat kernel signature of every vertex (paper, section 1.1; Raviv et al. 2010).
 
     log(V · K_t(x, x)), with the volume V and the heat kernel K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)². The solid
-    is what the surface passes through or encloses of a grid of cubes, -Δ the seven-point stencil on it,
-    through whose boundary no heat flows (Neumann). What bends without a change of its volume keeps its
-    values, as on the surface; and unlike there, a flat body is not like a round one of the same surface.
-    The cubes keep their directions: a rotation changes the values a little, less with a higher resolution.
+    consists of the cubes of a grid that the surface passes through or encloses; -Δ is the seven-point stencil
+    on them, and no heat flows through the boundary (Neumann). Bending that preserves the volume does not
+    change the values, as on the surface; unlike there, a flat body differs from a round one with the same
+    surface. The grid does not turn with the shape: a rotation changes the values a little, less with a higher
+    resolution.
 
     Parameters
     ----------
-    mesh : Mesh
-        Need not be closed: a sheet is a layer of cubes.
+    mesh : MeshLike
+        A mesh of triangles. It need not be closed: a sheet is a layer of cubes.
     times : (d,) array_like
-        t > 0, as shares of the surface's area.
+        Times t > 0, as shares of the surface's area.
     resolution : int
-        Cubes along the root of the surface's area. Time and memory grow with its square to cube.
+        Number of cubes along the square root of the surface's area. Time and memory grow with its square to
+        cube.
     eigenpairs : int
-        How many.
+        Number of eigenpairs.
 
     Returns
     -------
     values : (n, d) array
-        Between the centres of cubes interpolated linearly. Without unit; falls to 0 for large t. At least
-        -10, which stands for no heat: see `log_heat_kernel_signature`.
+        Interpolated linearly between the centres of cubes. Without unit; falls to 0 for large t. At least
+        -10, which stands for no heat, see `log_heat_kernel_signature`.
 
     Raises
     ------
     ValueError
         If a parameter is out of range.
+    MeshError
+        If the shape is not a mesh.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> mesh = sg.Mesh(vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> values = sg.volumetric_hks(mesh, [0.01, 0.1, 10.0], resolution=10, eigenpairs=20)
+    >>> values.shape, abs(round(float(values[0, 2]), 6))
+    ((4, 3), 0.0)
     """
+    mesh = as_mesh(mesh)
     if resolution < 1 or eigenpairs < 1:
         raise ValueError(f"resolution and eigenpairs must be at least 1, not {resolution} and {eigenpairs}")
-    import trimesh  # takes a second
+    import trimesh  # slow to import, and only needed here
 
     unit = math.sqrt(mesh.area)
-    # The grid starts at a corner of the bounding box, and the root of the area is 1.
+    # The grid starts at a corner of the bounding box, and the square root of the area is 1.
     points = (mesh.vertices - mesh.vertices.min(axis=0)) / unit
     cube = max(1 / resolution, float(np.linalg.norm(points.max(axis=0))) / _MOST_CUBES)
     grid = trimesh.Trimesh(points, mesh.faces, process=False).voxelized(cube).fill()
@@ -71,7 +88,7 @@ def volumetric_hks(mesh: Mesh, times: ArrayLike, resolution: int = 30, eigenpair
 
 
 def _grid_operator(number: NDArray[np.int64], cube: float) -> Operator:
-    """-Δ on numbered cubes: heat flows through the common face of two, h² large, over the way h."""
+    """Assemble -Δ on numbered cubes: heat flows through a common face of area h² over the distance h."""
     pairs = []
     for axis in range(3):
         along = np.moveaxis(number, axis, 0)
@@ -86,7 +103,7 @@ def _grid_operator(number: NDArray[np.int64], cube: float) -> Operator:
 
 
 def _interpolated(at_cubes: FloatArray, number: NDArray[np.int64], places: FloatArray) -> FloatArray:
-    """Values between the centres of the eight cubes around each place, of those that are in the solid."""
+    """Interpolate between the centres of those of the eight cubes around each place that are in the solid."""
     corner = np.floor(places).astype(np.int64)
     share = places - corner
     values, total = np.zeros((len(places), at_cubes.shape[1])), np.zeros((len(places), 1))

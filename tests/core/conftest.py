@@ -94,14 +94,16 @@ def make_mesh() -> Callable[..., Path]:
     return write_mesh
 
 
-@pytest.fixture(scope="session")
-def shapes() -> type:
+class Shapes:
     """The makers of this file, for tests that want another size."""
 
-    class Shapes:
-        sphere = staticmethod(make_sphere)
-        rectangle = staticmethod(make_rectangle)
-        flat_torus = staticmethod(make_flat_torus)
-        bumpy = staticmethod(make_bumpy)
+    sphere = staticmethod(make_sphere)
+    rectangle = staticmethod(make_rectangle)
+    flat_torus = staticmethod(make_flat_torus)
+    bumpy = staticmethod(make_bumpy)
 
+
+@pytest.fixture(scope="session")
+def shapes() -> type[Shapes]:
+    """Makers of shapes whose spectrum is known."""
     return Shapes
