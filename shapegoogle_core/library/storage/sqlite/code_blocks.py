@@ -31,13 +31,6 @@ OFFSET_TYPE = np.dtype("<u2")
 
 BLOCK_TABLES: dict[CodeKind, str] = {"codes": "code_blocks", "local_words": "local_word_blocks"}
 
-TABLE = "CREATE TABLE {blocks} (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL)"
-TRIGGER = """
-CREATE TRIGGER {blocks}_removed AFTER DELETE ON {codes} BEGIN
-    DELETE FROM {blocks} WHERE block = (old.shape_id - 1) / {block_ids};
-END
-"""
-
 CodeRows = tuple[NDArray[np.int64], list[bytes]]
 """Ids of shapes, and their codes: one string of bytes for each, or one for all."""
 
@@ -51,7 +44,7 @@ class CodeBlocks:
         Its errors are not translated here.
     kind : {"codes", "local_words"}
     block_ids : int, optional
-        Number of ids in a block.
+        Number of ids in a block, as in the schema.
     rows_at_once : int, optional
         Number of single rows in memory at once.
     """
@@ -70,11 +63,6 @@ class CodeBlocks:
         self._block_ids = block_ids
         self._rows_at_once = rows_at_once
 
-    def exist(self) -> bool:
-        """Return whether this library is large enough to have blocks."""
-        found = self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (self._blocks,))
-        return found.fetchone() is not None
-
     def pages(self, last_id: int) -> Iterator[CodeRows]:
         """Read all codes after an id in the order of ids; use them up within one transaction.
 
@@ -88,15 +76,12 @@ class CodeBlocks:
         shape_ids : (n,) array of int64
         codes : list of bytes
         """
-        blocks: list[int] = []
-        if self.exist():
-            # Block b holds the ids from b · 4,096 + 1 on; the first one entirely after `last_id`:
-            first = -(-last_id // self._block_ids)
-            numbers = self._connection.execute(
-                f"SELECT block FROM {self._blocks} WHERE block >= ? ORDER BY block", (first,)
-            )
-            blocks = [number for (number,) in numbers.fetchall()]
-        for block in blocks:
+        # Block b holds the ids from b · 4,096 + 1 on; the first one entirely after `last_id`:
+        first = -(-last_id // self._block_ids)
+        blocks = self._connection.execute(
+            f"SELECT block FROM {self._blocks} WHERE block >= ? ORDER BY block", (first,)
+        ).fetchall()
+        for (block,) in blocks:
             start = block * self._block_ids
             yield from self._rows(last_id, start)
             offsets, codes = self._connection.execute(
@@ -107,7 +92,7 @@ class CodeBlocks:
         yield from self._rows(last_id, np.iinfo(np.int64).max)
 
     def complete(self, shape_id: int) -> None:
-        """Pack all blocks up to the one that an id completes; make the tables for the first block.
+        """Pack all blocks up to the one that an id completes.
 
         Parameters
         ----------
@@ -116,11 +101,6 @@ class CodeBlocks:
         """
         if shape_id % self._block_ids:
             return
-        if not self.exist():
-            self._connection.execute(TABLE.format(blocks=self._blocks))
-            self._connection.execute(
-                TRIGGER.format(blocks=self._blocks, codes=self._codes, block_ids=self._block_ids)
-            )
         packed = {number for (number,) in self._connection.execute(f"SELECT block FROM {self._blocks}")}
         self.pack(sorted(set(range(shape_id // self._block_ids)) - packed))
 
@@ -138,8 +118,6 @@ class CodeBlocks:
         -------
         blocks : set of int
         """
-        if not self.exist():
-            return set()
         statement = (
             f"SELECT block FROM {self._blocks} WHERE block IN"
             f" (SELECT (id - 1) / {self._block_ids} FROM shapes WHERE {where})"

@@ -44,6 +44,7 @@ class CodeTables(Database):
         rows_at_once: int = ROWS_AT_ONCE,
     ) -> None:
         super().__init__(path, create=create, read_only=read_only, timeout=timeout)
+        self.block_ids = block_ids
         self._blocks = {
             kind: CodeBlocks(self.connection, kind, block_ids=block_ids, rows_at_once=rows_at_once)
             for kind in BLOCK_TABLES

@@ -50,6 +50,12 @@ CREATE TABLE local_words (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     code BLOB NOT NULL
 );
+CREATE TABLE code_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
+CREATE TABLE local_word_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
+CREATE TRIGGER code_removed AFTER DELETE ON codes
+    BEGIN DELETE FROM code_blocks WHERE block = (old.shape_id - 1) / {block_ids}; END;
+CREATE TRIGGER local_words_removed AFTER DELETE ON local_words
+    BEGIN DELETE FROM local_word_blocks WHERE block = (old.shape_id - 1) / {block_ids}; END;
 CREATE TABLE bags (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     halves BLOB NOT NULL
@@ -63,3 +69,4 @@ CREATE TABLE thumbnails (
     png BLOB NOT NULL
 );
 """
+"""Statements, each ending a line; `block_ids` is the number of ids in a block of codes, see `CodeBlocks`."""

@@ -41,7 +41,7 @@ class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, So
             if not self.is_empty():
                 return
             self.connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-            for statement in SCHEMA.split(";\n"):
+            for statement in SCHEMA.format(block_ids=self.block_ids).split(";\n"):
                 self.connection.execute(statement)
             self.connection.execute("INSERT INTO meta VALUES ('schema', ?)", (str(FORMAT),))
             self.connection.execute("INSERT INTO model VALUES (?, ?)", (model_identifier, model_content))
