@@ -70,8 +70,13 @@ def _check(data: bytes, max_faces: int) -> None:
     try:
         header = json.loads(data)
     except (ValueError, RecursionError) as error:
+        place = (
+            f" at line {error.lineno}, column {error.colno}"
+            if isinstance(error, json.JSONDecodeError)
+            else ""
+        )
         raise FormatError(
-            f"holds no valid JSON ({error}); it is damaged, cut short or not a glTF file"
+            f"has no valid JSON{place}; it is damaged, cut short or not a glTF file: export it again"
         ) from error
     if not isinstance(header, dict) or "asset" not in header:
         raise FormatError("has no 'asset' entry, so it is not a glTF file; export it again")

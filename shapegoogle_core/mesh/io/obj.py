@@ -8,15 +8,14 @@ tabbed, or indices are relative or 0, and splits vertices at texture seams.
 from __future__ import annotations
 
 import re
-import warnings
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.polygons import Polygons
-from shapegoogle_core.mesh.io.text import parse_numbers, plain_text, unexpected
-from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.mesh.io.text import parse_corners, parse_numbers, plain_text, unexpected
 
 __all__ = ["read_obj"]
 
@@ -50,11 +49,11 @@ def read_obj(file: MeshFile) -> Polygons:
             raise unexpected(cut_short, _EXPECTED)
     if not vertex_lines:
         raise FormatError("has no vertex lines: it is empty, or not an OBJ file; export it again")
-    vertices = _positions(vertex_lines)
+    vertices = parse_numbers(vertex_lines, (1, 2, 3), _EXPECTED)
     if not face_lines:
         return Polygons.from_points(vertices)
     sizes = np.fromiter((line.count(b" ") for line in face_lines), np.int64, len(face_lines))
-    corners = _corners(face_lines, int(sizes.sum()))
+    corners = _corners(face_lines, sizes)
     if (corners < 0).any():
         corners = _absolute(corners, sizes, lines)
     else:
@@ -80,37 +79,16 @@ def _plain_lines(data: bytes) -> list[bytes]:
     return text.replace(b" \n", b"\n").replace(b"\n ", b"\n").strip().split(b"\n")
 
 
-def _numbers(text: bytes, kind: type[np.generic]) -> NDArray[np.generic]:
-    """Numbers with blanks between them; an empty array if there is anything else."""
-    with warnings.catch_warnings():
-        # numpy before 2.4 only warns of text that is not a number, and leaves out the rest.
-        warnings.simplefilter("error", DeprecationWarning)
-        try:
-            return np.fromstring(text, kind, sep=" ")
-        except (ValueError, DeprecationWarning):
-            return np.empty(0, kind)
-
-
-def _positions(lines: list[bytes]) -> FloatArray:
-    """First three numbers of each line; a weight or a colour may follow."""
-    columns = {line.count(b" ") for line in lines}
-    if len(columns) == 1 and min(columns) >= 3:
-        numbers = _numbers(b"".join(lines).replace(b"v", b" "), np.float64)
-        if numbers.size == len(lines) * min(columns):
-            return np.ascontiguousarray(numbers.reshape(len(lines), -1)[:, :3], np.float64)
-    return parse_numbers(lines, (1, 2, 3), _EXPECTED)
-
-
-def _corners(lines: list[bytes], count: int) -> NDArray[np.int64]:
+def _corners(lines: list[bytes], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Vertices of all faces one after the other, as they are written; without texture and normals."""
-    text = b" ".join(lines)
-    if b"/" in text:
-        text = re.sub(rb"/\S*", b"", text)
-    corners = np.asarray(_numbers(text.replace(b"f", b""), np.int64), np.int64)
-    if corners.size != count or not corners.all():
-        wrong = next((line for line in lines if not _SOUND_FACE.fullmatch(line)), lines[-1])
-        raise unexpected(wrong, _EXPECTED)
-    return corners
+    text = b"\n".join(lines)
+    plain = re.sub(rb"/\S*", b"", text).split(b"\n") if b"/" in text else lines
+    with suppress(FormatError):  # which would quote the line without what was cut off
+        corners = parse_corners(plain, 1, sizes)
+        if corners.all():
+            return corners
+    wrong = next((line for line in lines if not _SOUND_FACE.fullmatch(line)), lines[-1])
+    raise unexpected(wrong, _EXPECTED)
 
 
 def _absolute(corners: NDArray[np.int64], sizes: NDArray[np.int64], lines: list[bytes]) -> NDArray[np.int64]:

@@ -79,7 +79,7 @@ def _layout(header: str, encoding: str) -> _Layout:
         fields = []
         for name, size, kind, count in zip(names, sizes, values["TYPE"], counts, strict=True):
             if size not in _SIZES or not 0 <= count < 1 << 16:
-                raise ValueError(f"{count} values of {size} bytes")
+                raise ValueError(name)
             fields.append((name, f"<{_TYPES[kind]}{size}", (count,)))
         width, height = (int(values[name][0]) for name in ("WIDTH", "HEIGHT"))
         count = int(values["POINTS"][0]) if "POINTS" in values else width * height
@@ -89,9 +89,9 @@ def _layout(header: str, encoding: str) -> _Layout:
         renamed = [(titles.get(index, f"f{index}"), *rest) for index, (_, *rest) in enumerate(fields)]
         record = np.dtype([(name, kind, shape) for name, kind, shape in renamed if shape != (0,)])
         if count < 0 or any(record[axis].shape != (1,) for axis in "xyz"):
-            raise ValueError(f"{count} points, positions of shape {record['x'].shape}")
+            raise ValueError(count)
     except (KeyError, ValueError, IndexError, TypeError) as error:
-        raise FormatError(f"has a damaged PCD header ({error}); export it again") from error
+        raise FormatError("has a damaged PCD header; export it again") from error
     return _Layout(record, count, encoding)
 
 
@@ -144,7 +144,7 @@ def _lzf(packed: bytes, size: int) -> bytes:
             start = len(out) - ((control & 31) << 8) - packed[at] - 1
             at += 1
             if start < 0:
-                raise IndexError("a reference to before the beginning")
+                raise IndexError(start)
             if start + length <= len(out):
                 out += out[start : start + length]
             else:  # it runs into what it writes: a repeated pattern
@@ -153,7 +153,7 @@ def _lzf(packed: bytes, size: int) -> bytes:
             if len(out) > size:
                 break
     except IndexError as error:
-        raise FormatError(f"has damaged compressed data ({error}); export it again") from error
+        raise FormatError("has damaged compressed data; export it again") from error
     if len(out) != size:
         raise FormatError(
             f"has compressed data of {len(out):,} bytes instead of {size:,}; it is damaged: export it again"

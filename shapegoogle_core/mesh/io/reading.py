@@ -118,10 +118,6 @@ def read_mesh(
         raise
     except FormatError as error:
         raise MeshError(f"{name!r} {error}{_misnamed(path)}") from error
-    except IndexError as error:
-        raise MeshError(
-            f"{name!r} names a vertex or part that is not there ({error}); it is damaged or was cut short"
-        ) from error
     except OSError as error:
         raise MeshError(
             f"{name!r} cannot be read: {error.strerror or error}; check the disk and its permissions"
@@ -132,7 +128,9 @@ def read_mesh(
         ) from error
     except Exception as error:
         # Damaged files make trimesh fail in every way; the cause is always this file.
-        raise MeshError(f"{name!r} is damaged ({type(error).__name__}: {error}); export it again") from error
+        raise MeshError(
+            f"{name!r} is damaged, cut short, or uses a feature that cannot be read; export it again"
+        ) from error
     if point_cloud:
         return _point_cloud(Mesh(vertices, name=name))
     mesh = Mesh(vertices, faces, name)

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from shapegoogle_core.mesh.io.file import FormatError
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["filled_lines", "parse_numbers", "parse_polygons", "plain_text", "unexpected", "without_mark"]
+__all__ = [
+    "filled_lines",
+    "parse_corners",
+    "parse_numbers",
+    "parse_polygons",
+    "plain_text",
+    "unexpected",
+    "without_mark",
+]
 
 _UTF_16 = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 
@@ -107,14 +115,19 @@ def parse_polygons(lines: Sequence[bytes], column: int) -> tuple[NDArray[np.int6
     wrong = (sizes < 0) | (sizes > np.fromiter(map(len, lines), np.int64, len(lines)))
     if wrong.any():
         raise unexpected(lines[int(wrong.argmax())], "a polygon")
+    return parse_corners(lines, column + 1, sizes), sizes
+
+
+def parse_corners(lines: Sequence[bytes], column: int, sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Parse lines with a known number of corners each, which begin at a column; see `parse_polygons`."""
     starts = np.cumsum(sizes) - sizes
     corners = np.empty(int(sizes.sum()), np.int64)
     for size in np.unique(sizes).tolist():
         rows = np.flatnonzero(sizes == size)
         chosen = lines if len(rows) == len(lines) else [lines[row] for row in rows.tolist()]
-        columns = range(column + 1, column + 1 + size)
-        corners[starts[rows, None] + np.arange(size)] = _whole_numbers(chosen, columns)
-    return corners, sizes
+        numbers = _whole_numbers(chosen, range(column, column + size))
+        corners[starts[rows, None] + np.arange(size)] = numbers
+    return corners
 
 
 def unexpected(line: bytes, expected: str) -> FormatError:

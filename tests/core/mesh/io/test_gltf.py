@@ -97,3 +97,19 @@ def test_many_instances_count(tmp_path: Path) -> None:
     nodes = [{"mesh": 0} for _ in range(100)]
     data = glb(nodes=nodes, scenes=[{"nodes": list(range(100))}])
     refuse(write(tmp_path, "many.glb", data), "1,200 faces", max_faces=1000)
+
+
+def test_errors_quote_no_python(tmp_path: Path) -> None:
+    tree, _ = gltf_tree()
+    accessors = tree["accessors"]
+    broken: list[dict[str, Any]] = [
+        {"accessors": [accessors[0] | {"type": "VEC"}, accessors[1]]},
+        {"accessors": [accessors[0] | {"componentType": 1}, accessors[1]]},
+        {"bufferViews": []},
+        {"buffers": [{}]},
+        {"meshes": [{}]},
+    ]
+    for changes in broken:
+        refuse(write(tmp_path, "odd.gltf", gltf(**changes)), "is damaged, cut short, or uses a feature")
+    text = json.dumps(tree, indent=1).replace("{", "{,", 1)
+    refuse(write(tmp_path, "odd.gltf", text), "has no valid JSON at line 1, column 2")
