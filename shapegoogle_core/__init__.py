@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.errors import ModelError as ModelError
     from shapegoogle_core.errors import ShapeGoogleError as ShapeGoogleError
     from shapegoogle_core.indexing import IndexReport as IndexReport
+    from shapegoogle_core.indexing import IndexSettings as IndexSettings
     from shapegoogle_core.indexing import find_meshes as find_meshes
     from shapegoogle_core.indexing import index_files as index_files
     from shapegoogle_core.keypoints import Keypoints as Keypoints
@@ -101,7 +102,7 @@ _MODULES = {
         "wave_kernel_signature",
     ),
     "errors": ("LibraryError", "MeshError", "ModelError", "ShapeGoogleError"),
-    "indexing": ("IndexReport", "find_meshes", "index_files"),
+    "indexing": ("IndexReport", "IndexSettings", "find_meshes", "index_files"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
     "library": ("Evidence", "Filter", "Library", "Match", "compare"),

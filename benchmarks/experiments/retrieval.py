@@ -52,7 +52,7 @@ from benchmarks.variants.variants import choose_variants
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
 from shapegoogle_core.cli.text import say
-from shapegoogle_core.indexing import default_jobs
+from shapegoogle_core.processes.launching import default_jobs
 
 __all__ = ["add_options", "run"]
 

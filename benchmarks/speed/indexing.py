@@ -32,9 +32,8 @@ from benchmarks.speed.measuring import Options, Row
 from benchmarks.speed.meshes import write_mesh
 from benchmarks.speed.processes import ProcessFigures, descendants
 from benchmarks.speed.reporting import label, panels
-from shapegoogle_core.indexing import iterate_shapes
-from shapegoogle_core.indexing.tasks import start_worker
 from shapegoogle_core.processes.launching import single_threaded
+from shapegoogle_core.processes.pool import Pool
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -221,18 +220,16 @@ def numpy_rounds(seconds: float) -> float:
 
 def blas_threads() -> int:
     """Return the threads that numerical libraries may use in a worker process."""
-    with tempfile.TemporaryDirectory() as folder, single_threaded():
-        model_file = Path(folder, "model.npz")
-        model_file.write_bytes(sg.load_model().to_bytes())
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            return pool.submit(threads_after_start, model_file).result()
+    with Pool(1, sg.IndexSettings.time_limit) as pool:
+        (task,) = pool.map(threads_with, [sg.load_model().to_bytes()])
+    return task.result()
 
 
-def threads_after_start(model_file: Path) -> int:
-    """Start this process as a worker and look at its numerical libraries."""
+def threads_with(model: bytes) -> int:
+    """Load a model in this process and look at its numerical libraries."""
     from threadpoolctl import threadpool_info
 
-    start_worker(iterate_shapes, model_file, MEMORY_LIMIT)
+    sg.ShapeModel.from_bytes(model)
     return max(int(pool["num_threads"]) for pool in threadpool_info())
 
 

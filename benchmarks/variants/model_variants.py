@@ -25,7 +25,7 @@ from benchmarks.protocol.cache import (
 from benchmarks.protocol.collection import BenchmarkShape
 from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
 from benchmarks.protocol.workshop import Source, Workshop, shape_key
-from shapegoogle_core.indexing import index_files
+from shapegoogle_core.indexing import IndexSettings, index_files
 from shapegoogle_core.indexing.files import absolute
 from shapegoogle_core.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
@@ -193,7 +193,10 @@ class ModelGroup:
         title = f"{self.model.name}: library"
         bar = iter(workshop.progress(range(len(shapes)), title, len(shapes)))
         report = index_files(
-            library, list(shapes), jobs=max(workshop.jobs, 1), progress=lambda _: next(bar, None)
+            library,
+            list(shapes),
+            IndexSettings(jobs=max(workshop.jobs, 1)),
+            progress=lambda _: next(bar, None),
         )
         next(bar, None)  # past the last one, the bar closes
         for path, reason in report.failed:

@@ -131,6 +131,7 @@ class SceneIndexing:
     def _submit(self) -> None:
         """Read some objects and hand them to the worker."""
         from shapegoogle_core import Library, MeshError, load_model
+        from shapegoogle_core.library import NewShape
         from shapegoogle_core.service.requests import describe
 
         from ..scene.meshes import evaluated_mesh
@@ -151,7 +152,8 @@ class SceneIndexing:
             if mesh.is_point_cloud and (item.type == "MESH" or not len(mesh.vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
                 continue
-            self._tasks[jobs.worker().submit(describe, self._library, mesh, UP_AXIS)] = name
+            shape = NewShape(mesh, name, name, up_axis=UP_AXIS)
+            self._tasks[jobs.worker().submit(describe, self._library, shape)] = name
 
     def _take_finished(self) -> list[dict[str, Any]]:
         from shapegoogle_core import ShapeGoogleError
@@ -175,12 +177,8 @@ class SceneIndexing:
 
     def _store(self) -> dict[str, Any]:
         from shapegoogle_core import Library
-        from shapegoogle_core.library import NewShape
 
-        shapes = [
-            NewShape(description.signature, name, name, description.thumbnail)
-            for name, description in self._described
-        ]
+        shapes = [shape for _, shape in self._described]
         with Library.open(self._library) as library:
             # No size or time: it is no file, and is read again whenever it is asked for.
             library.replace_source(self._source, size=None, mtime_ns=None, sha256=None, shapes=shapes)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +13,10 @@ from shapegoogle_core.cli.command import Command
 from shapegoogle_core.cli.exit_codes import DONE, INTERRUPTED, SOME_FAILED
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
 from shapegoogle_core.cli.text import counted, say
+from shapegoogle_core.indexing.settings import IndexSettings
 
 if TYPE_CHECKING:
-    from shapegoogle_core.indexing import ExternalReader, IndexReport
+    from shapegoogle_core.indexing import IndexReport
 
 __all__ = ["COMMAND"]
 
@@ -42,14 +42,14 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--time-limit",
         type=positive_number,
-        default=300.0,
+        default=IndexSettings.time_limit,
         metavar="S",
         help="seconds for reading one file, and for describing one shape (%(default)g)",
     )
     parser.add_argument(
         "--memory-limit",
         type=number_from(1),
-        default=4096,
+        default=IndexSettings.memory_limit,
         metavar="MB",
         help="megabytes for reading one file, and for describing one shape (%(default)s); not enforced on "
         "macOS and Windows",
@@ -79,6 +79,9 @@ def _run(options: argparse.Namespace) -> int:
             print(json.dumps(_record(IndexReport(0, 0, 0, 0, [], 0.0), failed, [], shapes)))
         list_failures(failed)
         return SOME_FAILED
+    settings = IndexSettings(
+        options.jobs, options.time_limit, options.memory_limit, options.retry, options.reread
+    )
     model = None if options.model is None else load_model(options.model)
     with Library.open(options.library, model) as library:
         folders = [entry for entry in options.inputs if _has_entries(Path(entry))]
@@ -90,12 +93,8 @@ def _run(options: argparse.Namespace) -> int:
                 report = index_files(
                     library,
                     paths,
-                    jobs=options.jobs,
-                    time_limit=options.time_limit,
-                    memory_limit=options.memory_limit,
-                    retry=options.retry,
-                    reread=options.reread,
-                    reader=_limited(options),
+                    settings,
+                    reader=options.reader,
                     progress=progress,
                 )
         except KeyboardInterrupt:
@@ -129,14 +128,6 @@ def _has_entries(folder: Path) -> bool:
         return any(folder.iterdir())
     except OSError:  # not a folder, missing or unreadable: `find_files` has reported it
         return False
-
-
-def _limited(options: argparse.Namespace) -> ExternalReader | None:
-    """Give the reader a part of the time limit, so that the reader is stopped first and not the worker."""
-    reader: ExternalReader | None = options.reader
-    if reader is None:
-        return None
-    return replace(reader, time_limit=0.8 * options.time_limit, memory_limit=options.memory_limit)
 
 
 def _record(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> dict[str, object]:

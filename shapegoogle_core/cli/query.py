@@ -20,9 +20,10 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.search.settings import EvidenceSettings
 
 if TYPE_CHECKING:
-    from shapegoogle_core.indexing import FoundShape
-    from shapegoogle_core.library import Library, Match
+    from shapegoogle_core.indexing import ShapeReader
+    from shapegoogle_core.library import Library, Match, NewShape
     from shapegoogle_core.library.search.query_shapes import QueryShapes
+    from shapegoogle_core.mesh import Mesh
     from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["COMMAND"]
@@ -93,18 +94,17 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.indexing import end_external_readers
+    from shapegoogle_core.indexing import ShapeReader
     from shapegoogle_core.library import Library
 
     failed: Failures = []
-    with Library.open(options.library, read_only=True) as library:
-        unlike = _examples(library, options.unlike, options, failed)
+    with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:
+        unlike = _examples(library, reader, options.unlike, options, failed)
         if options.together:
-            answered = _query_together(library, options, unlike, failed)
+            answered = _query_together(library, reader, options, unlike, failed)
         else:
-            answers = [_query_file(library, path, options, unlike, failed) for path in options.meshes]
+            answers = [_query_file(library, reader, path, options, unlike, failed) for path in options.meshes]
             answered = any(answers)
-    end_external_readers()
     if answered and not options.json:
         print(LEGEND)
     list_failures(failed)
@@ -113,12 +113,13 @@ def _run(options: argparse.Namespace) -> int:
 
 def _query_together(
     library: Library,
+    reader: ShapeReader,
     options: argparse.Namespace,
     unlike: list[ShapeSignature] | str,
     failed: Failures,
 ) -> bool:
     """Run one query with all meshes; whether there is an answer."""
-    like = _examples(library, options.meshes, options, failed)
+    like = _examples(library, reader, options.meshes, options, failed)
     if isinstance(like, str) or isinstance(unlike, str):
         # Without one of its examples it would be another query.
         reasons = [reason for reason in (like, unlike) if isinstance(reason, str)]
@@ -131,6 +132,7 @@ def _query_together(
 
 def _query_file(
     library: Library,
+    reader: ShapeReader,
     path: str,
     options: argparse.Namespace,
     unlike: list[ShapeSignature] | str,
@@ -141,7 +143,7 @@ def _query_file(
         _print_answer(options, path, None, unlike)
         return False
     try:
-        found = _read(path, options, failed)
+        found = _read(reader, path, failed)
     except (MeshError, MemoryError) as error:
         _print_answer(options, path, None, _note_failure(path, error, options, failed))
         return False
@@ -169,25 +171,27 @@ def _matches(
 
 
 def _examples(
-    library: Library, paths: Sequence[str], options: argparse.Namespace, failed: Failures
+    library: Library,
+    reader: ShapeReader,
+    paths: Sequence[str],
+    options: argparse.Namespace,
+    failed: Failures,
 ) -> list[ShapeSignature] | str:
     """Describe all shapes of some example files; a sentence if one of the files fails."""
     signatures: list[ShapeSignature] = []
     reasons = []
     for path in paths:
         try:
-            found = _read(path, options, failed)
+            found = _read(reader, path, failed)
             signatures += [library.model.describe(shape.mesh, keep_surface=True) for shape in found]
         except (MeshError, MemoryError) as error:
             reasons.append(_note_failure(path, error, options, failed))
     return "; ".join(reasons) if reasons else signatures
 
 
-def _read(path: str, options: argparse.Namespace, failed: Failures) -> Sequence[FoundShape]:
+def _read(reader: ShapeReader, path: str, failed: Failures) -> Sequence[NewShape[Mesh]]:
     """Read all shapes of a query file, at least one; objects that cannot be read are noted as failed."""
-    from shapegoogle_core.indexing import read_shapes
-
-    found = read_shapes(path, options.reader)
+    found = reader.read(path)
     failed += [(Path(path), problem) for problem in found.problems]
     if not found.shapes:
         raise MeshError(f"{Path(path).name!r} has no mesh objects; choose a file with a shape in it")
@@ -205,7 +209,7 @@ def _note_failure(path: str, error: BaseException, options: argparse.Namespace, 
 def _print_answer(
     options: argparse.Namespace,
     query: str | list[str],
-    shape: FoundShape | None,
+    shape: NewShape[Mesh] | None,
     answer: list[Match] | str,
     shapes: int = 0,
 ) -> None:

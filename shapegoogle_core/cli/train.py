@@ -62,9 +62,9 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.indexing import default_jobs
     from shapegoogle_core.model import PRESETS
     from shapegoogle_core.model.training import TrainingShape, train_model
+    from shapegoogle_core.processes.launching import default_jobs
     from shapegoogle_core.processes.progress import progress_bar
 
     if options.preset not in PRESETS:
@@ -96,24 +96,24 @@ def _run(options: argparse.Namespace) -> int:
 
 def _read_meshes(options: argparse.Namespace, failed: Failures) -> dict[str, list[Mesh]]:
     """Read the surfaces of all inputs, grouped by shape: with ``--poses`` by folder."""
-    from shapegoogle_core.indexing import end_external_readers, read_shapes
+    from shapegoogle_core.indexing import ShapeReader
     from shapegoogle_core.processes.progress import progress_bar
 
     meshes: defaultdict[str, list[Mesh]] = defaultdict(list)
-    for path in progress_bar(find_files(options, failed), "reading"):
-        try:
-            found = read_shapes(path, options.reader)
-        except MeshError as error:
-            skip(path, str(error), failed)
-            continue
-        failed += [(path, problem) for problem in found.problems]
-        for shape in found.shapes:
-            if shape.mesh.is_point_cloud:
-                skip(path, f"{path.name!r} has no faces; a model is learnt from surfaces", failed)
+    with ShapeReader(options.reader) as reader:
+        for path in progress_bar(find_files(options, failed), "reading"):
+            try:
+                found = reader.read(path)
+            except MeshError as error:
+                skip(path, str(error), failed)
                 continue
-            identity = path.parent if options.poses else path / shape.object_name
-            meshes[str(identity)].append(shape.mesh)
-    end_external_readers()
+            failed += [(path, problem) for problem in found.problems]
+            for shape in found.shapes:
+                if shape.mesh.is_point_cloud:
+                    skip(path, f"{path.name!r} has no faces; a model is learnt from surfaces", failed)
+                    continue
+                identity = path.parent if options.poses else path / shape.object_name
+                meshes[str(identity)].append(shape.mesh)
     return meshes
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Mesh files on disk: finding them, and telling whether they changed."""
+"""Mesh files on disk: finding them, and noticing changes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,16 @@ ContentKey = tuple[str, str]
 
 
 def absolute(path: str | Path) -> Path:
-    """Return the path from the root, without "..", links left as they are: what a library calls a file."""
+    """Return the absolute path without "..", links not followed: the name of a file in a library.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    path : Path
+    """
     return Path(os.path.abspath(path))  # noqa: PTH100 - `resolve` would follow links
 
 
@@ -45,18 +54,18 @@ def find_meshes(
 ) -> list[Path]:
     """List the mesh files in folders and all folders below them.
 
-    Names that begin with a dot are passed over. Links to folders are followed, each folder once, so a circle
-    of links ends. A file that is named itself is taken whatever its name.
+    Names that begin with a dot are skipped. Links to folders are followed, each folder once, so that circles
+    of links end. An input that is a file is listed whatever its name.
 
     Parameters
     ----------
     inputs : iterable of str or Path
         Folders and files.
     on_error : callable, optional
-        Called with the path and a sentence for each input that is missing, cannot be read or has no mesh in
-        it; the others go on. Left out: such an input raises.
+        Called with the path and a sentence for each input that is missing, cannot be read or contains no
+        mesh, and the others are listed. By default such an input raises.
     suffixes : collection of str, optional
-        Of mesh files, in lower case with the dot.
+        Suffixes of mesh files, in lower case with the dot.
 
     Returns
     -------
@@ -66,7 +75,18 @@ def find_meshes(
     Raises
     ------
     MeshError
-        For the first input that is missing, cannot be read or holds no mesh, unless `on_error` is given.
+        For the first input that is missing, cannot be read or contains no mesh, unless `on_error` is given.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import shapegoogle_core as sg
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for name in ("horse.ply", "cow.stl", "notes.txt"):
+    ...         Path(folder, name).touch()
+    ...     [path.name for path in sg.find_meshes([folder])]
+    ['cow.stl', 'horse.ply']
     """
 
     def report(path: Path, reason: str) -> None:
@@ -105,7 +125,7 @@ def _meshes_below(
             subfolders.clear()
             continue
         seen.add(identity)
-        # Sorted, so that of two ways to one folder the same is taken every time.
+        # Sorted, so that a folder that can be reached in two ways always has the same path.
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         for name in files:
             if not name.startswith(".") and Path(name).suffix.lower() in suffixes:
@@ -114,7 +134,7 @@ def _meshes_below(
 
 @dataclass(frozen=True)
 class FileState:
-    """A mesh file as it was when its content was hashed; a .gltf together with the files it refers to.
+    """State of a mesh file when its content was hashed; a .gltf includes the files it refers to.
 
     Attributes
     ----------
@@ -134,11 +154,16 @@ class FileState:
 
     @property
     def key(self) -> ContentKey:
-        """What a copy of this file has in common with it."""
+        """Key that copies of this file share with it."""
         return content_key(self.path, self.sha256)
 
     def changed(self) -> bool:
-        """Whether the file was changed or removed since."""
+        """Whether the file has been changed or removed since.
+
+        Returns
+        -------
+        changed : bool
+        """
         try:
             return stamp(self.path) != (self.size, self.mtime_ns)
         except OSError:
@@ -146,27 +171,66 @@ class FileState:
 
 
 def content_key(path: Path, sha256: str) -> ContentKey:
-    """Key of a content; see `ContentKey`."""
+    """Return the key of a content; see `ContentKey`.
+
+    Parameters
+    ----------
+    path : Path
+    sha256 : str
+
+    Returns
+    -------
+    key : tuple of (str, str)
+    """
     return sha256, path.suffix.lower()
 
 
 def content_of(sha256: str) -> str:
-    """Take the hash of the content alone."""
+    """Return the hash of the content alone, without the reader's options.
+
+    Parameters
+    ----------
+    sha256 : str
+
+    Returns
+    -------
+    sha256 : str
+    """
     return sha256.partition("+")[0]
 
 
 def choices_of(sha256: str) -> str:
-    """Take the reader's options behind a hash, as `ExternalReader.choices_for` writes them."""
+    """Return the reader's options behind a hash, as `ExternalReader.choices_for` writes them.
+
+    Parameters
+    ----------
+    sha256 : str
+
+    Returns
+    -------
+    choices : str
+    """
     return sha256[len(content_of(sha256)) :]
 
 
 def stamp(path: Path) -> tuple[int, int]:
-    """Size in bytes and time of the last change: while both stay, the content is taken to be the same.
+    """Return size and time of the last change; while both are the same, so is the content.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    size : int
+        In bytes.
+    mtime_ns : int
+        In nanoseconds.
 
     Raises
     ------
     OSError
-        If the file is missing or no ordinary file.
+        If the file is missing or not an ordinary file.
     """
     states = [part.stat() for part in _parts(path)]
     return sum(state.st_size for state in states), max(state.st_mtime_ns for state in states)
@@ -179,7 +243,7 @@ def examine(path: Path, choices: str = "") -> FileState:
     ----------
     path : Path
     choices : str, optional
-        Of the reader, as `ExternalReader.choices_for` writes them.
+        Options of the reader, as `ExternalReader.choices_for` writes them.
 
     Returns
     -------
@@ -190,7 +254,7 @@ def examine(path: Path, choices: str = "") -> FileState:
     OSError
         If the file cannot be read.
     """
-    # First the time, then the content: a change in between is noticed later, not missed.
+    # The time before the content: a change in between is noticed in the next run.
     size, mtime_ns = stamp(path)
     digests = []
     for part in _parts(path):
@@ -202,10 +266,10 @@ def examine(path: Path, choices: str = "") -> FileState:
 
 
 def _parts(path: Path) -> list[Path]:
-    """List the files that hold a shape: a .gltf keeps its coordinates in files beside it."""
+    """List the files that contain a shape: a .gltf stores its coordinates in files beside it."""
     if not stat.S_ISREG(path.stat().st_mode):
         # Reading a pipe or a device might never end.
-        raise OSError(errno.EINVAL, "it is no ordinary file")
+        raise OSError(errno.EINVAL, "it is not an ordinary file")
     if path.suffix.lower() != ".gltf":
         return [path]
     try:
@@ -213,5 +277,5 @@ def _parts(path: Path) -> list[Path]:
         neighbours = [path.parent / unquote(uri) for uri in uris if not uri.startswith("data:")]
         return [path, *(neighbour for neighbour in neighbours if neighbour.is_file())]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        # Damaged: the reader will say how.
+        # Damaged: the reader reports how.
         return [path]

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""From folders of files to a library, touching only what is new or changed."""
+"""The indexing run: bring a library up to date with files, opening only those that are new or changed."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal
 
+from shapegoogle_core.indexing.describing import Failure, ReadFunction
+from shapegoogle_core.indexing.external_reader import ExternalReader
+from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
 from shapegoogle_core.indexing.files import (
     ContentKey,
     FileState,
@@ -21,21 +24,23 @@ from shapegoogle_core.indexing.files import (
     examine,
     stamp,
 )
-from shapegoogle_core.indexing.readers import ExternalReader, FoundShape, iterate_shapes
-from shapegoogle_core.indexing.tasks import DescribedShape, Failure
-from shapegoogle_core.indexing.workers import DescribedFile, Workers, default_jobs
+from shapegoogle_core.indexing.reading import ShapeReader
+from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library import Library, NewShape, SourceRecord
-from shapegoogle_core.processes.launching import single_threaded
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.processes.launching import default_jobs
 
 __all__ = ["FileOutcome", "IndexReport", "index_files"]
 
-# Files in the hands of the workers, for each of them: enough that none waits, few enough to keep memory flat.
-AHEAD = 3
+# Number of submitted files per process: enough to keep all of them busy, few enough to keep memory flat.
+FILES_AHEAD = 3
+# Part of the time limit that an external reader gets, so that it is stopped before the process that asks it.
+READER_SHARE = 0.8
 
 
 @dataclass(frozen=True)
 class FileOutcome:
-    """What became of one file.
+    """Outcome of indexing one file.
 
     Attributes
     ----------
@@ -46,7 +51,7 @@ class FileOutcome:
     reason : str
         Why it failed, else empty.
     details : str
-        The traceback of an error nobody foresaw, else empty.
+        The traceback of an unexpected error, else empty.
     """
 
     path: Path
@@ -57,18 +62,25 @@ class FileOutcome:
 
 @dataclass(frozen=True)
 class IndexReport:
-    """What a run of `index_files` did.
+    """Summary of a run of `index_files`.
 
     Attributes
     ----------
     added, updated, unchanged : int
         Numbers of files.
     shapes : int
-        How many shapes the added and updated files gave.
+        Number of shapes of the added and updated files.
     failed : list of (Path, str)
-        Each file that is not in the library, and why.
+        Files that are not completely in the library, with the reasons.
     seconds : float
-        How long it took.
+        Duration of the run.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> report = sg.IndexReport(added=2, updated=0, unchanged=1, shapes=2, failed=[], seconds=0.5)
+    >>> report.added + report.updated
+    2
     """
 
     added: int
@@ -82,46 +94,36 @@ class IndexReport:
 def index_files(
     library: Library,
     paths: Sequence[str | Path],
+    settings: IndexSettings | None = None,
     *,
-    jobs: int | None = None,
-    time_limit: float = 300.0,
-    memory_limit: int = 4096,
     progress: Callable[[FileOutcome], None] | None = None,
-    retry: bool = False,
-    reread: bool = False,
     reader: ExternalReader | None = None,
-    read: ReadAny = iterate_shapes,
+    read: ReadFunction = ShapeReader.iterate,
 ) -> IndexReport:
     """Bring a library up to date with mesh files.
 
-    A file whose size and time are known is not opened; one whose content is known is not described again,
-    even under another name; unless the reader's options are others now. The rest is described by worker
-    processes and stored as it comes in, one transaction per file: whatever ends the run, files already stored
-    stay. What fails though its content gave shapes before keeps these. Call it under
-    ``if __name__ == "__main__":``, as everything that starts processes.
+    A file of known size and time is not opened; a file of known content is not described again, even under
+    another name, unless the reader's options have changed. All others are described by worker processes and
+    stored one by one, each in a transaction: whatever ends the run, files already stored are kept. If a file
+    fails whose content gave shapes before, these shapes are kept. In a script, call it under
+    ``if __name__ == "__main__":``, since it starts processes.
 
     Parameters
     ----------
     library : Library
         Open for writing.
     paths : sequence of str or Path
-        Mesh files, as `find_meshes` lists them.
-    jobs : int, optional
-        Worker processes; one for each processor when left out.
-    time_limit : float
-        Seconds that reading one file may take, and describing one shape.
-    memory_limit : int
-        Megabytes that reading one file, or describing one shape, may need. Enforced on Linux only.
+        Mesh files, such as those listed by `find_meshes`.
+    settings : IndexSettings, optional
+        Number of processes, time and memory limits, and which files are read again.
     progress : callable, optional
-        Called with each `FileOutcome`.
-    retry : bool
-        Try files again that failed before and have not changed since. They are reported as failed otherwise.
-    reread : bool
-        Read and describe all files again, changed or not.
+        Called with the `FileOutcome` of each file.
     reader : ExternalReader, optional
-        For files that this package does not read.
-    read : callable
-        How the workers read a file; a function that can be imported by its name.
+        Another program for files that this package does not read. The limits of the settings hold for it
+        too.
+    read : callable, optional
+        How the processes read a file, for tests: a function of a `ShapeReader` and a path that can be
+        imported by its name.
 
     Returns
     -------
@@ -131,30 +133,51 @@ def index_files(
     ------
     LibraryError
         If the library cannot be written.
+    ShapeGoogleError
+        If the worker processes cannot be started.
+
+    See Also
+    --------
+    find_meshes : lists the mesh files of folders.
+    Library.add : adds a single mesh.
+
+    Examples
+    --------
+    Files that cannot be read are reported, and the others are indexed:
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import shapegoogle_core as sg
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with sg.Library.open(Path(folder, "animals.sglib")) as library:
+    ...         report = sg.index_files(library, [Path(folder, "horse.ply")], sg.IndexSettings(jobs=2))
+    >>> report.added
+    0
+    >>> [path.name for path, reason in report.failed]
+    ['horse.ply']
     """
     started = time.monotonic()
-    run = _Run(library, progress, reader, retry=retry, reread=reread)
+    settings = settings or IndexSettings()
+    run = _Run(library, settings, reader, progress)
     changed = run.pass_over_unchanged(paths)
-    jobs = jobs or default_jobs()
-    # One of our own files is one shape; what another program reads may hold thousands.
-    if reader is None or not any(path.suffix.lower() in reader.suffixes for path in changed):
+    jobs = settings.jobs or default_jobs()
+    # A mesh file is one shape; a file that another program reads may contain thousands.
+    if reader is None or not any(reader.reads(path) for path in changed):
         jobs = min(jobs, max(len(changed), 1))
-    with (
-        single_threaded(),
-        Workers(
-            partial(read, reader=reader),
-            library.model,
-            jobs=jobs,
-            time_limit=time_limit,
-            memory_limit=memory_limit,
-        ) as workers,
-    ):
+    with FilePool(
+        library.model,
+        _limited(reader, settings),
+        read,
+        jobs=jobs,
+        time_limit=settings.time_limit,
+        memory_limit=settings.memory_limit,
+    ) as pool:
         for path in changed:
-            run.begin(path, workers)
-            while len(workers) >= AHEAD * jobs:
-                run.store_finished(workers)
-        while len(workers):
-            run.store_finished(workers)
+            run.begin(path, pool)
+            while len(pool) >= FILES_AHEAD * jobs:
+                run.store_finished(pool)
+        while len(pool):
+            run.store_finished(pool)
     return IndexReport(
         added=run.counts["added"],
         updated=run.counts["updated"],
@@ -165,41 +188,42 @@ def index_files(
     )
 
 
-class ReadAny(Protocol):
-    """A function like `iterate_shapes`."""
-
-    def __call__(self, path: Path, reader: ExternalReader | None) -> Iterator[FoundShape | str]:
-        """Yield the shapes of a file, or sentences on what could not be read."""
+def _limited(reader: ExternalReader | None, settings: IndexSettings) -> ExternalReader | None:
+    """Apply the limits of a run to a reader that has none, or larger ones."""
+    if reader is None:
+        return None
+    return replace(
+        reader,
+        time_limit=min(reader.time_limit, READER_SHARE * settings.time_limit),
+        memory_limit=settings.memory_limit if reader.memory_limit is None else reader.memory_limit,
+    )
 
 
 class _Run:
-    """One run of `index_files`: what is known, what the workers have, what came out."""
+    """State of one run of `index_files`: known files, files in work, results."""
 
     def __init__(
         self,
         library: Library,
-        progress: Callable[[FileOutcome], None] | None,
+        settings: IndexSettings,
         reader: ExternalReader | None,
-        *,
-        retry: bool,
-        reread: bool,
+        progress: Callable[[FileOutcome], None] | None,
     ) -> None:
         self.counts: Counter[str] = Counter()
         self.shapes = 0
         self.failed: list[tuple[Path, str]] = []
         self._library = library
-        self._progress = progress
+        self._settings = settings
         self._reader = reader
-        self._retry = retry
-        self._reread = reread
+        self._progress = progress
         self._known = library.sources()
         self._failures: dict[ContentKey, tuple[Path, Failure]] = {}
-        # The files of each content that the workers have; they read the first one.
+        # Files in work by their content; the first file of each content is read.
         self._waiting: dict[ContentKey, list[FileState]] = {}
 
     @cached_property
     def _shape_ids(self) -> dict[ContentKey, dict[int, str]]:
-        """The shapes that each known content gave: their ids, and the names of their objects."""
+        """Shapes of each known content: their ids, and the names of their objects."""
         shapes: defaultdict[str, dict[int, str]] = defaultdict(dict)
         for shape in self._library.shapes():
             shapes[shape.source][shape.shape_id] = shape.object_name
@@ -211,7 +235,7 @@ class _Run:
 
     def _again(self, source: SourceRecord) -> bool:
         """Whether a file is read again though it has not changed."""
-        if self._reread or (self._retry and source.error is not None):
+        if self._settings.reread or (self._settings.retry and source.error is not None):
             return True
         return source.sha256 is not None and choices_of(source.sha256) != self._choices(Path(source.path))
 
@@ -219,7 +243,7 @@ class _Run:
         return "" if self._reader is None else self._reader.choices_for(path)
 
     def pass_over_unchanged(self, paths: Iterable[str | Path]) -> list[Path]:
-        """Deal with the files whose size and time are known; returns the others, which must be opened."""
+        """Count the files of known size and time; returns the others, which must be opened."""
         changed = []
         for path in dict.fromkeys(absolute(path) for path in paths):
             source = self._known.get(str(path))
@@ -234,8 +258,8 @@ class _Run:
                 self._note_unchanged(path, source)
         return changed
 
-    def begin(self, path: Path, workers: Workers) -> None:
-        """Store a file whose content is known, or hand it to the workers."""
+    def begin(self, path: Path, pool: FilePool) -> None:
+        """Store a file whose content is known, or submit it to the pool."""
         try:
             file = examine(path, self._choices(path))
         except OSError as error:
@@ -249,24 +273,24 @@ class _Run:
             self._waiting[file.key].append(file)
         elif file.key in self._failures:
             self._store_failure(file, _as_copy(file, *self._failures[file.key]))
-        elif file.key in self._shape_ids and not self._reread:
+        elif file.key in self._shape_ids and not self._settings.reread:
             self._store(file, self._described_before(file))
         else:
             self._waiting[file.key] = [file]
-            workers.submit(path)
+            pool.submit(path)
 
-    def store_finished(self, workers: Workers) -> None:
-        """Wait for the workers and store what they finished, with the copies that waited for it."""
-        for path, result in workers.finished():
+    def store_finished(self, pool: FilePool) -> None:
+        """Wait for the pool and store the files it finished, with the copies that waited for them."""
+        for path, result in pool.finished():
             key = next(key for key, files in self._waiting.items() if files[0].path == path)
             first, *copies = self._waiting.pop(key)
             if first.changed():
-                # What was read may be neither the old content nor the new.
+                # The shapes may be those of neither the old content nor the new one.
                 self._fail(
                     path, Failure(f"{path.name!r} changed or vanished while it was read; index it again")
                 )
                 for copy in copies:
-                    self.begin(copy.path, workers)
+                    self.begin(copy.path, pool)
             elif isinstance(result, Failure):
                 self._failures[key] = path, result
                 self._store_failure(first, result)
@@ -277,26 +301,24 @@ class _Run:
                     self._store(file, result)
 
     def _described_before(self, file: FileState) -> DescribedFile:
-        """Take from the library what a file of the same content gave."""
+        """Take the shapes of a file of the same content from the library."""
         return DescribedFile(
             tuple(
-                DescribedShape(name, self._library.signature(shape_id), self._library.thumbnail(shape_id))
+                NewShape(self._library.signature(shape_id), name, name, self._library.thumbnail(shape_id))
                 for shape_id, name in self._shape_ids[file.key].items()
             )
         )
 
     def _store(self, file: FileState, described: DescribedFile) -> None:
-        shapes = [
-            NewShape(shape.signature, shape.object_name or file.path.name, shape.object_name, shape.thumbnail)
-            for shape in described.shapes
-        ]
+        # Copies of a file share the described shapes, but not the name.
+        shapes = [replace(shape, name=shape.object_name or file.path.name) for shape in described.shapes]
         if described.problem and self._shapes_before(file) > len(shapes):
             self._keep(file, Failure(described.problem))
             return
         before = self._replace(file, shapes=shapes, error=described.problem or None)
         self.shapes += len(shapes)
         if described.problem:
-            # What could be described is there; the file counts as failed, since something is missing.
+            # The described shapes are stored, but the file counts as failed, since others are missing.
             self._fail(file.path, Failure(described.problem))
             return
         known = before is not None and before.shape_count > 0
@@ -307,29 +329,29 @@ class _Run:
             self._keep(file, failure)
             return
         if failure.lasting:
-            # Remembered, so that a file that takes all its time or crashes is not tried in every run.
+            # Remembered, so that a file that exceeds its limits or crashes is not tried in every run.
             self._replace(file, error=failure.reason)
         self._fail(file.path, failure)
 
     def _shapes_before(self, file: FileState) -> int:
-        """How many shapes the library has of the very content that a file has now."""
+        """Count the shapes that the library has of the current content of a file."""
         before = self._known.get(str(file.path))
         if before is None or before.sha256 is None or content_of(before.sha256) != content_of(file.sha256):
             return 0
         return before.shape_count
 
     def _keep(self, file: FileState, failure: Failure) -> None:
-        """Fail a file that gave shapes before, and keep these: its content is still the same."""
+        """Report a file as failed but keep its shapes of an earlier run, since its content is the same."""
         reason = f"{failure.reason} (its shapes of an earlier run were kept)"
         self._fail(file.path, replace(failure, reason=reason))
 
     def _replace(
-        self, file: FileState, shapes: Sequence[NewShape] = (), error: str | None = None
+        self, file: FileState, shapes: Sequence[NewShape[ShapeSignature]] = (), error: str | None = None
     ) -> SourceRecord | None:
-        """Put in what a file gives now; returns what was known of the file before."""
+        """Store the current shapes of a file; returns the former record of the file."""
         before = self._known.get(str(file.path))
         if before is not None and before.sha256 is not None:
-            # The shapes of the old content go away with it.
+            # The shapes of the former content are removed with it.
             self._shape_ids.pop(content_key(file.path, before.sha256), None)
         shape_ids = self._library.replace_source(
             file.path, size=file.size, mtime_ns=file.mtime_ns, sha256=file.sha256, shapes=shapes, error=error

@@ -210,7 +210,7 @@ class Library:
         size: int | None,
         mtime_ns: int | None,
         sha256: str | None,
-        shapes: Sequence[NewShape] = (),
+        shapes: Sequence[NewShape[ShapeSignature]] = (),
         error: str | None = None,
     ) -> list[int]:
         """Put in all that a file gives now and forget what it gave before, in one transaction.

@@ -17,12 +17,12 @@ from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
 
 __all__ = [
     "Answer",
-    "Description",
     "StoredExample",
     "describe",
     "describe_meshes",
@@ -164,48 +164,32 @@ def _stored_signature(library: Library, example: StoredExample) -> ShapeSignatur
         ) from error
 
 
-@dataclass(frozen=True, eq=False)
-class Description:
-    """A shape ready to be put into a library.
-
-    Attributes
-    ----------
-    signature : ShapeSignature
-    thumbnail : bytes
-        A picture as PNG.
-    """
-
-    signature: ShapeSignature
-    thumbnail: bytes
-
-
-def describe(path: Path, mesh: Mesh, up_axis: int | None = None) -> Description | str:
-    """Describe a mesh with the model of a library.
+def describe(path: Path, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | str:
+    """Describe a shape with the model of a library.
 
     Parameters
     ----------
     path : Path
         The library.
-    mesh : Mesh
-    up_axis : int, optional
-        Which axis points up in the picture, 1 or 2, where that is known.
+    shape : NewShape
+        With its mesh.
 
     Returns
     -------
-    description : Description or str
-        A sentence on why, if the mesh cannot be described.
+    described : NewShape or str
+        With its signature and thumbnail; a sentence if it cannot be described.
 
     Raises
     ------
     LibraryError
         If the library cannot be opened.
     """
-    from shapegoogle_core.rendering import thumbnail
+    from shapegoogle_core.indexing import describe_shape
 
-    (described,) = describe_meshes(path, [mesh])
-    if isinstance(described, str):
-        return described
-    return Description(described, thumbnail(mesh, up_axis=up_axis))
+    try:
+        return describe_shape(shape, _library(path).model)
+    except MeshError as error:
+        return str(error)
 
 
 def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> list[ShapeSignature | str]:

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.indexing import describe_shape, find_meshes, read_shapes
+from shapegoogle_core.indexing import ShapeReader, describe_shape, find_meshes
 from shapegoogle_core.indexing.files import examine
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library import Library
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
 from shapegoogle_core.model.shape_bags import ChannelWords
 
@@ -68,9 +68,8 @@ def folder(tmp_path: Path, make_mesh: Callable[..., Path]) -> Path:
 def indexed(library: Library, folder: Path) -> Library:
     """A library that knows `folder`, made without the time that worker processes take to start."""
     for path in find_meshes([folder]):
-        state, (found,) = examine(path), read_shapes(path).shapes
-        described = describe_shape(found, library.model)
-        shape = NewShape(described.signature, path.name, thumbnail=described.thumbnail)
+        state, (found,) = examine(path), ShapeReader().read(path).shapes
+        shape = describe_shape(found, library.model)
         library.replace_source(
             path, size=state.size, mtime_ns=state.mtime_ns, sha256=state.sha256, shapes=[shape]
         )

@@ -26,7 +26,6 @@ MODULES = sorted(
 
 PENDING = frozenset(
     {
-        "IndexReport",
         "InverseDocumentFrequency",
         "InverseDocumentFrequency.transform",
         "Keypoints",
@@ -51,9 +50,7 @@ PENDING = frozenset(
         "Vocabulary.transform",
         "bag_of_features",
         "detect_keypoints",
-        "find_meshes",
         "hard_words",
-        "index_files",
         "match_vertices",
         "soft_words",
         "spatially_sensitive_bag",

@@ -4,35 +4,79 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["NewShape", "ShapeRecord", "SourceRecord", "StoreSummary"]
 
 
+Content = TypeVar("Content")
+Other = TypeVar("Other")
+
+
 @dataclass(frozen=True, eq=False)
-class NewShape:
-    """A described shape on its way into a library.
+class NewShape(Generic[Content]):
+    """A shape on its way into a library: read from a file, described, stored.
+
+    The type of its content says how far it has come: a ``NewShape[Mesh]`` was read, a
+    ``NewShape[ShapeSignature]`` is described and can be stored. Between the two, the mesh may wait elsewhere.
 
     Attributes
     ----------
-    signature : ShapeSignature
-        Result of `ShapeModel.describe`.
+    content : Mesh or ShapeSignature
+        The mesh that was read, or the result of `ShapeModel.describe`.
     name : str
         Name of the object or of the file.
     object_name : str
         Name of the object inside its source; empty for a file that is one shape.
     thumbnail : bytes or None
-        A picture as PNG.
+        A picture as PNG, once it is described.
     tags : tuple of str
         Labels to filter searches by.
+    twin_of : int or None
+        Position of an earlier shape of the same source that differs only by a motion, a reflection or a
+        uniform scale; such a twin is not described again.
+    up_axis : int or None
+        Axis that points up, 1 or 2, where the source defines it.
     """
 
-    signature: ShapeSignature
+    content: Content
     name: str
     object_name: str = ""
     thumbnail: bytes | None = None
     tags: tuple[str, ...] = ()
+    twin_of: int | None = None
+    up_axis: int | None = None
+
+    @property
+    def mesh(self: NewShape[Mesh]) -> Mesh:
+        """The mesh of a shape that was read."""
+        return self.content
+
+    @property
+    def signature(self: NewShape[ShapeSignature]) -> ShapeSignature:
+        """The signature of a shape that is described."""
+        return self.content
+
+    def with_content(self, content: Other, thumbnail: bytes | None = None) -> NewShape[Other]:
+        """Take the shape one step further.
+
+        Parameters
+        ----------
+        content : object
+            Its new content.
+        thumbnail : bytes, optional
+            A picture as PNG.
+
+        Returns
+        -------
+        shape : NewShape
+        """
+        return NewShape(
+            content, self.name, self.object_name, thumbnail, self.tags, self.twin_of, self.up_axis
+        )
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord, StoreSummary
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["CodeKind", "CodePage", "Store", "all_codes"]
 
@@ -53,7 +54,7 @@ class Store(Protocol):
 
     # -- changes --------------------------------------------------------------------------------------------
 
-    def add(self, source: str, shape: NewShape) -> int:
+    def add(self, source: str, shape: NewShape[ShapeSignature]) -> int:
         """Add one shape; it replaces the one with the same source, object name and name.
 
         Parameters
@@ -67,7 +68,7 @@ class Store(Protocol):
         shape_id : int
         """
 
-    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape]) -> list[int]:
+    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape[ShapeSignature]]) -> list[int]:
         """Store a source and its shapes in place of everything stored for this source before.
 
         Parameters

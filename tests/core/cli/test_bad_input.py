@@ -58,7 +58,7 @@ BAD_FILES: list[tuple[str, Callable[[Path], object], str]] = [
     (
         "index_out_of_range.off",
         text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 1\n3 0 1 7\n"),
-        "face index outside",
+        "a face names vertex 7, but there are only 4 vertices",
     ),
 ]
 if sys.platform == "linux":  # elsewhere a process has no memory limit

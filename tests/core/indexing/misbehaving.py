@@ -10,10 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from shapegoogle_core.indexing import ExternalReader, FoundShape, iterate_shapes
+from shapegoogle_core.indexing import ShapeReader, describing
+from shapegoogle_core.library import NewShape
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.rendering import thumbnail
 
 
-def read(path: Path, reader: ExternalReader | None = None) -> Iterator[FoundShape | str]:
+def read(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
     """Do what the file's name says; other files are read as ever."""
     match path.stem:
         case "hangs":
@@ -35,11 +38,36 @@ def read(path: Path, reader: ExternalReader | None = None) -> Iterator[FoundShap
             path.write_text(path.read_text() + "# changed\n")
         case "vanishes":
             path.unlink()
-    return iterate_shapes(path, reader)
+    return reader.iterate(path)
 
 
-def read_and_log(path: Path, reader: ExternalReader | None = None) -> Iterator[FoundShape | str]:
+def read_and_log(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
     """Note beside the library which files were really read."""
     with (Path(os.environ["READ_LOG"])).open("a") as log:
         log.write(f"{path.name}\n")
-    return iterate_shapes(path, reader)
+    return reader.iterate(path)
+
+
+def read_then_hang(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+    """Read a file, and make this process hang when it describes a shape named "x2"."""
+    draw = thumbnail
+
+    def hang(mesh: Mesh, *, up_axis: int | None = None) -> bytes:
+        if mesh.name == "x2":
+            time.sleep(3600)
+        return draw(mesh, up_axis=up_axis)
+
+    setattr(describing, "thumbnail", hang)  # noqa: B010 - it is no variable
+    return reader.iterate(path)
+
+
+def read_then_take_two_seconds(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+    """Read a file, and make this process take two seconds for each shape that it describes."""
+    draw = thumbnail
+
+    def dawdle(mesh: Mesh, *, up_axis: int | None = None) -> bytes:
+        time.sleep(2)
+        return draw(mesh, up_axis=up_axis)
+
+    setattr(describing, "thumbnail", dawdle)  # noqa: B010 - it is no variable
+    return reader.iterate(path)

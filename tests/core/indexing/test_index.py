@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapegoogle_core.indexing import FileOutcome, IndexReport, find_meshes, index_files
+from shapegoogle_core.indexing import FileOutcome, IndexReport, IndexSettings, find_meshes, index_files
+from shapegoogle_core.indexing.describing import ReadFunction
 from shapegoogle_core.library import Library
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ShapeModel
@@ -38,9 +39,13 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Log:
     return names
 
 
-def index(library: Library, folder: Path, **options: object) -> IndexReport:
-    options = {"jobs": 1, "read": misbehaving.read_and_log} | options
-    return index_files(library, find_meshes([folder]), **options)  # type: ignore[arg-type]
+def index(
+    library: Library,
+    folder: Path,
+    read: ReadFunction = misbehaving.read_and_log,
+    progress: Callable[[FileOutcome], None] | None = None,
+) -> IndexReport:
+    return index_files(library, find_meshes([folder]), IndexSettings(jobs=1), read=read, progress=progress)
 
 
 def counts(report: IndexReport) -> tuple[int, int, int, int]:

@@ -23,14 +23,14 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
-from shapegoogle_core.indexing import index_files
+from shapegoogle_core.indexing import IndexSettings, index_files
 from shapegoogle_core.library import Library
 from tests.core.indexing import misbehaving
 
 if __name__ == "__main__":
     with Library.open(sys.argv[2]) as library:
         print("starts", flush=True)
-        index_files(library, sys.argv[3:], jobs=2, time_limit=3600, read=misbehaving.read)
+        index_files(library, sys.argv[3:], IndexSettings(jobs=2, time_limit=3600), read=misbehaving.read)
 """
 
 

@@ -14,14 +14,25 @@ import pytest
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import (
     ExternalReader,
+    FileShapes,
     IndexReport,
+    IndexSettings,
+    ShapeReader,
     find_meshes,
     index_files,
-    read_shapes,
     readable_suffixes,
 )
+from shapegoogle_core.indexing.describing import ReadFunction
 from shapegoogle_core.library import Library
+from tests.core.indexing import misbehaving
 from tests.core.number_reader import write_numbers
+
+ONE_JOB = IndexSettings(jobs=1)
+
+
+def read_shapes(path: Path, reader: ExternalReader | None = None) -> FileShapes:
+    with ShapeReader(reader) as shapes:
+        return shapes.read(path)
 
 
 def test_shapes_of_a_file(reader: ExternalReader, tmp_path: Path) -> None:
@@ -49,17 +60,20 @@ def test_joined_parts(reader: ExternalReader, tmp_path: Path) -> None:
 
 def test_a_program_that_crashes_is_started_again(reader: ExternalReader, tmp_path: Path) -> None:
     message = r"'bad.numbers' crashed the program, which read it \(exit code 3.*something is wrong"
-    with pytest.raises(MeshError, match=message):
-        read_shapes(write_numbers(tmp_path, "bad", "crash"), reader)
-    assert len(read_shapes(write_numbers(tmp_path, "good", "1"), reader).shapes) == 1
-    with pytest.raises(MeshError, match="the program does not like it"):
-        read_shapes(write_numbers(tmp_path, "refused", "error"), reader)
+    with ShapeReader(reader) as shapes:
+        with pytest.raises(MeshError, match=message):
+            shapes.read(write_numbers(tmp_path, "bad", "crash"))
+        assert len(shapes.read(write_numbers(tmp_path, "good", "1")).shapes) == 1
+        with pytest.raises(MeshError, match="the program does not like it"):
+            shapes.read(write_numbers(tmp_path, "refused", "error"))
 
 
 def test_a_program_that_hangs_is_killed(reader: ExternalReader, tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match=r"'slow\.numbers' was not read by the program after 5 s"):
-        read_shapes(write_numbers(tmp_path, "slow", "hang"), reader)
-    assert len(read_shapes(write_numbers(tmp_path, "good", "1"), reader).shapes) == 1
+    slow = write_numbers(tmp_path, "slow", "hang")
+    with ShapeReader(replace(reader, time_limit=0.5)) as shapes:
+        for _ in range(2):  # it is started again
+            with pytest.raises(MeshError, match=r"'slow\.numbers' was not read by the program after 0\.5 s"):
+                shapes.read(slow)
 
 
 def test_a_program_that_is_not_there(tmp_path: Path) -> None:
@@ -100,13 +114,19 @@ def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None
 
     report = index(library, folder, reader)
     assert (report.added, report.unchanged, len(report.failed)) == (0, 3, 2)
-    assert index(library, folder, reader, reread=True).updated == 2
-    assert index(library, folder, reader, retry=True).unchanged == 3
+    assert index(library, folder, reader, replace(ONE_JOB, reread=True)).updated == 2
+    assert index(library, folder, reader, replace(ONE_JOB, retry=True)).unchanged == 3
 
 
-def index(library: Library, folder: Path, reader: ExternalReader, **options: object) -> IndexReport:
+def index(
+    library: Library,
+    folder: Path,
+    reader: ExternalReader,
+    settings: IndexSettings = ONE_JOB,
+    read: ReadFunction = ShapeReader.iterate,
+) -> IndexReport:
     paths = find_meshes([folder], suffixes=readable_suffixes(reader))
-    return index_files(library, paths, jobs=1, reader=reader, **options)  # type: ignore[arg-type]
+    return index_files(library, paths, settings, reader=reader, read=read)
 
 
 def names(library: Library) -> list[tuple[str, str]]:
@@ -116,23 +136,23 @@ def names(library: Library) -> list[tuple[str, str]]:
 def test_a_file_of_many_shapes_may_take_longer_than_one_shape(
     reader: ExternalReader, library: Library, tmp_path: Path
 ) -> None:
-    """The limit is for each shape: together they take several times as long."""
-    count = 250
-    text = " ".join(["alone", *map(str, range(1, count + 1))])
-    write_numbers(tmp_path / "files", "many", text)
-    report = index(library, tmp_path / "files", reader, time_limit=1.5)
-    assert (report.added, report.shapes, report.failed) == (1, count, [])
-    assert report.seconds > 1.5
+    """The limit is for each shape: together they take longer."""
+    write_numbers(tmp_path / "files", "many", "alone 1 2 3 4 5 6")
+    settings = IndexSettings(jobs=1, time_limit=10)
+    report = index(library, tmp_path / "files", reader, settings, misbehaving.read_then_take_two_seconds)
+    assert (report.added, report.shapes, report.failed) == (1, 6, [])
+    assert report.seconds > 10
 
 
 def test_a_shape_that_takes_too_long_costs_only_itself(
     reader: ExternalReader, library: Library, tmp_path: Path
 ) -> None:
-    write_numbers(tmp_path / "files", "some", "alone 1 huge 3")
-    report = index(library, tmp_path / "files", reader, time_limit=2)
+    write_numbers(tmp_path / "files", "some", "alone 1 2 3")
+    settings = IndexSettings(jobs=1, time_limit=10)
+    report = index(library, tmp_path / "files", reader, settings, misbehaving.read_then_hang)
     ((path, reason),) = report.failed
     assert path.name == "some.numbers"
-    assert reason.startswith("'some.numbers': 1 of 3 objects failed: 'xhuge' was not done after 2 s")
+    assert reason.startswith("'some.numbers': 1 of 3 objects failed: 'x2' was not done after 10 s")
     assert names(library) == [("some", "x1"), ("some", "x3")]
 
 
@@ -158,10 +178,14 @@ def test_a_failure_keeps_the_shapes_of_the_same_content(
     folder = tmp_path / "files"
     path = write_numbers(folder, "a", "1 2")
     index(library, folder, reader)
-    ((_, reason),) = index(library, folder, replace(reader, command=("gone",)), reread=True).failed
+    ((_, reason),) = index(
+        library, folder, replace(reader, command=("gone",)), replace(ONE_JOB, reread=True)
+    ).failed
     assert "the program cannot be started" in reason
     assert reason.endswith("(its shapes of an earlier run were kept)")
-    ((_, reason),) = index(library, folder, replace(reader, environment=(("FAIL", "1"),)), reread=True).failed
+    ((_, reason),) = index(
+        library, folder, replace(reader, environment=(("FAIL", "1"),)), replace(ONE_JOB, reread=True)
+    ).failed
     assert "crashed" in reason
     assert names(library) == [("a", "x1"), ("a", "x2")]
     assert index(library, folder, reader).unchanged == 1
@@ -190,6 +214,6 @@ def test_the_program_does_not_inherit_the_limit(
 ) -> None:
     write_numbers(tmp_path / "files", "a", "1 swell")
     limited = replace(reader, memory_limit=77)
-    ((_, reason),) = index(library, tmp_path / "files", limited, memory_limit=1024).failed
+    ((_, reason),) = index(library, tmp_path / "files", limited, replace(ONE_JOB, memory_limit=1024)).failed
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     assert reason.endswith(f"limit {soft} asked 77")

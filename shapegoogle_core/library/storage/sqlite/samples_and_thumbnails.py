@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.library.storage.sqlite.database import Database
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["SampleAndThumbnailTables"]
 
@@ -14,7 +15,7 @@ __all__ = ["SampleAndThumbnailTables"]
 class SampleAndThumbnailTables(Database):
     """Samples and thumbnails of a library file."""
 
-    def insert_sample_and_thumbnail(self, shape_id: int, shape: NewShape) -> None:
+    def insert_sample_and_thumbnail(self, shape_id: int, shape: NewShape[ShapeSignature]) -> None:
         """Insert the sample and the thumbnail of a new shape if it has them, inside `writing`."""
         sample = shape.signature.sample
         if sample is not None:

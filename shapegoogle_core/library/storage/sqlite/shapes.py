@@ -14,6 +14,7 @@ from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
 from shapegoogle_core.library.storage.sqlite.database import Database, encoded
 from shapegoogle_core.library.storage.sqlite.filter_conditions import filter_conditions, fold_case
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["ShapeTable"]
 
@@ -27,7 +28,7 @@ FROM shapes LEFT JOIN sources ON sources.id = source_id
 class ShapeTable(Database):
     """Records of the shapes of a library file."""
 
-    def insert_record(self, source_id: int | None, shape: NewShape) -> int:
+    def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
         """Insert the record and the tags of a new shape, inside `writing`; return its id."""
         signature = shape.signature
         shape_id = self.connection.execute(

@@ -14,6 +14,7 @@ from shapegoogle_core.library.storage.sqlite.samples_and_thumbnails import Sampl
 from shapegoogle_core.library.storage.sqlite.schema import APPLICATION_ID, FORMAT, SCHEMA
 from shapegoogle_core.library.storage.sqlite.shapes import ShapeTable
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["SqliteStore"]
 
@@ -92,7 +93,7 @@ class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, So
 
     # -- changes --------------------------------------------------------------------------------------------
 
-    def add(self, source: str, shape: NewShape) -> int:
+    def add(self, source: str, shape: NewShape[ShapeSignature]) -> int:
         """Add one shape, see `Store.add`."""
         with self.writing():
             if not source:
@@ -104,7 +105,7 @@ class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, So
             )
             return self._insert(source_id, shape)
 
-    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape]) -> list[int]:
+    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape[ShapeSignature]]) -> list[int]:
         """Store a source and its shapes in place of the earlier ones, see `Store.replace_source`."""
         with self.writing():
             self._remove_source(source.path)
@@ -121,7 +122,7 @@ class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, So
         with self.writing():
             return sum(self._remove("id = ?", (shape_id,)) for shape_id in shape_ids)
 
-    def _insert(self, source_id: int | None, shape: NewShape) -> int:
+    def _insert(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
         shape_id = self.insert_record(source_id, shape)
         self.insert_bags(shape_id, shape.signature.bags)
         self.insert_sample_and_thumbnail(shape_id, shape)

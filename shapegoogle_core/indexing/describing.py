@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: MIT
+"""Work on one file in a worker process: reading it, and describing one of its shapes.
+
+Between the two steps the meshes wait in a file on disk, so that no process holds more than one at a time.
+"""
+
+from __future__ import annotations
+
+import errno
+import tempfile
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderError
+from shapegoogle_core.indexing.reading import ShapeReader
+from shapegoogle_core.library import NewShape
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.rendering import thumbnail
+
+__all__ = [
+    "Describer",
+    "Failure",
+    "MeshOnDisk",
+    "ReadFile",
+    "ReadFunction",
+    "describe_shape",
+    "describe_shape_on_disk",
+    "read_file",
+    "start_describer",
+]
+
+ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | str]]
+"""`ShapeReader.iterate` or a function like it."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Reason why a file or shape could not be described.
+
+    Attributes
+    ----------
+    reason : str
+        One sentence for the user.
+    details : str
+        The traceback of an unexpected error, else empty.
+    lasting : bool
+        Whether the file is to blame, so that it fails again as long as it does not change.
+    """
+
+    reason: str
+    details: str = ""
+    lasting: bool = True
+
+
+@dataclass(frozen=True)
+class MeshOnDisk:
+    """A mesh that was read and waits to be described.
+
+    Attributes
+    ----------
+    file : Path
+        Contains the vertices and the faces, as `numpy.save` writes them.
+    offset : int
+        Start of its arrays in the file, in bytes.
+    area : float
+        In squared units.
+    extents : (float, float, float)
+        Side lengths of its bounding box.
+    """
+
+    file: Path
+    offset: int
+    area: float
+    extents: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ReadFile:
+    """A file whose meshes wait on disk.
+
+    Attributes
+    ----------
+    shapes : tuple of NewShape
+    problems : tuple of str
+        A sentence for each part that could not be read.
+    """
+
+    shapes: tuple[NewShape[MeshOnDisk], ...]
+    problems: tuple[str, ...]
+
+
+def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSignature]:
+    """Describe a shape and draw its thumbnail.
+
+    Parameters
+    ----------
+    shape : NewShape
+        With its mesh.
+    model : ShapeModel
+
+    Returns
+    -------
+    described : NewShape
+        With its signature and thumbnail.
+
+    Raises
+    ------
+    MeshError
+        If it cannot be described.
+    """
+    picture = thumbnail(shape.mesh, up_axis=shape.up_axis)
+    return shape.with_content(model.describe(shape.mesh), picture)
+
+
+@dataclass(frozen=True, eq=False)
+class Describer:
+    """State of a worker process: everything that its tasks need.
+
+    Attributes
+    ----------
+    model : ShapeModel
+    reader : ShapeReader
+    read : callable
+        See `ReadFunction`.
+    memory_limit : int
+        Megabytes that one task may need, for messages.
+    """
+
+    model: ShapeModel
+    reader: ShapeReader
+    read: ReadFunction
+    memory_limit: int
+
+
+def start_describer(
+    model_file: Path, external: ExternalReader | None, read: ReadFunction, memory_limit: int
+) -> Describer:
+    """Prepare a worker process for its tasks.
+
+    Parameters
+    ----------
+    model_file : Path
+    external : ExternalReader or None
+    read : callable
+        See `ReadFunction`.
+    memory_limit : int
+        Megabytes that one task may need.
+
+    Returns
+    -------
+    describer : Describer
+    """
+    return Describer(load_model(model_file), ShapeReader(external), read, memory_limit)
+
+
+def read_file(describer: Describer, path: Path, folder: Path) -> ReadFile | Failure:
+    """Read a file.
+
+    Parameters
+    ----------
+    describer : Describer
+    path : Path
+    folder : Path
+        For the meshes and all temporary files; created here.
+
+    Returns
+    -------
+    found : ReadFile or Failure
+    """
+    try:
+        folder.mkdir(exist_ok=True)
+        tempfile.tempdir = str(folder)
+        shapes: list[NewShape[MeshOnDisk]] = []
+        problems: list[str] = []
+        arrays = folder / "arrays"
+        with arrays.open("wb") as file:
+            for found in describer.read(describer.reader, path):
+                if isinstance(found, str):
+                    problems.append(found)
+                    continue
+                mesh = found.mesh
+                shapes.append(found.with_content(MeshOnDisk(arrays, file.tell(), mesh.area, mesh.extents)))
+                np.save(file, mesh.vertices)
+                np.save(file, mesh.faces)
+        return ReadFile(tuple(shapes), tuple(problems))
+    except Exception as error:
+        return _failure(describer, path.name, error)
+
+
+def describe_shape_on_disk(
+    describer: Describer, shape: NewShape[MeshOnDisk]
+) -> NewShape[ShapeSignature] | Failure:
+    """Describe a shape whose mesh waits on disk.
+
+    Parameters
+    ----------
+    describer : Describer
+    shape : NewShape
+
+    Returns
+    -------
+    described : NewShape or Failure
+    """
+    try:
+        with shape.content.file.open("rb") as file:
+            file.seek(shape.content.offset)
+            vertices, faces = (np.load(file, allow_pickle=False) for _ in range(2))
+        return describe_shape(shape.with_content(Mesh(vertices, faces, shape.name)), describer.model)
+    except Exception as error:
+        return _failure(describer, shape.name, error)
+
+
+def _failure(describer: Describer, name: str, error: Exception) -> Failure:
+    if isinstance(error, MemoryError) or isinstance(error.__cause__, MemoryError):
+        limit = describer.memory_limit
+        return Failure(
+            f"{name!r} needs more than {limit} MB of memory; simplify it or raise the memory limit"
+        )
+    if isinstance(error, MeshError):
+        return Failure(str(error), lasting=not isinstance(error, ReaderError))
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        place = tempfile.gettempdir()
+        return Failure(
+            f"{name!r} was not described: the disk of '{place}' is full; free some space", lasting=False
+        )
+    # Turned into text here: an exception of a library may not be picklable.
+    return Failure(
+        f"{name!r} cannot be described (unexpected {type(error).__name__}: {error})",
+        "".join(traceback.format_exception(error)),
+    )

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: MIT
+"""Another program, such as Blender, that reads files which this package does not.
+
+The program is started once, reports that it is ready, and is asked for one file after the other. A request is
+one line of JSON on its standard input::
+
+    {"path": "…/scene.blend", "output": "…/shapes.bin", "memory_limit": 4096 or null, …options}
+
+The limit is in megabytes, on top of what the program holds before its first request.
+
+It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
+triangles (int32), little-endian, and answers with one line on its standard output that begins with
+`ANSWER`; all other lines are ignored. With "joined", all shapes are parts of one::
+
+    shapegoogle-answer {"ready": true}
+    shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
+    row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
+    shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.library import NewShape
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.processes.program import Program
+
+__all__ = ["ANSWER", "ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
+
+ANSWER = "shapegoogle-answer "
+# Number of a program's last lines that an error message shows.
+SHOWN_LINES = 5
+# Seconds that a program may take to start.
+START_LIMIT = 60.0
+
+
+class ReaderError(MeshError):
+    """The program that should read a file cannot be started: nothing is known about the file."""
+
+
+@dataclass(frozen=True)
+class ReaderOption:
+    """An option that a reader's program offers; the command has an option of this name.
+
+    Attributes
+    ----------
+    name : str
+    choices : tuple of str
+        The first is the default.
+    summary : str
+        For the command's help.
+    """
+
+    name: str
+    choices: tuple[str, ...]
+    summary: str
+
+
+@dataclass(frozen=True)
+class ExternalReader:
+    """Another program that reads files which this package does not.
+
+    Attributes
+    ----------
+    suffixes : frozenset of str
+        Suffixes of the files it reads, in lower case with the dot.
+    command : tuple of str
+        The program and its arguments.
+    title : str
+        Its name in error messages.
+    offers : tuple of ReaderOption
+        Options that can be chosen.
+    options : tuple of (str, str)
+        Chosen options: names and values, sent along with every request.
+    time_limit : float
+        Seconds that it may take for one file, once it has started; it is killed then.
+    memory_limit : int or None
+        Megabytes that it may need for one file; the program itself has to enforce this.
+    environment : tuple of (str, str)
+        Environment variables for it, on top of this process's own.
+    """
+
+    suffixes: frozenset[str]
+    command: tuple[str, ...]
+    title: str
+    offers: tuple[ReaderOption, ...] = ()
+    options: tuple[tuple[str, str], ...] = ()
+    time_limit: float = 300.0
+    memory_limit: int | None = None
+    environment: tuple[tuple[str, str], ...] = field(default=(), repr=False)
+
+    def reads(self, path: Path) -> bool:
+        """Whether the program reads such a file, by its suffix.
+
+        Parameters
+        ----------
+        path : Path
+
+        Returns
+        -------
+        reads : bool
+        """
+        return path.suffix.lower() in self.suffixes
+
+    def choices_for(self, path: Path) -> str:
+        """Write down the options that change the shapes of a file.
+
+        Parameters
+        ----------
+        path : Path
+
+        Returns
+        -------
+        choices : str
+            Such as "+objects=assets"; empty if all options have their defaults.
+        """
+        if not self.reads(path):
+            return ""
+        defaults = {offer.name: offer.choices[0] for offer in self.offers}
+        return "".join(f"+{name}={value}" for name, value in self.options if defaults.get(name) != value)
+
+
+class ReaderProcess:
+    """The running program of a reader, started at the first file and again after it died.
+
+    Parameters
+    ----------
+    reader : ExternalReader
+    """
+
+    def __init__(self, reader: ExternalReader) -> None:
+        self._reader = reader
+        self._program: Program | None = None
+
+    def read(self, path: Path) -> Iterator[NewShape[Mesh] | str]:
+        """Read the shapes of a file one by one.
+
+        Parameters
+        ----------
+        path : Path
+
+        Yields
+        ------
+        shape : NewShape or str
+            A sentence for a part that cannot be read.
+
+        Raises
+        ------
+        MeshError
+            If the file cannot be read.
+        """
+        with tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True) as folder:
+            output = Path(folder, "shapes.bin")
+            request = {
+                "path": os.fspath(path.absolute()),
+                "output": str(output),
+                "memory_limit": self._reader.memory_limit,
+                **dict(self._reader.options),
+            }
+            answer = self._ask(path, json.dumps(request))
+            if "error" in answer:
+                raise MeshError(str(answer["error"]))
+            yield from _shapes(path, answer, output)
+
+    def close(self) -> None:
+        """End the program."""
+        program, self._program = self._program, None
+        if program is not None:
+            program.close()
+
+    def _ask(self, path: Path, request: str) -> Mapping[str, Any]:
+        program = self._started()
+        program.other_lines.clear()
+        program.send(request)
+        try:
+            answer = program.message(self._reader.time_limit)
+        except TimeoutError as error:
+            self.close()
+            raise MeshError(
+                f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
+                "given up; simplify it or raise the time limit"
+            ) from error
+        if answer is None:
+            raise MeshError(
+                f"{path.name!r} crashed {self._reader.title}, which read it ({self._ending(program)}); open "
+                "and save it again, or simplify it"
+            )
+        return _parsed(answer)
+
+    def _started(self) -> Program:
+        if self._program is not None and self._program.exit_code is not None:
+            self.close()
+        if self._program is None:
+            try:
+                self._program = Program(
+                    self._reader.command,
+                    marker=ANSWER,
+                    environment={**os.environ, **dict(self._reader.environment)},
+                    with_input=True,
+                )
+            except OSError as error:
+                raise self._not_started(error.strerror or str(error)) from error
+            try:
+                ready = self._program.message(START_LIMIT)
+            except TimeoutError as error:
+                self.close()
+                raise self._not_started("it reports nothing") from error
+            if ready is None:
+                raise self._not_started(self._ending(self._program))
+        return self._program
+
+    def _not_started(self, reason: str) -> ReaderError:
+        return ReaderError(
+            f"{self._reader.title} cannot be started ({reason}: {self._reader.command[0]!r}); install it "
+            "again, or choose another one"
+        )
+
+    def _ending(self, program: Program) -> str:
+        """Close a program that has ended and describe how it did."""
+        self._program = None
+        exit_code = program.close()
+        printed = program.last_lines(SHOWN_LINES)
+        return f"exit code {exit_code}{', last output: ' + printed if printed else ''}"
+
+
+def _parsed(answer: str) -> Mapping[str, Any]:
+    parsed: Mapping[str, Any] = json.loads(answer)
+    return parsed
+
+
+def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[NewShape[Mesh] | str]:
+    """Read the arrays that the program wrote, one shape at a time."""
+    yield from map(str, answer["problems"])
+    up_axis = answer["up_axis"]
+    parts: list[Mesh] = []
+    positions: dict[int, int] = {}  # of the program's shapes among those without a problem
+    with output.open("rb") as file:
+        for index, record in enumerate(answer["shapes"]):
+            vertices = np.fromfile(file, "<f4", 3 * record["vertices"]).reshape(-1, 3)
+            faces = np.fromfile(file, "<i4", 3 * record["faces"]).reshape(-1, 3)
+            matrix = np.array(record["matrix"], np.float64).reshape(4, 4)
+            if np.linalg.det(matrix[:3, :3]) < 0:
+                faces = faces[:, ::-1]  # a mirrored object would come out inside out
+            name = str(record["name"])
+            try:
+                mesh = Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
+            except MeshError as error:
+                yield str(error)
+                continue
+            if answer["joined"]:
+                parts.append(mesh)
+                continue
+            twin_of = positions.get(record["twin_of"])
+            positions[index] = len(positions)
+            yield NewShape(mesh, name, name, twin_of=twin_of, up_axis=up_axis)
+    if parts:
+        yield NewShape(_joined(parts, path.name), path.name, up_axis=up_axis)
+
+
+def _joined(meshes: Sequence[Mesh], name: str) -> Mesh:
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]),
+        name,
+    )

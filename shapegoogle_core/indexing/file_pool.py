@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: MIT
+"""Reading and describing files in worker processes.
+
+A task of the pool is to read one file, or to describe one shape of it: a file of many objects may take long,
+all processes share them, and the limits hold for each.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import traceback
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from itertools import count
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from shapegoogle_core.indexing.describing import (
+    Failure,
+    ReadFile,
+    ReadFunction,
+    describe_shape_on_disk,
+    read_file,
+    start_describer,
+)
+from shapegoogle_core.indexing.external_reader import ExternalReader
+from shapegoogle_core.library import NewShape
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, TimeLimitError
+
+__all__ = ["DescribedFile", "FilePool"]
+
+# Number of problems of one file that are reported.
+SHOWN_PROBLEMS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class DescribedFile:
+    """The described shapes of one file.
+
+    Attributes
+    ----------
+    shapes : tuple of NewShape
+        Empty if the file contains no mesh, such as a .blend file of materials.
+    problem : str
+        A sentence on the parts that could not be described, else empty.
+    """
+
+    shapes: tuple[NewShape[ShapeSignature], ...]
+    problem: str = ""
+
+
+@dataclass(eq=False)
+class _FileInWork:
+    """A file that is read or described: its folder for temporary files, and the results so far."""
+
+    path: Path
+    folder: Path
+    found: ReadFile = field(default_factory=lambda: ReadFile((), ()))
+    described: dict[int, NewShape[ShapeSignature] | Failure] = field(default_factory=dict)
+
+    def originals(self) -> list[int]:
+        """Positions of the shapes that have to be described; the others are twins of these."""
+        return [index for index, shape in enumerate(self.found.shapes) if shape.twin_of is None]
+
+    def outcome(self) -> DescribedFile | Failure:
+        """Summarise the file when all originals are described."""
+        failures = [Failure(problem) for problem in self.found.problems]
+        shapes: dict[int, NewShape[ShapeSignature]] = {}
+        for index, shape in enumerate(self.found.shapes):
+            if shape.twin_of is None:
+                described = self.described[index]
+                if isinstance(described, Failure):
+                    failures.append(described)
+                else:
+                    shapes[index] = described
+            elif shape.twin_of in shapes:
+                # Neither the signature nor the picture depends on place and size.
+                twin, waiting = shapes[shape.twin_of], shape.content
+                signature = replace(twin.signature, area=waiting.area, extents=waiting.extents)
+                shapes[index] = shape.with_content(signature, twin.thumbnail)
+            else:
+                original = self.found.shapes[shape.twin_of]
+                failures.append(Failure(f"{shape.name!r} has the mesh of {original.name!r}, which failed"))
+        if not failures:
+            return DescribedFile(tuple(shapes.values()))
+        reasons = _listed(failures)
+        if not shapes:
+            details = next((failure.details for failure in failures if failure.details), "")
+            return Failure(reasons, details, lasting=all(failure.lasting for failure in failures))
+        total = len(self.found.shapes) + len(self.found.problems)
+        problem = f"{self.path.name!r}: {len(failures)} of {total} objects failed: {reasons}"
+        return DescribedFile(tuple(shapes.values()), problem)
+
+
+def _listed(failures: Sequence[Failure]) -> str:
+    reasons = [failure.reason for failure in failures[:SHOWN_PROBLEMS]]
+    if len(failures) > SHOWN_PROBLEMS:
+        reasons.append(f"and {len(failures) - SHOWN_PROBLEMS} more")
+    return "; ".join(reasons)
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """Reading a file, or describing one of its shapes."""
+
+    file: _FileInWork
+    shape: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Name for error messages."""
+        return self.file.path.name if self.shape is None else self.file.found.shapes[self.shape].name
+
+
+class FilePool:
+    """A pool of processes that read and describe files.
+
+    Use it as a context manager: leaving the block ends the processes, whatever they are doing, and removes
+    their temporary files.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    external : ExternalReader or None
+        Reads files that this package does not.
+    read : callable
+        `ShapeReader.iterate`, or another function that a new Python process can import by its name.
+    jobs : int
+        Number of processes.
+    time_limit : float
+        Seconds that reading one file or describing one shape may take.
+    memory_limit : int
+        Megabytes that reading one file or describing one shape may need. Enforced on Linux only.
+    """
+
+    def __init__(
+        self,
+        model: ShapeModel,
+        external: ExternalReader | None,
+        read: ReadFunction,
+        *,
+        jobs: int,
+        time_limit: float,
+        memory_limit: int,
+    ) -> None:
+        self._time_limit = time_limit
+        self._resources = ExitStack()
+        # A process that is killed may still be writing there when the folder is removed.
+        folder = tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True)
+        self._folder = Path(self._resources.enter_context(folder))
+        model_file = self._folder / "model.npz"
+        model_file.write_bytes(model.to_bytes())
+        self._pool = Pool(
+            jobs,
+            time_limit,
+            memory_limit=memory_limit,
+            folder=self._folder,
+            start=start_describer,
+            start_arguments=(model_file, external, read, memory_limit),
+        )
+        self._numbers = count()
+        self._files = 0
+        self._steps: dict[PoolTask[Any], _Step] = {}
+
+    def __enter__(self) -> Self:
+        self._resources.enter_context(self._pool)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._resources.close()
+
+    def __len__(self) -> int:
+        """Return the number of submitted files that `finished` has not returned yet."""
+        return self._files
+
+    def submit(self, path: Path) -> None:
+        """Submit a file; the first one starts the processes.
+
+        Parameters
+        ----------
+        path : Path
+        """
+        self._files += 1
+        file = _FileInWork(path, self._folder / str(next(self._numbers)))
+        self._steps[self._pool.submit(read_file, file.path, file.folder)] = _Step(file)
+
+    def finished(self) -> list[tuple[Path, DescribedFile | Failure]]:
+        """Wait until at least one file is done.
+
+        Returns
+        -------
+        files : list of (Path, DescribedFile or Failure)
+            All that are done and were not returned before.
+
+        Raises
+        ------
+        ShapeGoogleError
+            If the processes die again and again before any task is done.
+        """
+        results: list[tuple[Path, DescribedFile | Failure]] = []
+        while self._files and not results:
+            for task in self._pool.finished():
+                step = self._steps.pop(task)
+                outcome = self._take(step, self._result(step, task))
+                if outcome is not None:
+                    results.append((step.file.path, outcome))
+                    self._files -= 1
+                    shutil.rmtree(step.file.folder, ignore_errors=True)
+        return results
+
+    def _take(
+        self, step: _Step, result: ReadFile | NewShape[ShapeSignature] | Failure
+    ) -> DescribedFile | Failure | None:
+        """Store the result of a step; returns the outcome of its file if it was the last one."""
+        file = step.file
+        if isinstance(result, ReadFile):
+            file.found = result
+            for index in file.originals():
+                # Before files that wait to be read, so that few meshes wait on disk.
+                task = self._pool.submit(describe_shape_on_disk, result.shapes[index], first=True)
+                self._steps[task] = _Step(file, index)
+        elif step.shape is not None:
+            file.described[step.shape] = result
+        elif isinstance(result, Failure):
+            return result
+        return file.outcome() if len(file.described) == len(file.originals()) else None
+
+    def _result(self, step: _Step, task: PoolTask[Any]) -> ReadFile | NewShape[ShapeSignature] | Failure:
+        try:
+            result: ReadFile | NewShape[ShapeSignature] | Failure = task.result()
+        except TimeLimitError:
+            return Failure(
+                f"{step.name!r} was not done after {self._time_limit:g} s and given up; simplify it or raise "
+                "the time limit"
+            )
+        except CrashError as error:
+            did = "read" if step.shape is None else "described"
+            return Failure(
+                f"{step.name!r} crashed the process that {did} it ({error}); export it again or simplify it"
+            )
+        except Exception as error:
+            return Failure(
+                f"{step.name!r} ended the process that worked on it ({type(error).__name__}: {error})",
+                "".join(traceback.format_exception(error)),
+            )
+        return result

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""From a file to its shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.library import NewShape
+from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
+
+__all__ = ["FileShapes", "ShapeReader", "readable_suffixes"]
+
+
+@dataclass(frozen=True)
+class FileShapes:
+    """The shapes of a file.
+
+    Attributes
+    ----------
+    shapes : sequence of NewShape
+        May be empty: many .blend files contain only materials or lights.
+    problems : sequence of str
+        A sentence for each part that could not be read.
+    """
+
+    shapes: Sequence[NewShape[Mesh]]
+    problems: Sequence[str] = ()
+
+
+def readable_suffixes(external: ExternalReader | None) -> frozenset[str]:
+    """List the suffixes of all files that a `ShapeReader` reads.
+
+    Parameters
+    ----------
+    external : ExternalReader or None
+
+    Returns
+    -------
+    suffixes : frozenset of str
+        In lower case with the dot.
+    """
+    return MESH_SUFFIXES if external is None else MESH_SUFFIXES | external.suffixes
+
+
+class ShapeReader:
+    """Reads the shapes of files, mesh files itself and others through another program.
+
+    Use it as a context manager: the program keeps running from file to file until the block is left.
+
+    Parameters
+    ----------
+    external : ExternalReader, optional
+        Reads the files that have one of its suffixes.
+    """
+
+    def __init__(self, external: ExternalReader | None = None) -> None:
+        self._external = external
+        self._process = None if external is None else ReaderProcess(external)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the program, if it runs."""
+        if self._process is not None:
+            self._process.close()
+
+    def read(self, path: str | Path) -> FileShapes:
+        """Read all shapes of a file.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        found : FileShapes
+            One shape without an object name if it is a mesh file.
+
+        Raises
+        ------
+        MeshError
+            If the file cannot be read.
+        """
+        shapes: list[NewShape[Mesh]] = []
+        problems: list[str] = []
+        for found in self.iterate(path):
+            if isinstance(found, str):
+                problems.append(found)
+            else:
+                shapes.append(found)
+        return FileShapes(shapes, problems)
+
+    def iterate(self, path: str | Path) -> Iterator[NewShape[Mesh] | str]:
+        """Read the shapes of a file one by one.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Yields
+        ------
+        found : NewShape or str
+            A sentence for a part that could not be read.
+
+        Raises
+        ------
+        MeshError
+            If the file cannot be read.
+        """
+        path = Path(path)
+        if self._external is None or self._process is None or not self._external.reads(path):
+            mesh = read_mesh(path)
+            yield NewShape(mesh, mesh.name)
+            return
+        if not path.is_file():
+            raise MeshError(f"{str(path)!r} is not there, or is no file; check the spelling")
+        yield from self._process.read(path)
