@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import MeshError
-from shapegoogle_core.indexing import end_external_readers, read_shapes
+from shapegoogle_core.indexing import FileShapes, ShapeReader
 from tests.addon.conftest import to_point_cloud
 
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits and ends processes so")
@@ -33,17 +33,17 @@ def digest(path: Path) -> str:
 
 
 @pytest.fixture
-def read(addon: ModuleType) -> Iterator[Any]:
+def read(addon: ModuleType) -> Callable[..., FileShapes]:
     """Read the shapes of a file with a Blender of its own."""
     import importlib
 
     assets = importlib.import_module(f"{addon.__name__}.connections")
 
-    def read_file(path: Path, objects: str = "all") -> Any:
-        return read_shapes(path, replace(assets.blend_reader(), options=(("objects", objects),)))
+    def read_file(path: Path, objects: str = "all") -> FileShapes:
+        with ShapeReader(replace(assets.blend_reader(), options=(("objects", objects),))) as reader:
+            return reader.read(path)
 
-    yield read_file
-    end_external_readers()
+    return read_file
 
 
 def save(path: Path) -> Path:
@@ -251,20 +251,21 @@ def test_memory(read: Any, addon: ModuleType, tmp_path: Path) -> None:
 
     reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
     path = heavy(tmp_path / "heavy.blend")
-    with pytest.raises(MeshError, match=r"'heavy\.blend'"):
-        read_shapes(path, replace(reader, memory_limit=300))
-    end_external_readers()
+    limited = ShapeReader(replace(reader, memory_limit=300))
+    with limited, pytest.raises(MeshError, match=r"'heavy\.blend'"):
+        limited.read(path)
     bpy.context.object.modifiers.clear()
     light = save(tmp_path / "light.blend")
-    assert len(read_shapes(light, replace(reader, memory_limit=300)).shapes) == 1
+    with ShapeReader(replace(reader, memory_limit=300)) as limited:
+        assert len(limited.read(light).shapes) == 1
 
 
 PROGRAM = """
 import sys
-from shapegoogle_core.indexing import ExternalReader, read_shapes
+from shapegoogle_core.indexing import ExternalReader, ShapeReader
 
 print("reads", flush=True)
-read_shapes(sys.argv[1], ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:]), "Blender"))
+ShapeReader(ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:]), "Blender")).read(sys.argv[1])
 """
 
 
