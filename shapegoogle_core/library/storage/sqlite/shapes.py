@@ -86,17 +86,9 @@ def _records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -
     tags_of: defaultdict[int, list[str]] = defaultdict(list)
     for shape_id, tag in tags:
         tags_of[shape_id].append(tag)
+    sorted_tags = {shape_id: tuple(sorted(own)) for shape_id, own in tags_of.items()}
+    # By position: a listing makes a million of them.
     return [
-        ShapeRecord(
-            shape_id,
-            name,
-            source,
-            object_name,
-            vertex_count,
-            face_count,
-            area,
-            extents=(x, y, z),
-            tags=tuple(sorted(tags_of.get(shape_id, ()))),
-        )
-        for shape_id, name, source, object_name, vertex_count, face_count, area, x, y, z in rows
+        ShapeRecord(i, name, source, object_name, vertices, faces, area, (x, y, z), sorted_tags.get(i, ()))
+        for i, name, source, object_name, vertices, faces, area, x, y, z in rows
     ]
