@@ -6,71 +6,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from trimesh.proximity import closest_point_naive
 
 import shapegoogle_core as sg
 from benchmarks.creatures import make_creature
 from shapegoogle_core.keypoints import DETECTORS
-from shapegoogle_core.mesh.prolongation import prolongation
 from shapegoogle_core.model.vertex_signatures import SPOT_RADIUS
-from shapegoogle_core.preprocessing import repair, repair_mapped
 
 
 def unwelded(mesh: sg.Mesh) -> sg.Mesh:
     """Every face on its own, as in an STL file."""
     return sg.Mesh(mesh.vertices[mesh.faces].reshape(-1, 3), np.arange(mesh.faces.size).reshape(-1, 3))
-
-
-class TestRepairMapped:
-    @settings(max_examples=50, deadline=None)
-    @given(st.integers(0, 2**32 - 1))
-    def test_vertices_are_found_where_they_were(self, seed):
-        random = np.random.default_rng(seed)
-        vertices = random.integers(0, 3, (30, 3)).astype(float)
-        mesh = sg.Mesh(vertices, random.integers(0, 30, (25, 3)))
-        repaired, place = repair_mapped(mesh)
-        assert np.array_equal(repaired.vertices, repair(mesh).vertices)
-        kept = place >= 0
-        assert np.array_equal(repaired.vertices[place[kept]], vertices[kept])
-        assert set(place[kept]) == set(range(len(repaired.vertices)))
-
-    def test_clean_mesh_is_itself(self, bumpy):
-        repaired, place = repair_mapped(bumpy)
-        assert repaired is bumpy
-        assert np.array_equal(place, np.arange(len(bumpy.vertices)))
-
-
-class TestProlongation:
-    def test_is_linear_interpolation(self, bumpy):
-        random = np.random.default_rng(0)
-        weights = random.dirichlet(np.ones(3), len(bumpy.faces))
-        points = np.einsum("fc,fcd->fd", weights, bumpy.vertices[bumpy.faces])
-        matrix = prolongation(bumpy, points)
-        assert np.allclose(matrix.sum(axis=1), 1)
-        assert matrix.data.min() >= 0
-        assert np.allclose(matrix @ bumpy.vertices, points)
-
-    def test_points_beside_the_surface_go_to_the_nearest_one(self, bumpy):
-        random = np.random.default_rng(1)
-        points = bumpy.vertices * random.uniform(0.97, 1.03, (len(bumpy.vertices), 1))
-        surface = trimesh.Trimesh(bumpy.vertices, bumpy.faces, process=False)
-        _, least, _ = closest_point_naive(surface, points)
-        distance = np.linalg.norm(prolongation(bumpy, points) @ bumpy.vertices - points, axis=1)
-        assert (distance >= least - 1e-12).all()
-        assert np.allclose(distance, least, atol=1e-3)
-
-    def test_vertices_keep_their_values(self, bumpy):
-        values = np.random.default_rng(2).standard_normal(len(bumpy.vertices))
-        assert np.allclose(prolongation(bumpy, bumpy.vertices) @ values, values)
-
-    def test_flat_faces_are_no_obstacle(self):
-        mesh = sg.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 3]])
-        matrix = prolongation(mesh, np.array([[0.25, 0.25, 0.1], [5.0, 0, 0]]))
-        assert np.isfinite(matrix.data).all()
-        assert np.allclose(matrix.sum(axis=1), 1)
-        assert np.allclose(matrix @ mesh.vertices, [[0.25, 0.25, 0], [1, 0, 0]])
 
 
 class TestVertexSpectrum:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, check_surface, face_areas, unique_edges
 from shapegoogle_core.mesh.connectivity import used_vertices
-from shapegoogle_core.preprocessing import repair
+from shapegoogle_core.preprocessing import repair, repair_mapped
 
 BALL = trimesh.creation.icosphere(subdivisions=3)
 
@@ -208,3 +208,22 @@ def test_soup_with_rounding_errors_welds_as_pairs_within_the_tolerance_do() -> N
     step = 0.4e-6 * np.sqrt(3) * rng.uniform(-0.5, 0.5, crowd.shape)
     cloud = repair(Mesh(np.concatenate([points, crowd + step, crowd])))
     assert np.array_equal(cloud.vertices, points)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_mapped_vertices_are_found_where_they_were(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    vertices = random.integers(0, 3, (30, 3)).astype(float)
+    mesh = Mesh(vertices, random.integers(0, 30, (25, 3)))
+    repaired, place = repair_mapped(mesh)
+    assert np.array_equal(repaired.vertices, repair(mesh).vertices)
+    kept = place >= 0
+    assert np.array_equal(repaired.vertices[place[kept]], vertices[kept])
+    assert set(place[kept]) == set(range(len(repaired.vertices)))
+
+
+def test_a_clean_mesh_is_mapped_to_itself(bumpy: Mesh) -> None:
+    repaired, place = repair_mapped(bumpy)
+    assert repaired is bumpy
+    assert np.array_equal(place, np.arange(len(bumpy.vertices)))
