@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from shapegoogle_core.cli.arguments import add_library, number_from
 from shapegoogle_core.cli.command import Command
 from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.filters import add_filters, filter_of
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted
 from shapegoogle_core.errors import MeshError
@@ -51,6 +52,7 @@ examples:
   shapegoogle query horse.obj --library shapes.sglib
   shapegoogle query poses/*.off --library shapes.sglib --top 1 --json
   shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib
+  shapegoogle query bolt.stl --library shapes.sglib --kind scaled --folder D:\\models --faces :5000
 """
 
 LEGEND = """\
@@ -90,6 +92,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         metavar="MESH",
         help="mesh files of what you do not search",
     )
+    add_filters(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object for each query")
 
 
@@ -166,7 +169,12 @@ def _matches(
     unlike: list[ShapeSignature],
 ) -> list[Match]:
     return library.query(
-        shapes, top=options.top, explain=options.evidence, exact=options.exact, unlike=unlike
+        shapes,
+        top=options.top,
+        explain=options.evidence,
+        exact=options.exact,
+        unlike=unlike,
+        where=filter_of(options),
     )
 
 

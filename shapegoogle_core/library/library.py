@@ -418,10 +418,10 @@ class Library:
         MeshError
             If one of the shapes is no mesh, or the model cannot describe it.
         LibraryError
-            If another model made one of the signatures.
+            If another model made one of the signatures, or if a kind of evidence is asked for and the model
+            takes no samples of surfaces.
         ValueError
-            If there is no shape, if `top` is below 1 or `explain` is below 0, or if a kind of evidence is
-            asked for and the model keeps no samples of surfaces.
+            If there is no shape, or if `top` is below 1 or `explain` below 0.
 
         Examples
         --------
@@ -440,9 +440,9 @@ class Library:
             raise ValueError(f"explain must be at least 0, not {explain}")
         kind = None if where is None else where.kind
         if kind is not None and self._model.settings.sample is None:
-            raise ValueError(
-                f"where.kind is {kind!r}, but the model {self._model.name!r} keeps no "
-                "samples of surfaces to find evidence with; leave the kind out"
+            raise LibraryError(
+                f"'{self._store.name}' keeps no samples of surfaces to find the kind {kind!r} with, because "
+                f"its model {self._model.name!r} takes none; leave the kind out"
             )
         examples = self._signatures(shapes, keep_surface=explain > 0 or kind is not None)
         if not examples:

@@ -13,9 +13,9 @@ nearest
   first is o / (1 + o + w o⁻), and d (1 + w o⁻)^(1/p) is the distance that has this similarity. A shape far
   from all that is not meant keeps its place, one near to it falls, and its copies come last.
 
-With one example, and none that is not meant, both rules change nothing. ``docs/search.md`` compares the rules
-with others. Geometric verification then lowers distances as in any other search: each match is aligned with
-the nearest example.
+With one example, and none that is not meant, both rules change nothing. ``docs/measurements/search.md``
+compares the rules with others. Geometric verification then lowers distances as in any other search: each
+match is aligned with the nearest example.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`SearchSettings`: every choice of a search in one value, readable without importing numpy.
 
-``docs/measurements/libraries.md`` and ``docs/limits.md`` describe the measurements behind the default values.
+``docs/measurements/search.md`` holds the measurements behind the default values.
 """
 
 from __future__ import annotations

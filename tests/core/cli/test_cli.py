@@ -63,6 +63,13 @@ def test_help_and_version(run: Command) -> None:
         ["query", "mesh.obj", "--library", "x", "--top", "0"],
         ["query", "mesh.obj", "--library", "x", "--unlike"],
         ["query", "--together", "--library", "x"],
+        ["query", "mesh.obj", "--library", "x", "--name", " "],
+        ["query", "mesh.obj", "--library", "x", "--faces", "1000"],
+        ["query", "mesh.obj", "--library", "x", "--faces", "5000:1000"],
+        ["query", "mesh.obj", "--library", "x", "--size", ":"],
+        ["query", "mesh.obj", "--library", "x", "--size", "1:wide"],
+        ["query", "mesh.obj", "--library", "x", "--kind", "same"],
+        ["query", "mesh.obj", "--library", "x", "--min-similarity", "1.5"],
         ["info"],
         ["train", "folder"],
     ],
@@ -161,7 +168,37 @@ def test_query_as_a_table(run: Command, indexed: Library, library_file: Path, fo
     assert [line.split(":")[0] for line in legend] == ["similarity", "distance", "evidence"]
 
 
-def test_meshes_together_are_one_question(
+@pytest.mark.parametrize(
+    ("filters", "expected"),
+    [
+        (["--name", "PLUM"], ["plum.stl"]),
+        (["--folder", "{folder}/more"], ["plum.stl"]),
+        (["--faces", "1:"], ["apple.off", "pear.obj", "plum.stl"]),
+        (["--faces", ":1"], []),
+        (["--size", "1e6:"], []),
+        (["--tag", "wood"], []),
+        (["--min-similarity", "1"], ["pear.obj"]),
+    ],
+)
+def test_query_with_filters(
+    run: Command, indexed: Library, library_file: Path, folder: Path, filters: list[str], expected: list[str]
+) -> None:
+    options = [option.format(folder=folder) for option in filters]
+    code, stdout, stderr = run("query", folder / "pear.obj", "--library", library_file, "--json", *options)
+    assert (code, stderr) == (0, "")
+    matches = json.loads(stdout)["matches"]
+    assert sorted(match["name"] for match in matches) == sorted(expected)
+
+
+def test_a_kind_cannot_be_found_without_samples(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
+    code, _, stderr = run("query", folder / "pear.obj", "--library", library_file, "--kind", "moved")
+    assert code != 0
+    assert "keeps no samples of surfaces to find the kind 'moved' with" in stderr
+
+
+def test_meshes_together_are_one_query(
     run: Command, indexed: Library, library_file: Path, folder: Path
 ) -> None:
     meshes = [folder / "pear.obj", folder / "apple.off"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.experiments.evidence_pairs import EvidencePair, make_pairs
-from shapegoogle_core import Filter, Library, ShapeModel, ShapeSignature
+from shapegoogle_core import Filter, Library, LibraryError, ShapeModel, ShapeSignature
 from shapegoogle_core.library.search.settings import CandidateSettings, EvidenceSettings, SearchSettings
 
 # Codes decide already in a library of dozens.
@@ -82,7 +82,7 @@ def test_matches_below_the_least_similarity_are_left_out(
 def test_a_kind_needs_a_model_with_samples(
     filled: Library, make_signature: Callable[..., ShapeSignature]
 ) -> None:
-    with pytest.raises(ValueError, match=r"where\.kind is 'moved', but the model 'tiny' keeps no samples"):
+    with pytest.raises(LibraryError, match=r"keeps no samples of surfaces to find the kind 'moved' with"):
         filled.query(make_signature(1), where=Filter(kind="moved"))
 
 
