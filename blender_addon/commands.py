@@ -13,7 +13,7 @@ from . import connections, state
 __all__ = ["main", "register", "unregister"]
 
 COMMAND = "shape_google"
-"""What `blender --command` calls it: an identifier, so no hyphen."""
+"""Name of the command for `blender --command`, which has to be an identifier."""
 
 
 def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} {{command}}") -> int:
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     arguments : sequence of str
         Such as ``["index", "assets", "--library", "shapes.sglib"]``; "paint" is `signature.command`.
     program : str, optional
-        What the help calls the command.
+        Name of the command in its help.
 
     Returns
     -------
@@ -34,8 +34,8 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     from shapegoogle_core import cli
     from shapegoogle_core.processes.launching import orderly_end
 
-    # Blender leaves Ctrl-C to itself; here it must end the run in an orderly way. So must SIGTERM, with which
-    # the window ends a run in the background.
+    # Blender handles Ctrl-C itself; here it has to end the run so that the library stays whole. So does
+    # SIGTERM, with which the window ends a background run.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if arguments[:1] == ["paint"]:
         with orderly_end():
@@ -52,7 +52,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Remove the command."""
     if state.current().command is not None:
         bpy.utils.unregister_cli_command(state.current().command)
         state.current().command = None

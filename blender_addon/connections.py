@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of shapes: the asset libraries of Blender, the Blender that reads .blend files, pictures."""
+"""Connections to other programs: asset libraries, the Blender that reads files, the command as a process."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ __all__ = [
 BLENDER_SUFFIXES = (".blend", ".fbx")
 """Files that only Blender reads."""
 
-# Factory settings: no other add-on, no start-up file of the user's takes part, and no scripts in files run.
+# Factory settings exclude other add-ons and the user's start-up file; scripts in files do not run.
 _QUIET_BLENDER = ("--background", "--factory-startup", "--disable-autoexec", "--python-exit-code", "1")
 
 
 def asset_libraries() -> list[tuple[str, Path]]:
-    """Names and folders of the asset libraries in Blender's preferences, there or not."""
+    """Names and folders of the asset libraries in Blender's preferences, whether they exist or not."""
     libraries = bpy.context.preferences.filepaths.asset_libraries
     return [(library.name, Path(bpy.path.abspath(library.path))) for library in libraries if library.path]
 
@@ -59,7 +59,7 @@ def blend_reader() -> ExternalReader:
             ReaderOption(
                 "objects",
                 ("all", "assets"),
-                "which objects of a .blend file are shapes: all meshes, or only those marked as assets where "
+                "objects of a .blend file that are shapes: all meshes, or only those marked as assets if "
                 "there are any",
             ),
         ),
@@ -89,7 +89,7 @@ def package_command(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]
         # Worker processes import their parent's main file, and Blender calls it "<blender string>".
         code = f"__file__ = None; {run}[sys.argv.index('--') + 1:]))"
         return [bpy.app.binary_path, *options, "--python-expr", code, "--", *arguments], environment
-    # A module is looked for beside this package, wherever the other process starts.
+    # The other process has to find this package wherever it starts.
     paths = [str(Path(__file__).parents[package.count(".") + 1]), environment.get("PYTHONPATH", "")]
     environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
     return [sys.executable, "-c", run + "[1:]))", *arguments], environment

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work beside Blender's window: one worker process for quick answers, a background Blender for long runs.
+"""Work outside Blender's window: a worker process for short tasks, background commands for long runs.
 
 Only the main thread may touch bpy. A worker process runs the core alone, under the Python that Blender
 brings; `watch` hands its results to the main thread. `BackgroundRun` is the add-on's command in another
@@ -29,7 +29,7 @@ __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "watch", "worker"]
 
 T = TypeVar("T")
 
-# How often the main thread looks for results, in seconds; nothing is drawn for a look.
+# Seconds between the main thread's checks for results, which draw nothing.
 INTERVAL = 0.02
 # How the events of a command begin, which are JSON, and its errors.
 EVENT, ERROR = "{", "shapegoogle: "
@@ -46,7 +46,7 @@ def worker() -> Worker:
 
 
 def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseException], None]) -> None:
-    """Have the main thread take a result when it is there.
+    """Have the main thread take a result when it is ready.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ class BackgroundRun:
         return events
 
     def seconds(self) -> float:
-        """Return for how long it has been running."""
+        """Return the seconds since it started."""
         return time.monotonic() - self._started
 
     def last_line(self) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user chooses once: the library and its sources, workers, limits, the model."""
+"""Preferences: the library and its sources, workers, limits, and the model."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _MODELS = (
 
 
 def _absolute(name: str) -> Callable[[Any, Any], None]:
-    """Return what makes a path absolute: relative to the open file, it would be another in the next one."""
+    """Return an update function that makes a path absolute, so that it does not depend on the open file."""
 
     def update(group: Any, _context: Any) -> None:
         path = getattr(group, name)
@@ -71,14 +71,14 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
 
     library: StringProperty(
         name="Library",
-        description="File that holds what is known of all shapes; made when you first index into it",
+        description="File that stores the signatures of all shapes; created when you first index into it",
         subtype="FILE_PATH",
         maxlen=1024,
         update=_absolute("library"),
     )
     folder: StringProperty(
         name="Libraries Folder",
-        description="Where new libraries are made; empty: in Blender's own folder for this extension",
+        description="Folder for new libraries; if empty, Blender's own folder for this extension",
         subtype="DIR_PATH",
         maxlen=1024,
         update=_absolute("folder"),
@@ -98,7 +98,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     )
     jobs: IntProperty(
         name="Workers",
-        description="Processes that describe shapes; 0: one for each processor",
+        description="Number of processes that describe shapes; 0: one for each processor",
         default=0,
         min=0,
         max=256,
@@ -106,7 +106,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     time_limit: IntProperty(
         name="Time Limit",
         description=(
-            "Seconds to read one file, and to describe one shape; what takes longer is skipped and listed"
+            "Seconds to read one file, and to describe one shape; slower files are skipped and listed"
         ),
         default=300,
         min=1,
@@ -121,7 +121,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     )
     model: EnumProperty(
         name="Model",
-        description="What describes the shapes of a new library; a library keeps the model it was made with",
+        description="Model of a new library; a library keeps the model that it was created with",
         items=_MODELS,
     )
     model_file: StringProperty(
@@ -165,7 +165,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         return self.libraries_folder() / f"shapes{LIBRARY_SUFFIX}"
 
     def libraries_folder(self) -> Path:
-        """Return where new libraries are made; the folder need not be there yet."""
+        """Return the folder for new libraries, which need not exist yet."""
         if self.folder:
             return Path(self.folder)
         try:
@@ -175,18 +175,18 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
             return Path(bpy.utils.user_resource("DATAFILES", path="shape_google"))
 
     def model_name(self) -> str:
-        """Return what `shapegoogle_core.load_model` calls the chosen model."""
+        """Return the name or path of the chosen model, as `shapegoogle_core.load_model` takes it."""
         return str(self.model_file) if self.model == "FILE" else str(self.model).lower()
 
     def has_sources(self) -> bool:
-        """Whether any source of files is chosen; looks at no disk."""
+        """Whether any source of files is chosen; does not access the disk."""
         libraries = self.use_asset_libraries and bool(connections.asset_libraries())
         return libraries or any(item.use and item.path for item in self.folders)
 
     def sources(self) -> Sequence[Path]:
-        """Return the folders that are indexed: asset libraries that are there, then added folders."""
+        """Return the folders that are indexed: asset libraries that exist, then added folders."""
         libraries = connections.asset_libraries() if self.use_asset_libraries else []
-        # Blender lists a library of its own from the start, and few make its folder.
+        # Blender lists a library of its own from the start, whose folder rarely exists.
         chosen = [path for _, path in libraries if path.is_dir()]
         chosen += [Path(item.path) for item in self.folders if item.use and item.path]
         return list(dict.fromkeys(chosen))

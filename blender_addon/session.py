@@ -67,15 +67,16 @@ _register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_sess
 
 
 def register() -> None:
-    """Make the properties known to Blender."""
+    """Register the properties, and the handlers that carry them over to another file."""
     _register()
     bpy.types.WindowManager.shape_google = PointerProperty(type=SHAPEGOOGLE_PG_session)
     bpy.app.handlers.load_pre.append(_keep)
-    bpy.app.handlers.load_post.append(_bring_back)
+    # First, since the handlers of the features read the session.
+    bpy.app.handlers.load_post.insert(0, _bring_back)
 
 
 def unregister() -> None:
-    """Take them back; nothing goes on by the time the add-on is switched on again."""
+    """Unregister the properties; those of work that ends now are reset."""
     bpy.app.handlers.load_post.remove(_bring_back)
     bpy.app.handlers.load_pre.remove(_keep)
     session = session_of(bpy.context)

@@ -9,12 +9,12 @@ _MODULES = (properties, operators, panel)
 
 
 def register() -> None:
-    """Make this feature known to Blender."""
+    """Register this feature with Blender."""
     for module in _MODULES:
         module.register()
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Unregister this feature."""
     for module in reversed(_MODULES):
         module.unregister()

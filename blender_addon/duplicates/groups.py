@@ -2,7 +2,7 @@
 """Groups of mesh objects of a scene that are the same shape, each around its first mesh.
 
 Meshes are compared, not objects: objects that share a mesh are linked already and no duplicates of each
-other. A mesh is looked at as it stands in the world at the first object that uses it, before modifiers.
+other. A mesh is compared as it stands in the world at the first object that uses it, before modifiers.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ class _Shape:
 
 @dataclass(frozen=True, eq=False)
 class SceneShapes:
-    """What a scene has: one entry for each geometry, found by `collect_shapes`.
+    """Shapes of a scene, one entry for each geometry, found by `collect_shapes`.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Let objects share one mesh, so that nothing moves; say why, where that cannot be promised."""
+"""Let objects share one mesh so that nothing moves; objects where that is not certain are refused."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
 
 @dataclass(frozen=True)
 class Linked:
-    """What linking did.
+    """Result of linking.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Linked:
 def link_data(context: Any, objects: Sequence[Any]) -> Linked:
     """Give objects the mesh of the first one, their matrices corrected so that nothing moves.
 
-    The meshes are compared again: they may have changed since duplicates were looked for. Modifiers,
+    The meshes are compared again: they may have changed since the duplicates were found. Modifiers,
     materials of objects and children stay where they are.
 
     Parameters

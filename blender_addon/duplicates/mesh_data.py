@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of Blender with all that belongs to them, and what of it differs between two that look alike."""
+"""Meshes of Blender with all their data, and the data in which two congruent meshes differ."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["WorldMesh", "differing_data", "world_mesh"]
 CLOSE = 1e-4
 # Of normals, unit vectors that Blender keeps with 15 bits, through a rotation with its own error.
 CLOSE_NORMALS = 1e-2
-# What an attribute's values are called, by the kind of attribute.
+# Names of an attribute's values, by the kind of attribute.
 VALUES = ("value", "vector", "color")
 # Attributes of Blender that mean the same absent as all zero.
 ZERO_BY_DEFAULT = {
@@ -98,7 +98,7 @@ def world_mesh(item: Any) -> WorldMesh | None:
 
 
 def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) -> list[str]:
-    """Name what two congruent meshes have differently, besides the order of their vertices.
+    """Name the data in which two congruent meshes differ, besides the order of their vertices.
 
     Parameters
     ----------

@@ -47,19 +47,19 @@ def _library_path(context: Any) -> Path:
 
 
 class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
-    """Look for groups of the same and of similar shapes; nothing is changed."""
+    """Find groups of the same and of similar shapes; nothing is changed."""
 
     bl_idname = "shape_google.find_duplicates"
     bl_label = "Find Duplicates"
     bl_description = (
         "List groups of the same and of similar shapes, in the scene or the library. Nothing is changed. "
-        "Objects that share a mesh already are no duplicates; mirrored ones are not either"
+        "Objects that share a mesh are no duplicates, nor are mirrored ones"
     )
     bl_options: ClassVar = {"REGISTER"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a place to look in, and no search yet."""
+        """Check that there is something to search and no search runs."""
         shown = context.window_manager.shape_google_duplicates
         if shown.running:
             cls.poll_message_set("A search for duplicates is running")
@@ -70,7 +70,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         return True
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """List what is the same at once; what takes long goes on in the background."""
+        """List congruent meshes at once; the search for similar shapes goes on in the background."""
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         if shown.scope == "LIBRARY":
@@ -94,7 +94,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         return {"FINISHED"}
 
     def execute(self, context: Any) -> set[str]:
-        """Look for all of it now."""
+        """Find all groups before returning."""
         from shapegoogle_core import Library, ShapeGoogleError
         from shapegoogle_core.service.requests import describe_meshes
 
@@ -170,7 +170,7 @@ class SHAPEGOOGLE_OT_cancel_duplicates(bpy.types.Operator):
 
     bl_idname = "shape_google.cancel_duplicates"
     bl_label = "Cancel Search for Duplicates"
-    bl_description = "End the search for duplicates; what was found stays listed"
+    bl_description = "End the search for duplicates; the groups found stay listed"
     bl_options: ClassVar = {"INTERNAL"}
 
     def execute(self, _context: Any) -> set[str]:
@@ -196,7 +196,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a group, and objects can be selected."""
+        """Check that there is a group and objects can be selected."""
         if not len(context.window_manager.shape_google_duplicates.groups):
             cls.poll_message_set("Find duplicates first")
             return False
@@ -231,8 +231,8 @@ class SHAPEGOOGLE_OT_link_duplicates(bpy.types.Operator):
     bl_label = "Link Data"
     bl_description = (
         "Let the members of the chosen groups share the mesh of their first one. Nothing moves: matrices are "
-        "corrected. Objects where that cannot be promised, such as with shape keys or an armature, stay as "
-        "they are and are named"
+        "corrected. Objects where this is not possible, such as with shape keys or an armature, are left "
+        "unchanged and named"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
@@ -314,7 +314,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister the operators."""
     _cancel_running()
     bpy.app.handlers.load_pre.remove(_forget)
     _unregister()

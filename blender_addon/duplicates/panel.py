@@ -107,7 +107,7 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
             if member.note:
                 details.append(f"other {member.note}")
             if member.source:
-                # A file that is one shape is called like it: then its folder says more.
+                # The name of a file with one shape is that of the shape: show its folder instead.
                 parts = PurePath(member.source).parts[-2:]
                 details.append(parts[0] if parts[-1] == member.name else parts[-1])
             row = column.row()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel Duplicates shows: settings, the groups that were found, and how far a search is."""
+"""Settings of the panel Duplicates, the groups found, and the progress of the search."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ KINDS = {
     "PART_OF": ("Whole of It", "SELECT_EXTEND"),
     "CONTAINS": ("Part of It", "SELECT_INTERSECT"),
 }
-"""What each kind of group is called, and its icon."""
+"""Name and icon of each kind of group."""
 
 
 class SHAPEGOOGLE_PG_duplicate_member(bpy.types.PropertyGroup):
@@ -70,27 +70,27 @@ class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
 
     scope: EnumProperty(
         name="Scope",
-        description="Where to look for duplicates",
+        description="Where duplicates are searched",
         items=(
             ("SCENE", "Scene", "The mesh objects of this scene, before modifiers"),
             (
                 "LIBRARY",
                 "Library",
-                "The shapes of the chosen library; nothing of it can be changed from here",
+                "The shapes of the chosen library, which is not changed",
             ),
         ),
     )
     similar: BoolProperty(
         name="Similar Shapes",
         description=(
-            "Also look for shapes that are hard to tell apart, such as another pose or another mesh. "
-            "In a scene that takes about half a second for each different mesh"
+            "Also find shapes that are nearly the same, such as another pose or another mesh. "
+            "In a scene this takes about half a second for each different mesh"
         ),
         default=True,
     )
     min_similarity: FloatProperty(
         name="Similarity",
-        description="Least similarity to the first of a group",
+        description="Lowest similarity to the first of a group",
         default=0.95,
         min=0.5,
         max=1.0,
@@ -146,12 +146,12 @@ _register, _unregister = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Make the properties known to Blender."""
+    """Register the properties."""
     _register()
     bpy.types.WindowManager.shape_google_duplicates = PointerProperty(type=SHAPEGOOGLE_PG_duplicates)
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister the properties."""
     del bpy.types.WindowManager.shape_google_duplicates
     _unregister()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Look at the matches and use them: append, link, open, select, mark."""
+"""The matches: pictures with labels, filters, and appending, linking, opening, selecting, marking them."""
 
 from . import browse, operators, properties
 
@@ -9,12 +9,12 @@ _MODULES = (properties, browse, operators)
 
 
 def register() -> None:
-    """Make this feature known to Blender."""
+    """Register this feature with Blender."""
     for module in _MODULES:
         module.register()
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Unregister this feature."""
     for module in reversed(_MODULES):
         module.unregister()

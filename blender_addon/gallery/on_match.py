@@ -21,8 +21,8 @@ class OnMatch:
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a match."""
+        """Check that a match is chosen."""
         if active_match(context) is None:
-            cls.poll_message_set("Find something and choose a match first")  # type: ignore[attr-defined]
+            cls.poll_message_set("Find similar shapes and choose a match first")  # type: ignore[attr-defined]
             return False
         return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Use a match: append, link, open its file, select it, mark it and the query in the same words."""
+"""Use a match: append it, link it, open its file, select it, or mark it and the query in the same words."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.append_match"
     bl_label = "Append"
-    bl_description = "Copy the match into this scene, to the 3D cursor; mesh files are imported"
+    bl_description = "Copy the match to the 3D cursor of this scene; mesh files are imported"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Only what is elsewhere."""
+        """Check that the match is not in this scene."""
         if not super().poll(context):
             return False
         if active_match(context).in_scene:
@@ -57,12 +57,12 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.link_match"
     bl_label = "Link"
-    bl_description = "Link the match into this scene, at its place in its file; it stays in that file"
+    bl_description = "Link the match into this scene, at the place it has in its file, where its data stays"
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Only what is in another .blend file."""
+        """Check that the match is in another .blend file."""
         match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
             cls.poll_message_set("Only objects of .blend files can be linked; append this one")
@@ -95,11 +95,13 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.open_match"
     bl_label = "Open File"
-    bl_description = "Open the .blend file of the match; Blender asks first if this file has unsaved changes"
+    bl_description = (
+        "Open the .blend file of the match; Blender asks first whether to save changes of this file"
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Only what is in a .blend file."""
+        """Check that the match is in a .blend file."""
         match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
             cls.poll_message_set("Only .blend files can be opened; append this match")
@@ -135,7 +137,7 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Only what is in this scene."""
+        """Check that the match is in this scene."""
         match = active_match(context)
         if match is None or not match.in_scene:
             cls.poll_message_set("The match is not in this scene; append it")
@@ -165,18 +167,18 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
     bl_idname = "shape_google.mark_match"
     bl_label = "Mark"
     bl_description = (
-        "Colour the active object and the match by geometric word: the same colour sits on like parts of "
-        "both. A match that is not in this scene is appended beside the active object"
+        "Color the active object and the match by geometric word: similar parts of both get the same "
+        "color. A match that is not in this scene is appended beside the active object"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a match, and an object to compare it with."""
+        """Check that there is a match and an object to compare it with."""
         if not super().poll(context):
             return False
         if context.active_object is None or context.active_object.type != "MESH":
-            cls.poll_message_set("Select the object that you looked for")
+            cls.poll_message_set("Select the object that you searched with")
             return False
         return True
 

@@ -12,7 +12,7 @@ from .labels import below_picture, details
 
 __all__ = ["draw_gallery", "draw_match"]
 
-# Pictures are so many units of the interface wide; a column of the gallery needs a little more, in pixels.
+# Width of a picture in units of the interface, and of a column of the gallery in pixels.
 PICTURE_SCALE = 4.6
 COLUMN_WIDTH = 105
 # More rows would push what follows out of sight; the other matches are on further pages.
@@ -31,7 +31,7 @@ def draw_match(layout: Any, session: Any, match: Any) -> None:
     box = layout.box()
     column = box.column(align=True)
     column.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
-    # Its whole path is in the tooltip of its picture: here it would push the gallery about.
+    # The whole path is in the tooltip of the picture; here it would move the gallery up and down.
     where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
     lines = column.column(align=True)
     lines.scale_y = 0.8

@@ -32,7 +32,7 @@ _IMPORTERS = {
 
 
 class PlacingError(Exception):
-    """A shape cannot be brought into the scene; the message says why and what to do."""
+    """A shape cannot be brought into the scene; the message gives the reason and what to do."""
 
 
 def bring_in(context: Any, source: str, object_name: str, *, link: bool = False) -> list[Any]:
@@ -60,7 +60,7 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
     """
     path = Path(source)
     if not path.is_file():
-        raise PlacingError(f"'{source}' is no longer there; index the library again")
+        raise PlacingError(f"'{source}' no longer exists; index the library again")
     to_object_mode(context)
     before = set(context.view_layer.objects)
     try:

@@ -33,7 +33,7 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     kind: StringProperty(name="Kind", description="Evidence in words; see gallery.labels")
     relation: StringProperty(description="The kind without the size")
     label: StringProperty(description="The kind below the picture")
-    size: FloatProperty(name="Size", description="How many times as large as the query")
+    size: FloatProperty(name="Size", description="Size relative to the query")
     vertex_count: IntProperty(name="Vertices")
     in_scene: BoolProperty(name="In This Scene")
 
@@ -43,10 +43,10 @@ class GalleryProperties:
 
     matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
     active_match: IntProperty(name="Match", default=-1)
-    page: IntProperty(name="Page", description="Which page of the gallery is shown, from 0", min=0)
+    page: IntProperty(name="Page", description="Page of the gallery, from 0", min=0)
     least_similarity: FloatProperty(
         name="Similarity",
-        description="Least similarity of the matches shown; 0.5: as likely the same shape as another one",
+        description="Lowest similarity of the matches shown; 0.5: as likely the same shape as another one",
         default=0.0,
         min=0.0,
         max=1.0,
@@ -57,13 +57,13 @@ class GalleryProperties:
     )
     size_tolerance: FloatProperty(
         name="Tolerance",
-        description="How far the size of a match may be from that of the query",
+        description="Largest difference between the size of a match and that of the query",
         default=10.0,
         min=0.1,
         max=100.0,
         subtype="PERCENTAGE",
     )
-    source: EnumProperty(name="Source", description="Where matches may come from", items=_SOURCES)
+    source: EnumProperty(name="Source", description="Origin of the matches shown", items=_SOURCES)
     text: StringProperty(
         name="Text",
         description="Show only matches with this text in their name or path",

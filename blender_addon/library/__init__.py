@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which shapes are searched: the library, its sources, indexing and training."""
+"""The library that is searched: its sources, indexing, and training a model on it."""
 
 from . import index, operators, panel, properties, train
 
@@ -9,12 +9,12 @@ _MODULES = (properties, operators, index, train, panel)
 
 
 def register() -> None:
-    """Make this feature known to Blender."""
+    """Register this feature with Blender."""
     for module in _MODULES:
         module.register()
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Unregister this feature."""
     for module in reversed(_MODULES):
         module.unregister()

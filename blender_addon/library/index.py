@@ -28,8 +28,8 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
     bl_idname = "shape_google.index_library"
     bl_label = "Index Library"
     bl_description = (
-        "Put the shapes of all chosen sources into the library, in another Blender in the background. "
-        "Only new and changed files are read, and none is ever changed"
+        "Put the shapes of all chosen sources into the library, in a background process. "
+        "Only new and changed files are read, and no file is ever changed"
     )
 
     reread: BoolProperty(
@@ -46,7 +46,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is something to index, and nothing is being indexed."""
+        """Check that there is something to index and nothing is being indexed."""
         chosen = preferences(context)
         if session_of(context).indexing:
             cls.poll_message_set("Indexing already")
@@ -84,7 +84,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         chosen, session = preferences(context), session_of(context)
         path, sources = chosen.library_path(), chosen.sources()
         if not sources and not chosen.use_scene:
-            self.report({"ERROR"}, "None of the chosen folders is there; add one, or plug in its drive")
+            self.report({"ERROR"}, "None of the chosen folders exists; add one, or connect its drive")
             return False
         session.errors.clear()
         session.summary, session.done, session.total = "", 0, 0
@@ -117,7 +117,7 @@ def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
 
 
 def _look() -> float | None:
-    """Take over what the background has done so far."""
+    """Show the progress of the background run."""
     if not state.is_registered():
         return None
     running = state.current().library.indexing
@@ -147,7 +147,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
         add_error(session, str(preferences().library_path()), run.last_words())
-        session.summary = session.summary or "Indexing stopped; the list of errors says why"
+        session.summary = session.summary or "Indexing stopped; see the list of errors"
     if not running:
         session.indexing = False
         session.progress = ""
@@ -162,12 +162,12 @@ def _show_file(session: Any, run: BackgroundRun | SceneIndexing, event: dict[str
 
 
 def _worded(reason: str) -> str:
-    """Name what is an option of the command as the menu does."""
+    """Replace an option of the command by its name in the menu."""
     return reason.replace("--retry tries", "Retry Failed Files tries")
 
 
 def _duration(seconds: float) -> str:
-    """Say a time as people do, such as '3 min'."""
+    """Write a duration in words, such as '3 min'."""
     if seconds < 60:
         return f"{max(round(seconds), 1)} s"
     if seconds < 3600:
@@ -193,11 +193,11 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
 
     bl_idname = "shape_google.cancel_indexing"
     bl_label = "Cancel Indexing"
-    bl_description = "Stop; what is in the library stays, and the next run goes on from there"
+    bl_description = "Stop indexing; the shapes stored so far stay, and the next run continues from there"
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Something is being indexed."""
+        """Check that something is being indexed."""
         return bool(session_of(context).indexing)
 
     def execute(self, context: Any) -> set[str]:
@@ -231,6 +231,6 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 
 def unregister() -> None:
-    """Take them back, and end what runs."""
+    """Unregister the operators and end all runs."""
     jobs.end(state.current().library.indexing)
     _unregister()

@@ -20,7 +20,7 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
 
     bl_idname = "shape_google.choose_library"
     bl_label = "Choose Library"
-    bl_description = "Choose a library file, or name a new one; it is made when you first index into it"
+    bl_description = "Choose a library file, or name a new one, which is created when you first index into it"
 
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default=f"*{LIBRARY_SUFFIX}", options={"HIDDEN"})
@@ -78,7 +78,7 @@ class SHAPEGOOGLE_OT_add_folder(bpy.types.Operator):
         chosen = preferences(context)
         path = Path(bpy.path.abspath(self.directory))
         if not path.is_dir():
-            self.report({"ERROR"}, f"'{path}' is no folder")
+            self.report({"ERROR"}, f"'{path}' is not a folder")
             return {"CANCELLED"}
         if all(Path(item.path) != path for item in chosen.folders):
             item = chosen.folders.add()
@@ -89,15 +89,17 @@ class SHAPEGOOGLE_OT_add_folder(bpy.types.Operator):
 
 
 class SHAPEGOOGLE_OT_remove_folder(bpy.types.Operator):
-    """Take a folder from the sources."""
+    """Remove a folder from the sources."""
 
     bl_idname = "shape_google.remove_folder"
     bl_label = "Remove Folder"
-    bl_description = "Take the folder from the list; its shapes stay in the library, its files as they are"
+    bl_description = (
+        "Remove the folder from the list; its shapes stay in the library, and its files unchanged"
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is one."""
+        """Check that a folder is chosen."""
         chosen = preferences(context)
         return bool(0 <= chosen.active_folder < len(chosen.folders))
 

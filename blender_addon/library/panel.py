@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel Library: which file, made from which sources, and how indexing goes."""
+"""The panel Library: the file, its sources, and the progress of indexing."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
     bl_order = 10
 
     def draw_header_preset(self, context: Any) -> None:
-        """Say at the right of the title how large the library is."""
+        """Show the number of shapes at the right of the title."""
         count = session_of(context).shape_count
         if count:
             self.layout.label(text=f"{count:,} shape{'' if count == 1 else 's'}")
@@ -137,7 +137,7 @@ def _draw_errors(layout: Any, session: Any, context: Any) -> None:
 
 
 class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):
-    """Less usual ways to index."""
+    """Other ways to index."""
 
     bl_label = "Indexing"
 

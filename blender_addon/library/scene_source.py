@@ -28,7 +28,7 @@ MARK = " (open scene)"
 
 
 def scene_source() -> str:
-    """Return what the library calls the open scene."""
+    """Return the name of the open scene in the library."""
     return f"{bpy.data.filepath or 'Unsaved'}{MARK}"
 
 
@@ -63,9 +63,9 @@ class SceneIndexing:
     ----------
     context : bpy.types.Context
     library : Path
-        Made if there is none.
+        Created if it does not exist.
     model : str
-        For a new library: what `shapegoogle_core.load_model` calls it.
+        Model of a new library, as `shapegoogle_core.load_model` takes it.
     """
 
     def __init__(self, context: Any, library: Path, model: str) -> None:
@@ -85,7 +85,7 @@ class SceneIndexing:
         self._failed: list[dict[str, str]] = []
 
     def seconds(self) -> float:
-        """Return for how long it has been running."""
+        """Return the seconds since it started."""
         return time.monotonic() - self._started
 
     def last_words(self) -> str:
@@ -93,14 +93,14 @@ class SceneIndexing:
         return self._error or f"exit code {self.exit_code}"
 
     def join(self) -> None:
-        """Wait until there is something new to take."""
+        """Wait until the next object is described."""
         from concurrent.futures import FIRST_COMPLETED, wait
 
         if self.exit_code is None and self._tasks:
             wait(self._tasks, return_when=FIRST_COMPLETED)
 
     def cancel(self) -> None:
-        """Describe no more; nothing is stored."""
+        """Stop describing; nothing is stored."""
         from shapegoogle_core.cli.exit_codes import INTERRUPTED
 
         self.exit_code = INTERRUPTED
@@ -180,7 +180,7 @@ class SceneIndexing:
 
         shapes = [shape for _, shape in self._described]
         with Library.open(self._library) as library:
-            # No size or time: it is no file, and is read again whenever it is asked for.
+            # Without size or time, as it is no file: it is read again in every run.
             library.replace_source(self._source, size=None, mtime_ns=None, sha256=None, shapes=shapes)
             count = len(library)
         return {"scene": len(shapes), "failed": self._failed, "shapes": count}

@@ -27,7 +27,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
     bl_idname = "shape_google.train_model"
     bl_label = "Train Model on This Library"
     bl_description = (
-        "Learn words, metric and codes from the shapes of the chosen sources, in the background: about a "
+        "Train words, metric and codes on the shapes of the chosen sources, in the background: about a "
         "second for each shape and version. The model is for new libraries; this one keeps its own"
     )
 
@@ -36,7 +36,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is something to learn from."""
+        """Check that there are sources to train on."""
         if not preferences(context).has_sources():
             cls.poll_message_set("Add a folder, or an asset library in Blender's preferences")
             return False
@@ -85,7 +85,7 @@ def _look(run: BackgroundRun, path: Path) -> float | None:
 
 
 def _take(run: BackgroundRun, path: Path) -> None:
-    """Show how far training is, and its end."""
+    """Show the progress of training, and its end."""
     run.events()
     session = session_of(bpy.context)
     if run.exit_code is None:
@@ -98,7 +98,7 @@ def _take(run: BackgroundRun, path: Path) -> None:
         chosen.model, chosen.model_file = "FILE", str(path)
         session.summary = f"Trained {path.name}; it is used for new libraries"
     else:
-        session.summary = "Training failed; the list of errors says why"
+        session.summary = "Training failed; see the list of errors"
         add_error(session, str(path), run.last_words())
 
 
@@ -107,11 +107,11 @@ class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
 
     bl_idname = "shape_google.cancel_training"
     bl_label = "Cancel Training"
-    bl_description = "Stop; no model is written"
+    bl_description = "Stop training; no model is written"
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Something is being trained."""
+        """Check that a model is being trained."""
         return bool(session_of(context).training)
 
     def execute(self, context: Any) -> set[str]:
@@ -135,6 +135,6 @@ register, _unregister = bpy.utils.register_classes_factory(
 
 
 def unregister() -> None:
-    """Take them back, and end what runs."""
+    """Unregister the operators and end the run."""
     _end_training()
     _unregister()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices, corners and triangles of bpy meshes as arrays, read in the quickest way that there is.
+"""Vertices, corners and triangles of bpy meshes as arrays, read in the fastest way.
 
-Blender hands out the values of an attribute as one block of memory, but asks each loop and each triangle by
-itself: for 100,000 vertices that is 0.1 ms against 30 ms.
+Blender hands out the values of an attribute as one block of memory, but reads each loop and each triangle
+on its own, which takes hundreds of times as long.
 """
 
 from __future__ import annotations

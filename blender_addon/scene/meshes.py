@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender objects ↔ core meshes: the only place that reads or writes the meshes of bpy."""
+"""Convert Blender objects to core meshes and back."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
 
 
 def selected_part(items: Sequence[Any]) -> Mesh:
-    """Return what is selected in edit mode: the selected faces of all objects, joined, at world scale.
+    """Return the selected faces of all objects in edit mode, joined, at world scale.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def selected_part(items: Sequence[Any]) -> Mesh:
 
 
 def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
-    """Return what the user means: what is selected in edit mode, else the selected objects.
+    """Return the query: the selected faces in edit mode, else the selected objects.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
     Raises
     ------
     MeshError
-        If nothing usable is selected; the message says what to do.
+        If nothing usable is selected.
     """
     from shapegoogle_core import MeshError
 
@@ -128,14 +128,16 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
             names = " and ".join(repr(item.name) for item in edited.values())
             verb = "has" if len(edited) == 1 else "have"
             if not any(len(data.polygons) for data in edited):
-                raise MeshError(f"{names} {verb} no faces to select; leave edit mode to look for all points")
-            raise MeshError(f"{names} {verb} no selected faces; select the faces to look for")
+                raise MeshError(
+                    f"{names} {verb} no faces to select; leave edit mode to search with all points"
+                )
+            raise MeshError(f"{names} {verb} no selected faces; select the faces to search with")
         return [part]
     chosen = shape_objects(context.selected_objects)
     if not chosen and active is not None:
         chosen = shape_objects([active])
     if not chosen:
-        raise MeshError("no mesh or point cloud is selected; select the shape to look for")
+        raise MeshError("no mesh or point cloud is selected; select the shape to search with")
     depsgraph = context.evaluated_depsgraph_get()
     if separate:
         chosen.sort(key=lambda item: item != active)
@@ -167,7 +169,7 @@ def new_object(context: Any, mesh: Mesh, name: str) -> Any:
 
 
 def _joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Join surfaces, or clouds of points; what is neither, such as wires, does not count among surfaces."""
+    """Join surfaces, or clouds of points; objects without either, such as wires, are ignored."""
     from shapegoogle_core import MeshError
 
     surfaces = [mesh for mesh in meshes if not mesh.is_point_cloud]

@@ -10,17 +10,17 @@ __all__ = ["joined_name", "mesh_objects", "shape_objects", "split_evaluated"]
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
-    """Those objects that are meshes, in the same order."""
+    """Return the objects that are meshes, in the same order."""
     return [item for item in objects if item.type == "MESH"]
 
 
 def shape_objects(objects: Sequence[Any]) -> list[Any]:
-    """Those objects that may be shapes, meshes and point clouds, in the same order."""
+    """Return the objects that may be shapes, meshes and point clouds, in the same order."""
     return [item for item in objects if item.type in ("MESH", "POINTCLOUD")]
 
 
 def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:
-    """Tell the objects that Blender evaluates in the view layer from those that it does not.
+    """Separate the objects that Blender evaluates in the view layer from those that it does not.
 
     Blender leaves out what is disabled in viewports or lies in excluded collections only. Such an object has
     no modifiers that could be seen, and after opening a file its ``matrix_world`` is the identity: where it
@@ -30,7 +30,7 @@ def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], li
     ----------
     objects : iterable of bpy.types.Object
     context : bpy.types.Context
-        Its view layer counts.
+        Its view layer is used.
 
     Returns
     -------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ask with the selected shape, and with matches as examples."""
+"""Query the library with the selection, and with matches as examples."""
 
 from . import examples, operators, panel, properties
 
@@ -9,12 +9,12 @@ _MODULES = (properties, operators, examples, panel)
 
 
 def register() -> None:
-    """Make this feature known to Blender."""
+    """Register this feature with Blender."""
     for module in _MODULES:
         module.register()
 
 
 def unregister() -> None:
-    """Take it back."""
+    """Unregister this feature."""
     for module in reversed(_MODULES):
         module.unregister()

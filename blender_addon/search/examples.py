@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""More like this, not like this: matches as examples for the next search."""
+"""Mark matches as examples for the next search: more like this, or not like this."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
     bl_label = "Mark as Example"
 
     unlike: BoolProperty(
-        name="Not Like This", description="What is like it is not looked for", options={"SKIP_SAVE"}
+        name="Not Like This", description="Shapes like this one come last", options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -31,16 +31,16 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
         """Return the tooltip of either button."""
         if properties.unlike:
             return (
-                "Not like this: from the next search on what is like this match comes last. Once more takes "
+                "Not like this: in the next searches, shapes like this match come last. Press again to take "
                 "it back"
             )
         return (
-            "More like this: from the next search on what is also like this match comes first. Once more "
-            "takes it back"
+            "More like this: in the next searches, shapes that are also like this match come first. Press "
+            "again to take it back"
         )
 
     def execute(self, context: Any) -> set[str]:
-        """Put it into the list, or take it off if it is there as such already."""
+        """Add it to the list, or remove it if it is in the list already."""
         session = session_of(context)
         match = active_match(context)
         for index, example in enumerate(session.examples):
@@ -57,17 +57,17 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
 
 
 class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
-    """Take an example off the list."""
+    """Remove an example from the list."""
 
     bl_idname = "shape_google.remove_example"
     bl_label = "Remove Example"
-    bl_description = "Take this example off the list"
+    bl_description = "Remove this example from the list"
     bl_options = {"INTERNAL"}
 
     index: IntProperty(options={"SKIP_SAVE"})
 
     def execute(self, context: Any) -> set[str]:
-        """Take it off."""
+        """Remove it."""
         session = session_of(context)
         if not 0 <= self.index < len(session.examples):
             return {"CANCELLED"}
@@ -76,22 +76,22 @@ class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
 
 
 class SHAPEGOOGLE_OT_clear_examples(bpy.types.Operator):
-    """Take all examples off the list."""
+    """Remove all examples from the list."""
 
     bl_idname = "shape_google.clear_examples"
     bl_label = "Clear Examples"
-    bl_description = "Take all examples from the library off the list: ask with what is selected alone"
+    bl_description = "Remove all examples from the list, so that the next query is the selection alone"
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There are some."""
+        """Check that there are examples."""
         if not examples_of(session_of(context), preferences(context).library_path()):
             cls.poll_message_set("There are no examples from this library")
             return False
         return True
 
     def execute(self, context: Any) -> set[str]:
-        """Take them off."""
+        """Remove them."""
         session = session_of(context)
         for index, _ in reversed(examples_of(session, preferences(context).library_path())):
             session.examples.remove(index)

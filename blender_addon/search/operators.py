@@ -31,12 +31,12 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     bl_description = (
         "Find the shapes of the library that are most like the active object, in any pose, at any size. "
         "Several selected objects are one shape or several examples, as chosen below; in edit mode the "
-        "selected faces are looked for"
+        "selected faces are the query"
     )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a shape and a library."""
+        """Check that there is a shape and a library."""
         if session_of(context).searching:
             cls.poll_message_set("Searching already")
             return False
@@ -51,7 +51,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         return True
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Ask in the worker process; the window stays usable."""
+        """Search in the worker process; the window stays usable."""
         future = self._ask(context)
         if future is None:
             return {"CANCELLED"}
@@ -71,7 +71,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         return {"FINISHED"}
 
     def execute(self, context: Any) -> set[str]:
-        """Ask and wait for the answer."""
+        """Search and wait for the answer."""
         from shapegoogle_core import ShapeGoogleError
         from shapegoogle_core.service.requests import explain
 
@@ -127,12 +127,12 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         session.query = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:
             session.query += f", not like {joined_name([example.name for example in unlike])}"
-        session.answer = f"Looking for {session.query} …"
+        session.answer = f"Searching for {session.query} …"
         return future
 
 
 def _examples(context: Any) -> list[Any]:
-    """Shapes of the present library that are examples of what is looked for, or of what is not."""
+    """Examples that are shapes of the present library."""
     return [example for _, example in examples_of(session_of(context), preferences(context).library_path())]
 
 
@@ -145,7 +145,7 @@ class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """Something is searched."""
+        """Check that a search runs."""
         return bool(session_of(context).searching)
 
     def execute(self, context: Any) -> set[str]:

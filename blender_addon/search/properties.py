@@ -16,15 +16,17 @@ _SEVERAL = (
     (
         "EXAMPLES",
         "Examples",
-        "Each selected object is an example of what is looked for: find what all are like",
+        "Each selected object is an example; find the shapes that all of them are like",
     ),
 )
 
 
 class SHAPEGOOGLE_PG_example(bpy.types.PropertyGroup):
-    """A shape of a library that is an example of what is looked for, or of what is not."""
+    """A shape of a library as an example: to be found, or to be avoided."""
 
-    library: StringProperty(description="Its library: in another one its number is that of another shape")
+    library: StringProperty(
+        description="Its library; in another library the same number belongs to another shape"
+    )
     shape_id: IntProperty()
     unlike: BoolProperty(name="Not Like This")
 
@@ -33,17 +35,15 @@ class SearchProperties:
     """Part of the session: the query."""
 
     searching: BoolProperty(name="Searching")
-    query: StringProperty(name="Query", description="What was looked for")
+    query: StringProperty(name="Query", description="Shape that was searched")
     several: EnumProperty(
-        name="Several Objects", description="What several selected objects mean", items=_SEVERAL
+        name="Several Objects", description="Meaning of several selected objects", items=_SEVERAL
     )
     examples: CollectionProperty(type=SHAPEGOOGLE_PG_example)
     answer: StringProperty(name="Answer")
-    library: StringProperty(name="Library", description="Where the matches were found")
-    asked: IntProperty(description="How many examples of what is looked for the last question had")
-    top: IntProperty(
-        name="Results", description="How many matches are looked for", default=24, min=1, max=200
-    )
+    library: StringProperty(name="Library", description="Library of the matches")
+    asked: IntProperty(description="Number of examples to be found in the last query")
+    top: IntProperty(name="Results", description="Number of matches to find", default=24, min=1, max=200)
 
 
 def examples_of(session: Any, library: Path) -> list[tuple[int, Any]]:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writing attributes and colours onto the vertices of bpy meshes, and taking them away again.
+"""Write attributes and colours onto the vertices of bpy meshes, and remove them.
 
 All names begin with "sg_": sg_hks, sg_hks_1 …, sg_sihks_0 …, sg_word, sg_weight_<word>, sg_heat,
-sg_keypoint, sg_color. Nothing else on a mesh is ever changed but which colour attribute is the active one,
-which is put back when the attributes are cleared; and what is selected, where that is asked for.
+sg_keypoint, sg_color. Nothing else on a mesh changes, except the active colour attribute, which is restored
+when the attributes are cleared, and the selection in `select`.
 """
 
 from __future__ import annotations

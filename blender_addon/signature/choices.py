@@ -92,7 +92,7 @@ SEVERAL = ("HKS_TIMES", "SI_HKS")
 
 @dataclass(frozen=True)
 class Painting:
-    """What to paint and how.
+    """Settings of a painting.
 
     Attributes
     ----------
@@ -103,17 +103,17 @@ class Painting:
     time : float, optional
         A time in squared world units in place of `scale`.
     count : int
-        How many times.
+        Number of times.
     frequencies : int
-        How many frequencies of the scale-invariant signature.
+        Number of frequencies of the scale-invariant signature.
     shown : int
-        Which of several values the colour shows, counted from 1.
+        Number of the value that the colour shows, counted from 1.
     channel : str
         Whose words: one of `CHANNELS`.
     weights : int
-        For how many words, the most frequent of the shape, soft weights are written.
+        Number of words, the most frequent of the shape, whose soft weights are written.
     detector : str
-        What finds keypoints: one of `DETECTORS`.
+        Detector of keypoints: one of `DETECTORS`.
     eigenpairs, laplacian, budget
         See `shapegoogle_core.vertex_spectrum`; not used for words.
     """

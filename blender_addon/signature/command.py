@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painting without a window: open a .blend, write attributes onto its meshes, save a copy."""
+"""Paint without a window: open a .blend file, write attributes onto its meshes, save a copy."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ attributes, on the vertices of each object's own mesh, before modifiers; lengths
   rgb        sg_hks_1 to sg_hks_3: three times, shown as red, green and blue
   heat       sg_heat: the heat kernel from --vertex
   keypoints  sg_keypoint: how much a vertex that --detector finds stands out, 0 at all others
-and sg_color, linear colours of the last attribute asked for. Loose vertices get 0, and no word: -1.
+and sg_color, linear colours of the last --attribute. Loose vertices get 0, and no word: -1.
 
 examples:
   blender -b -P scripts/paint_signatures.py -- horse.blend --output painted.blend
@@ -169,7 +169,7 @@ def _window() -> Any:
 
 
 def _objects(names: Sequence[str] | None, failed: list[str]) -> Iterator[Any]:
-    """Yield the meshes that are asked for, while their scene is open: else their scale is unknown."""
+    """Yield the chosen meshes while their scene is open, since their scale is unknown otherwise."""
     missing = dict.fromkeys(names or [])
     seen: set[Any] = set()
     hidden: dict[Any, str] = {}

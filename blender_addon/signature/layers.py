@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is painted: the values and colours of each vertex, computed without Blender."""
+"""Values and colours of each vertex for a painting, computed without Blender."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ __all__ = [
 
 # Places in the range of times whose values become red, green and blue.
 RGB_SCALES = (0.15, 0.4, 0.65)
-# Colours span the values but for the extreme ones: a single sharp tip would leave all else dark.
+# Colours span all but the extreme values: else a single sharp tip would leave everything else dark.
 QUANTILES = (0.01, 0.99)
 NO_WORD = (0.5, 0.5, 0.5)
-# Of keypoints: the surface, a point that hardly stands out, the strongest. Light, as Blender shades them.
+# Colours of the surface, of weak and of strong keypoints: light, as Blender shades them.
 NO_POINT, WEAK_POINT, STRONG_POINT = (0.78, 0.81, 0.86), (1.0, 0.8, 0.2), (1.0, 0.15, 0.1)
 # A spot has its full colour up to this share of its radius.
 SPOT_CORE = 0.8
@@ -113,7 +113,7 @@ def paint_spectrum(painting: Painting, carried: VertexSpectrum, source: int | No
         one = painting.kind == "HKS"
         names = ["sg_hks"] if one else [f"sg_hks_{number}" for number in range(1, values.shape[1] + 1)]
     shown = min(max(painting.shown, 1), values.shape[1]) - 1
-    # Signatures differ by factors: a tip keeps several times the heat of a belly. All of them are positive.
+    # Signatures are positive and differ by factors: a tip keeps several times the heat of a belly.
     seen = values if painting.kind in ("HEAT", "SI_HKS") else _logarithm(values)
     colors = _rgb_of_three(values) if painting.kind == "RGB" else _colors_of_values(seen[:, shown])
     values, colors = carried.carry(values), carried.carry(colors)

@@ -26,7 +26,7 @@ def _poll(operator: Any, context: Any) -> bool:
 
 
 class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
-    """Paint what the panel Signature is set to."""
+    """Paint the signature chosen in the panel."""
 
     bl_idname = "shape_google.paint"
     bl_label = "Paint Signature"
@@ -40,7 +40,7 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a mesh to paint."""
+        """Check that there is a mesh to paint."""
         return _poll(cls, context)
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
@@ -64,7 +64,7 @@ class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a mesh."""
+        """Check that there is a mesh."""
         return _poll(cls, context)
 
     def execute(self, context: Any) -> set[str]:

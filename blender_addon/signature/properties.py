@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel Signature is set to: on the scene, so that it is saved and undo brings it back."""
+"""Settings of the panel Signature, kept on the scene so that they are saved and undone with it."""
 
 from typing import Any
 
@@ -18,9 +18,9 @@ def _repaint(_settings: Any, context: Any) -> None:
 
 
 class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
-    """Settings of painting; what can be shown at once is repainted when they change."""
+    """Settings of painting; some repaint at once when they change."""
 
-    kind: EnumProperty(name="Attribute", description="What to write onto the vertices", items=KINDS)
+    kind: EnumProperty(name="Attribute", description="Attribute to write onto the vertices", items=KINDS)
     scale: FloatProperty(
         name="Time",
         description=(
@@ -34,49 +34,53 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         update=_repaint,
     )
     count: IntProperty(
-        name="Times", description="How many times, from the shortest to the longest", default=6, min=2, max=32
+        name="Times",
+        description="Number of times, from the shortest to the longest",
+        default=6,
+        min=2,
+        max=32,
     )
     frequencies: IntProperty(
-        name="Frequencies", description="How many of the lowest frequencies", default=6, min=1, max=32
+        name="Frequencies", description="Number of frequencies, from the lowest", default=6, min=1, max=32
     )
     shown: IntProperty(
         name="Shown",
-        description="Which of the values the color shows, from 1",
+        description="Number of the value that the color shows, from 1",
         default=1,
         min=1,
         max=32,
         update=_repaint,
     )
-    channel: EnumProperty(name="Words of", description="Which of the model's vocabularies", items=CHANNELS)
+    channel: EnumProperty(name="Words of", description="Vocabulary of the model", items=CHANNELS)
     weights: IntProperty(
         name="Soft Weights",
         description=(
-            "For how many words, the most frequent of the object, the soft weights are written too: "
-            "an attribute sg_weight_<word> each"
+            "Number of words, the most frequent of the object, whose soft weights are written too, as "
+            "attributes sg_weight_<word>"
         ),
         default=4,
         min=0,
         max=512,
     )
-    detector: EnumProperty(name="Detector", description="What finds the keypoints", items=DETECTORS)
+    detector: EnumProperty(name="Detector", description="Method that finds the keypoints", items=DETECTORS)
     color: BoolProperty(
         name="Color", description="Also write the color attribute sg_color and show it", default=True
     )
     eigenpairs: IntProperty(
         name="Eigenpairs",
-        description="How many eigenfunctions of the Laplacian: more show smaller parts and take longer",
+        description="Number of eigenfunctions of the Laplacian: more show smaller parts and take longer",
         default=100,
         min=10,
         max=500,
     )
     laplacian: EnumProperty(
-        name="Laplacian", description="How the Laplace–Beltrami operator is discretised", items=LAPLACIANS
+        name="Laplacian", description="Discretisation of the Laplace–Beltrami operator", items=LAPLACIANS
     )
     budget: IntProperty(
         name="Simplify Above",
         description=(
-            "Of an object with more vertices, the signature is computed on a copy simplified to this many "
-            "and carried back to all of them: seconds instead of minutes. Others are computed as they are"
+            "An object with more vertices is simplified to this many, and its signature is carried back to "
+            "all vertices: seconds instead of minutes"
         ),
         default=20_000,
         min=1_000,
@@ -115,12 +119,12 @@ _register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_pain
 
 
 def register() -> None:
-    """Make the settings known to Blender."""
+    """Register the settings."""
     _register()
     bpy.types.Scene.shape_google_painting = PointerProperty(type=SHAPEGOOGLE_PG_painting)
 
 
 def unregister() -> None:
-    """Take them back; what files hold of them stays in them."""
+    """Unregister the settings; files keep their values."""
     del bpy.types.Scene.shape_google_painting
     _unregister()

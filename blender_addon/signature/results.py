@@ -28,7 +28,7 @@ MOST_BYTES = 512 * 2**20
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What was computed of an object.
+    """Result of a computation on an object.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Known:
 
     @property
     def bytes(self) -> int:
-        """How much memory its arrays take."""
+        """Memory of its arrays."""
         from shapegoogle_core import VertexSpectrum, VertexWords
 
         matrix, result = self.result.prolongation, self.result
@@ -55,7 +55,7 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What has to be computed of an object; `function` is the core's, so a worker process can run it.
+    """Computation on an object; the function belongs to the core, so that a worker process can run it.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Task:
     size : float
         As in `Known`.
     seconds : float
-        About how long it takes.
+        Estimated duration.
     """
 
     key: Key
@@ -79,7 +79,7 @@ class Task:
 
 
 def key_of(item: Any, chosen: Painting, model: ShapeModel | None) -> Key:
-    """Identify what a painting needs to know of an object.
+    """Key of the result that a painting needs of an object.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
 
 
 def known(key: Key) -> Known | None:
-    """Return what was computed before, if it was."""
+    """Return an earlier result; None if there is none."""
     results = state.current().signature.results
     entry = results.get(key)
     if entry is not None:
@@ -158,7 +158,7 @@ def remember(task: Task, result: Result) -> Known:
 
 
 def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None = None) -> list[Layer]:
-    """Attributes of an object, from what is known of it.
+    """Attributes of an object, from the result of its computation.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There are keypoints."""
+        """Check that there are keypoints."""
         if context.mode not in MODES:
             cls.poll_message_set("Switch to object mode or to edit mode of a mesh")
             return False

@@ -40,7 +40,7 @@ SEAM_SHARE, SEAM_LENGTH = 1.0, 0.01
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """What can be carried over, as read from a mesh object.
+    """Data of a mesh object that can be carried over.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class Target:
 
 @dataclass(eq=False)
 class Transferred:
-    """What came of it: the names, by what they are."""
+    """Names of the data that was transferred, kept or refused, by their kind."""
 
     groups: list[str] = field(default_factory=list)
     colors: list[str] = field(default_factory=list)
@@ -109,7 +109,7 @@ class Transferred:
 
     @property
     def count(self) -> int:
-        """How many were transferred."""
+        """Number of layers transferred."""
         return len(self.groups) + len(self.colors) + len(self.uvs)
 
 

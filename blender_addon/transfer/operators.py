@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Transfer what a match has, weights, colours and UVs, to the object that was looked for."""
+"""Transfer vertex groups, colours and UVs of a match to the active object."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["register", "unregister"]
 
 SECONDS_BETWEEN_LOOKS = 0.1
 # Below this mean confidence, or above this distortion, the two are hardly the same shape; and if another map
-# costs less than so many times as much, left and right may be exchanged.
+# costs less than this factor more, left and right may be exchanged.
 POOR_CONFIDENCE, POOR_DISTORTION, CLOSE_CHOICE = 0.6, 0.1, 1.25
 
 
@@ -33,8 +33,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     bl_idname = "shape_google.transfer_match"
     bl_label = "Transfer"
     bl_description = (
-        "Carry vertex groups, color attributes and UV maps from the match to the active object, which is the "
-        "same shape in another pose or of another mesh. Both are taken as they are before modifiers"
+        "Transfer vertex groups, color attributes and UV maps of the match to the active object, which is "
+        "the same shape in another pose or of another mesh. Both are taken as they are before modifiers"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
@@ -43,7 +43,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        """There is a match, an object to give to, and something to carry over."""
+        """Check that there is a match, an object to transfer to, and something to transfer."""
         if not super().poll(context):
             return False
         if state.current().transfer.operator is not None:
@@ -52,7 +52,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         session = session_of(context)
         item = context.active_object
         if item is None or item.type != "MESH":
-            cls.poll_message_set("Select the object that you looked for")
+            cls.poll_message_set("Select the object that you searched with")
             return False
         if item.library is not None or item.data.library is not None:
             cls.poll_message_set("The active object is linked from another file and cannot be changed here")
@@ -251,11 +251,11 @@ class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
 
     bl_idname = "shape_google.cancel_transfer"
     bl_label = "Cancel Transfer"
-    bl_description = "Stop transferring; nothing has been changed yet"
+    bl_description = "Stop the transfer; nothing has been changed yet"
 
     @classmethod
     def poll(cls, _context: Any) -> bool:
-        """There is something to stop."""
+        """Check that a transfer runs."""
         return state.current().transfer.operator is not None
 
     def execute(self, _context: Any) -> set[str]:

@@ -270,7 +270,7 @@ class Window:
         return image
 
     def clean_scene(self, query: Path, name: str) -> None:
-        """Start with nothing but the shape to look for, selected and in view."""
+        """Start with nothing but the query, selected and in view."""
         self.ask("empty_scene")
         self.ask("add_object", str(query), name)
         self.ask("look")

@@ -215,7 +215,7 @@ def test_more_and_not_like_a_match(indexed: Path, preferences: Any, session: Any
     assert session.matches[-1].distance == 2
     assert shape_id in [match.shape_id for match in session.matches if match.distance == 2]
 
-    # The other button makes it an example of what is looked for.
+    # The other button makes it an example to be found.
     session.active_match = [match.shape_id for match in session.matches].index(shape_id)
     bpy.ops.shape_google.mark_example(unlike=False)
     assert [example.unlike for example in session.examples] == [False]
@@ -302,7 +302,7 @@ def scan(kind: str, count: int = 6000) -> Any:
 def test_points_find_their_mesh_and_mesh_its_points(
     addon: ModuleType, preferences: Any, session: Any
 ) -> None:
-    """Vertices without faces are looked for; kept are only objects of the kind point cloud."""
+    """Vertices without faces can be a query; only objects of the type point cloud are indexed."""
     kinds = ("horse", "octopus", "human")
     new_object = importlib.import_module(f"{addon.__name__}.scene.meshes").new_object
     for kind in kinds:
@@ -377,7 +377,7 @@ def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences: 
     bpy.ops.shape_google.append_match()
     assert len(bpy.context.active_object.data.vertices) == 642
     (indexed / "nut.obj").unlink()
-    with pytest.raises(RuntimeError, match=r"nut\.obj' is no longer there; index the library again"):
+    with pytest.raises(RuntimeError, match=r"nut\.obj' no longer exists; index the library again"):
         bpy.ops.shape_google.append_match()
 
 
@@ -519,7 +519,7 @@ def test_a_cancelled_scene_stores_nothing(addon: ModuleType, preferences: Any, s
     indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "/no/model.npz")
     assert indexing.events() == []
     assert indexing.exit_code == 2
-    assert "cannot read the model" in indexing.lines[-1]
+    assert "cannot read the model" in indexing.last_words()
 
 
 def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, session: Any) -> None:

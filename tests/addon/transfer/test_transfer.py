@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Transferring weights, colours and UVs from a match to the object that was looked for."""
+"""Transferring vertex groups, colours and UVs from a match to the query."""
 
 from __future__ import annotations
 
