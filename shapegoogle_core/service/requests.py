@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What a user interface asks of its worker process: functions whose arguments and results can be sent.
+"""Requests of a user interface to its worker process: functions whose arguments and results are picklable.
 
-They keep libraries open and models loaded from one question to the next, as long as the process lives, so
-that only the first question reads the codes.
+The process that runs them keeps one `Session`, so that only the first request opens a library.
 """
 
 from __future__ import annotations
@@ -19,7 +18,8 @@ from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.service.session import Session
 
 __all__ = [
     "Answer",
@@ -35,10 +35,8 @@ __all__ = [
 StoredExample = tuple[int, str]
 """Id and name of a shape of a library."""
 
-# Open libraries by path, each with what tells its file from another one put in its place.
-_open: dict[Path, tuple[tuple[int, int], Library]] = {}
-# Models that are in no library, by the name or path that `load_model` takes, with the time of their file.
-_loaded: dict[str, tuple[float, ShapeModel]] = {}
+_SESSION = Session()
+"""The session of this process, which starts empty in each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,19 +46,19 @@ class Answer:
     Attributes
     ----------
     library : Path
-        What was asked.
+        The library that was searched.
     matches : list of Match
         Best first.
     signatures : list of ShapeSignature
-        Of the examples of what was looked for, for `explain`.
+        Of the examples that were searched, for `explain`.
     thumbnails : dict of int to bytes
-        Pictures as PNG by shape id, of those matches that have one.
+        Pictures as PNG by shape id, for the matches that have one.
     shape_count : int
-        How many shapes the library has.
+        Number of shapes in the library.
     area : float
-        Of the query, in squared units; of its first example, if it has several.
+        Area of the query's first example, in squared units.
     examples : int
-        How many there were of what is looked for.
+        Number of examples.
     """
 
     library: Path
@@ -79,18 +77,18 @@ def query(
     like: Sequence[StoredExample] = (),
     unlike: Sequence[StoredExample] = (),
 ) -> Answer:
-    """Find the shapes of a library that are most like a mesh, or like several examples.
+    """Find the shapes of a library that are most similar to a mesh, or to several examples.
 
     Parameters
     ----------
     path : Path
         The library.
     meshes : sequence of Mesh
-        Examples of what is looked for.
+        Examples of the shape that is searched.
     top : int
-        How many matches.
+        Number of matches.
     like, unlike : sequence of (int, str), optional
-        Shapes of the library, by id and name, as further examples of what is looked for and of what is not.
+        Shapes of the library, by id and name: further examples, and examples of shapes that are not meant.
 
     Returns
     -------
@@ -103,9 +101,9 @@ def query(
     MeshError
         If a mesh cannot be described.
     ValueError
-        If there is no example of what is looked for.
+        If there is no example.
     """
-    library = _library(path)
+    library = _SESSION.library(path)
     signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
     signatures += [_stored_signature(library, example) for example in like]
     matches = library.query(
@@ -150,7 +148,7 @@ def explain(
     LibraryError
         If the library cannot be opened or read.
     """
-    explained = _library(path).explain(signatures, matches, len(matches))
+    explained = _SESSION.library(path).explain(signatures, matches, len(matches))
     return {match.shape_id: match.evidence for match in explained}
 
 
@@ -160,7 +158,7 @@ def _stored_signature(library: Library, example: StoredExample) -> ShapeSignatur
         return library.signature(shape_id)
     except LibraryError as error:
         raise LibraryError(
-            f"the example {name!r} cannot be used: {error}; take it off the list of examples"
+            f"the example {name!r} cannot be used: {error}; remove it from the list of examples"
         ) from error
 
 
@@ -187,7 +185,7 @@ def describe(path: Path, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | st
     from shapegoogle_core.indexing import describe_shape
 
     try:
-        return describe_shape(shape, _library(path).model)
+        return describe_shape(shape, _SESSION.library(path).model)
     except MeshError as error:
         return str(error)
 
@@ -198,13 +196,13 @@ def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> l
     Parameters
     ----------
     model : ShapeModel, Path or str
-        A path: that of a library, with the model in it. A text: what `load_model` calls a model.
+        A path is that of a library with its model in it; a text is a name or path as for `load_model`.
     meshes : sequence of Mesh
 
     Returns
     -------
     signatures : list of ShapeSignature or str
-        In the order of the meshes; a sentence in place of a signature says why there is none.
+        In the order of the meshes; a sentence for a mesh that cannot be described.
 
     Raises
     ------
@@ -214,9 +212,9 @@ def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> l
         If the model cannot be loaded.
     """
     if isinstance(model, Path):
-        model = _library(model).model
+        model = _SESSION.library(model).model
     elif isinstance(model, str):
-        model = _model(model)
+        model = _SESSION.model(model)
     described: list[ShapeSignature | str] = []
     for mesh in meshes:
         try:
@@ -244,11 +242,11 @@ def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> li
     LibraryError
         If the library cannot be opened or read.
     """
-    return _library(path).duplicates(min_similarity)
+    return _SESSION.library(path).duplicates(min_similarity)
 
 
 def warm_up(path: Path) -> int:
-    """Load what the first question would have to wait for: the library, and what solves eigenproblems.
+    """Load everything that the first request would wait for: the library and the eigensolver.
 
     Parameters
     ----------
@@ -258,7 +256,7 @@ def warm_up(path: Path) -> int:
     Returns
     -------
     shapes : int
-        How many there are; 0 if there is no library yet.
+        Number of shapes; 0 if there is no library yet.
 
     Raises
     ------
@@ -269,26 +267,4 @@ def warm_up(path: Path) -> int:
 
     import shapegoogle_core.rendering  # noqa: F401
 
-    return len(_library(path)) if path.exists() else 0
-
-
-def _library(path: Path) -> Library:
-    status = path.stat() if path.exists() else None
-    identity = (0, 0) if status is None else (status.st_dev, status.st_ino)
-    known = _open.get(path)
-    if known is not None:
-        if known[0] == identity:
-            return known[1]
-        del _open[path]
-        known[1].close()
-    library = Library.open(path, read_only=True)
-    _open[path] = identity, library
-    return library
-
-
-def _model(name: str) -> ShapeModel:
-    changed = Path(name).stat().st_mtime if Path(name).is_file() else 0.0
-    if name not in _loaded or _loaded[name][0] != changed:
-        _loaded.clear()
-        _loaded[name] = changed, load_model(name)
-    return _loaded[name][1]
+    return len(_SESSION.library(path)) if path.exists() else 0

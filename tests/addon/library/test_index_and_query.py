@@ -260,7 +260,7 @@ def test_examples_belong_to_their_library(
     preferences.library = first
     with Library.open(first) as library:
         library.remove_shape(session.examples[0].shape_id)
-    with pytest.raises(RuntimeError, match=r"example 'Pear' cannot be used: .*take it off the list"):
+    with pytest.raises(RuntimeError, match=r"example 'Pear' cannot be used: .*remove it from the list"):
         bpy.ops.shape_google.find_similar()
     assert bpy.ops.shape_google.clear_examples() == {"FINISHED"}
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
