@@ -158,6 +158,15 @@ def cluster_by_leaders(
     Returns
     -------
     clusters : Clusters
+
+    Examples
+    --------
+    >>> points = np.array([0.0, 0.1, 5.0])
+    >>> codes = np.zeros((3, 1), np.uint8)  # all share the only key, so every pair is compared
+    >>> def distances(position, others):
+    ...     return abs(points[others] - points[position])
+    >>> cluster_by_leaders(codes, distances, 1.0, Banding(key_bits=8, keys=1)).groups()
+    [array([0, 1])]
     """
     keys = _keys(codes, banding)
     if classes is not None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.duplicates.leader_clustering import (
@@ -37,6 +39,37 @@ def test_keys_find_what_comparing_all_finds() -> None:
     found = np.mean(clusters.leader[count // 2 :] == np.arange(count // 2))
     assert found > 0.985
     assert clusters.compared < count * count / 20
+
+
+@settings(deadline=None, max_examples=50)
+@given(
+    points=st.lists(st.floats(0, 10), max_size=30),
+    limit=st.floats(0, 5),
+    classes=st.lists(st.integers(0, 2), min_size=30, max_size=30),
+)
+def test_members_are_near_an_earlier_leader_of_their_class(
+    points: list[float], limit: float, classes: list[int]
+) -> None:
+    """With one key for all, every leader is compared: what leads has no earlier leader nearby."""
+    x, kinds = np.array(points), np.array(classes[: len(points)], np.int64)
+
+    def distances(position: int, others: NDArray[np.int64]) -> FloatArray:
+        return np.abs(x[others] - x[position])
+
+    codes = np.zeros((len(x), 1), np.uint8)
+    clusters = cluster_by_leaders(codes, distances, limit, Banding(8, 1), kinds)
+    leaders = clusters.leaders()
+    for position, leader in enumerate(clusters.leader.tolist()):
+        earlier = leaders[(leaders < position) & (kinds[leaders] == kinds[position])]
+        nearby = earlier[np.abs(x[earlier] - x[position]) <= limit]
+        assert leader in leaders
+        assert (leader == position) == (len(nearby) == 0)
+        assert clusters.distance[position] == abs(x[leader] - x[position])
+        if len(nearby):
+            assert clusters.distance[position] == np.abs(x[nearby] - x[position]).min()
+    grouped = [position for group in clusters.groups() for position in group.tolist()]
+    assert len(grouped) == len(set(grouped))
+    assert set(range(len(x))) - set(grouped) <= set(leaders.tolist())
 
 
 def test_recall_of_keys_is_that_of_chance() -> None:
