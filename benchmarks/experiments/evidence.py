@@ -20,22 +20,20 @@ from collections import Counter, defaultdict
 from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise
-from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from sklearn.linear_model import LogisticRegression
-from threadpoolctl import threadpool_limits
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import make_pairs
+from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.search.checks import Compared, Explainer, pose_features
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
-from shapegoogle_core.processes.progress import progress_bar
 from shapegoogle_core.registration import SurfaceSample
 from shapegoogle_core.registration.isometry import functional_map
 
@@ -81,7 +79,6 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
     -------
     outcomes : list of Outcome
     """
-    threadpool_limits(1)
     model = load_model()
     outcomes = []
     pairs = make_pairs(*job)
@@ -161,7 +158,6 @@ def describe(job: tuple[str, int]) -> tuple[list[tuple[str, ShapeSignature]], li
     shapes : list of (name, signature)
     versions : list of ShapeSignature
     """
-    threadpool_limits(1)
     kind, seed = job
     model, random = load_model(), np.random.default_rng([seed, len(kind)])
     creatures = [make_creature(kind, seed + number) for number in range(4)]
@@ -178,17 +174,18 @@ def describe(job: tuple[str, int]) -> tuple[list[tuple[str, ShapeSignature]], li
 def print_similarities(kinds: Sequence[str], jobs: int) -> None:
     """Print the share of right first matches, by their similarity."""
     found = []
-    with get_context("spawn").Pool(jobs) as pool, tempfile.TemporaryDirectory() as folder:
-        describing = pool.imap(describe, [(kind, TEST_SEED) for kind in kinds])
-        described = list(progress_bar(describing, "creatures", len(kinds)))
-        with Library.open(Path(folder) / "creatures.sglib") as library:
-            for shapes, _ in described:
-                for name, signature in shapes:
-                    library.add_signature(signature, name)
-            for shapes, asked in described:
-                for signature in asked:
-                    (match,) = library.query(signature, top=1, explain=0)
-                    found.append((match.similarity, match.name == shapes[0][0]))
+    described = map_in_processes(describe, [(kind, TEST_SEED) for kind in kinds], jobs, "creatures")
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Library.open(Path(folder) / "creatures.sglib") as library,
+    ):
+        for shapes, _ in described:
+            for name, signature in shapes:
+                library.add_signature(signature, name)
+        for shapes, asked in described:
+            for signature in asked:
+                (match,) = library.query(signature, top=1, explain=0)
+                found.append((match.similarity, match.name == shapes[0][0]))
     similarity, right = np.array(found).T
     print(f"{len(found)} queries\n\n| similarity of the first match | queries | right |\n|---|---|---|")
     edges = [0, 0.5, 0.8, 0.9, 0.95, 0.99, 1.0000001]
@@ -241,11 +238,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     first = CALIBRATION_SEED if options.calibrate else TEST_SEED
     jobs = [(kind, first + number) for kind in CREATURE_KINDS for number in range(options.individuals)]
-    with get_context("spawn").Pool(options.jobs) as pool:
-        results = progress_bar(
-            pool.imap(partial(measure, exact=not options.samples), jobs), "creatures", len(jobs)
-        )
-        outcomes = [outcome for result in results for outcome in result]
+    results = map_in_processes(partial(measure, exact=not options.samples), jobs, options.jobs, "creatures")
+    outcomes = [outcome for result in results for outcome in result]
     if options.calibrate:
         print_weights(outcomes)
     else:

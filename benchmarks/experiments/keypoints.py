@@ -20,15 +20,12 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.keypoint_repeatability import (
@@ -37,6 +34,7 @@ from benchmarks.experiments.keypoint_repeatability import (
     places_on_null,
     repeatability,
 )
+from benchmarks.parallel import map_in_processes
 from benchmarks.protocol.collection import ISOMETRY, NULL
 from benchmarks.protocol.evaluation_data import null_and_negative_shapes, read_labels
 from shapegoogle_core import Mesh, MeshError, read_mesh
@@ -44,7 +42,6 @@ from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from shapegoogle_core.preprocessing import repair
-from shapegoogle_core.processes.progress import progress_bar
 
 KINDS = ("human", "horse", "bird", "lizard", "octopus", "fish", "hand", "desk lamp")
 SEEDS = (120,)
@@ -86,10 +83,6 @@ class Null:
                     yield kind, strength, transform(mesh, kind, strength, self.seed)
                 except MeshError as error:
                     print(f"left out: {error}", file=sys.stderr)
-
-
-def _one_thread() -> None:
-    threadpool_limits(1)
 
 
 def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
@@ -205,9 +198,8 @@ def run(options: argparse.Namespace) -> int:
     exit_code : int
     """
     nulls = null_shapes(options)
-    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
-        measured = pool.map(partial(measure, options), nulls)
-        rows = [row for found in progress_bar(measured, "null shapes", len(nulls)) for row in found]
+    measured = map_in_processes(partial(measure, options), nulls, options.jobs, "null shapes")
+    rows = [row for found in measured for row in found]
     if not rows:
         print("nothing was measured", file=sys.stderr)
         return 2

@@ -18,21 +18,18 @@ import argparse
 import tempfile
 import time
 from collections.abc import Iterable, Sequence
-from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from threadpoolctl import threadpool_limits
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import cut, remeshed
+from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Library, Mesh, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.processes.progress import progress_bar
 
 FIRST_SEED = 4_000
 CUTS = {"a third missing": 2 / 3, "half missing": 1 / 2, "two thirds missing": 1 / 3}
@@ -40,7 +37,6 @@ TOP = 50
 
 
 def _describe(mesh: Mesh) -> ShapeSignature:
-    threadpool_limits(1)
     return load_model().describe(mesh)
 
 
@@ -131,20 +127,17 @@ def run(options: argparse.Namespace) -> int:
         for index, (kind, seed) in enumerate(asked)
     ]
     with (
-        get_context("spawn").Pool(options.jobs) as pool,
         tempfile.TemporaryDirectory() as folder,
         Library.open(Path(folder) / "creatures.sglib") as library,
     ):
-        run = partial(pool.imap, chunksize=2)
-        for (kind, seed), signature in zip(
-            jobs, progress_bar(run(whole, jobs), "creatures", len(jobs)), strict=True
-        ):
+        signatures = map_in_processes(whole, jobs, options.jobs, "creatures")
+        for (kind, seed), signature in zip(jobs, signatures, strict=True):
             library.add_signature(signature, f"{kind} {seed}")
-        halves = list(progress_bar(run(shared, grafts), "grafts", len(grafts)))
+        halves = map_in_processes(shared, grafts, options.jobs, "grafts")
         for (kind, seed, _), (_, grown) in zip(grafts, halves, strict=True):
             for number, signature in enumerate(grown):
                 library.add_signature(signature, f"{kind} {seed} on {number}")
-        remains = list(progress_bar(run(parts, asked), "parts", len(asked)))
+        remains = map_in_processes(parts, asked, options.jobs, "parts")
         print_tables(library, asked, remains, grafts, halves)
     return 0
 
