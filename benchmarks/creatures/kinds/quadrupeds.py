@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Mammals on four legs, and what is put together from them."""
+"""Four-legged mammals, the kangaroo, and the centaur."""
 
 from __future__ import annotations
 
@@ -9,160 +9,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.creatures.kinds.bipeds import BIPED_POSES, add_arms, add_human_head
+from benchmarks.creatures.kinds.quadruped_parts import (
+    BACK,
+    FORWARD,
+    QUADRUPED_POSES,
+    UP,
+    add_ears,
+    add_legs,
+    add_neck_and_head,
+    add_tail,
+    add_torso,
+)
 from benchmarks.creatures.layout import between, offset
-from benchmarks.creatures.skeleton import Pose, Skeleton, SkeletonBuilder, Vector, Wave
+from benchmarks.creatures.skeleton import Pose, Skeleton, SkeletonBuilder, Wave
 
 __all__ = ["KINDS"]
 
 Random = np.random.Generator
 FloatArray = NDArray[np.float64]
-
-_FORWARD = np.array([0.0, -1.0, 0.0])
-_UP = np.array([0.0, 0.0, 1.0])
-_BACK = (0, 1, 0)
-
-_QUADRUPED_POSES: dict[str, Pose] = {
-    "walk": {
-        "hind.L": [(-28, 0, 0), (18, 0, 0)],
-        "hind.R": [(20, 0, 0), (10, 0, 0)],
-        "fore.L": [(22, 0, 0), (12, 0, 0)],
-        "fore.R": [(-28, 0, 0), (25, 0, 0)],
-        "neck": (6, 8, 0),
-    },
-    "gallop": {
-        "hind": [(38, 0, 0), (5, 0, 0)],
-        "fore": [(-48, 0, 0), (8, 0, 0)],
-        "spine": (-14, 0, 0),
-        "neck": (18, 0, 0),
-        "tail": (25, 0, 0),
-    },
-    "gather": {
-        "hind": [(-42, 0, 0), (25, 0, 0)],
-        "fore": [(32, 0, 0), (35, 0, 0)],
-        "spine": [(-16, 0, 0), (16, 0, 0), (14, 0, 0)],
-        "neck": (-8, 0, 0),
-    },
-    "sit": {
-        "spine": [(-36, 0, 0), (-6, 0, 0)],
-        "hind": [(-52, 12, 0), (100, 0, 0), (-55, 0, 0)],
-        "fore": [(38, 0, 0), (4, 0, 0)],
-        "neck": (22, 0, 0),
-    },
-    "rear": {
-        "spine": [(-48, 0, 0), (-8, 0, 0)],
-        "hind": [(35, 0, 0), (12, 0, 0), (-10, 0, 0)],
-        "fore.L": [(-25, 0, 0), (75, 0, 0)],
-        "fore.R": [(-50, 0, 0), (85, 0, 0)],
-        "neck": (22, 0, 0),
-        "tail": (-20, 0, 0),
-    },
-    "graze": {"neck": (62, 10, 0), "head": (5, 0, 0), "fore.L": [(-14, 0, 0)], "fore.R": [(12, 0, 0)]},
-    "look back": {"neck": (0, 55, 0), "head": (0, 25, 0), "spine": (0, 18, 0), "tail": (0, 35, 0)},
-    "lie": {
-        "hind": [(-65, 10, 0), (110, 0, 0), (-75, 0, 0)],
-        "fore": [(-55, 6, 0), (100, 0, 0)],
-        "neck": (-10, -12, 0),
-    },
-    "kick": {
-        "spine": [(22, 0, 0)],
-        "hind": [(58, 0, 0), (-5, 0, 0)],
-        "fore": [(-25, 0, 0)],
-        "neck": (12, 0, 0),
-        "tail": (30, 0, 0),
-    },
-}
-
-
-def _add_quadruped_torso(
-    builder: SkeletonBuilder, length: float, height: float, radii: Vector, wide: float = 0.9
-) -> None:
-    """Spine from hips to chest; `radii` at hips, waist, ribs and chest, `wide` is width over depth."""
-    spine = between([0, length / 2, height], [0, -length / 2, height], 3)
-    builder.chain("spine", spine, radii, stretch=(wide, 1, 1))
-
-
-def _add_quadruped_legs(
-    builder: SkeletonBuilder,
-    length: float,
-    height: float,
-    spread: float,
-    thick: float,
-    thin: float,
-    foot: float,
-) -> None:
-    """Hind legs with a hock and fore legs, from a torso of this length and height down to the ground.
-
-    `thick` and `thin` are the radii at hip and ankle; `foot` is the length of the foot.
-    """
-    middle = 0.55 * thick + 0.45 * thin
-    hind, fore = 0.46 * length, -0.44 * length
-    ankle = 0.9 * thin
-    for name, y, knee, hock, parent in (
-        ("hind", hind, -0.1, 0.14, "spine.0"),
-        ("fore", fore, 0.06, -0.01, "spine.2"),
-    ):
-        x = np.array([spread, spread, 1.05 * spread, 1.05 * spread])
-        depth = y + np.array([0, knee, hock, 0.55 * hock]) * height
-        z = np.array([0.95 * height, 0.56 * height, 0.28 * height, ankle])
-        builder.chain(
-            name,
-            np.stack([x, depth, z], axis=1),
-            [thick, middle, thin, 0.95 * thin],
-            parent=parent,
-            toward=_BACK,
-            both_sides=True,
-        )
-        toe = [1.05 * spread, depth[3] - foot, 0.8 * thin]
-        builder.stick(f"{name}.L.2", [[x[3], depth[3], ankle], toe], [thin, 0.85 * thin], both_sides=True)
-
-
-def _neck_and_head(
-    builder: SkeletonBuilder,
-    base: FloatArray,
-    direction: FloatArray,
-    length: float,
-    radii: tuple[float, float],
-    head: float,
-    muzzle: float,
-    segments: int = 2,
-) -> tuple[FloatArray, FloatArray]:
-    """Neck, skull and muzzle with eye bumps; returns the skull's centre and the tip of the muzzle.
-
-    `head` is the skull's radius, `muzzle` the length of the muzzle in skull radii.
-    """
-    top = base + length * direction / np.linalg.norm(direction)
-    builder.chain(
-        "neck",
-        between(base, top, segments),
-        between(*radii, segments),
-        parent="spine.2",
-        toward=(0, -0.5, -1),
-    )
-    skull = top + head * np.array([0, -0.6, 0.2])
-    nose = skull + head * np.array([0, -0.8 - muzzle, -0.3 - 0.25 * muzzle])
-    builder.chain("head", [top, skull, nose], [0.9 * head, head, 0.52 * head], parent=f"neck.{segments - 1}")
-    builder.blob("head.1", skull + head * np.array([0.75, -0.5, 0.35]), (0.28 * head,) * 3, both_sides=True)
-    return skull, nose
-
-
-def _ears(builder: SkeletonBuilder, skull: FloatArray, head: float, length: float, wide: float) -> None:
-    root = skull + head * np.array([0.55, 0.25, 0.6])
-    tip = root + length * head * np.array([0.35, 0.15, 1.0])
-    builder.stick(
-        "head.0", [root, tip], [wide * head, 0.6 * wide * head], stretch=(1, 0.65, 1), both_sides=True
-    )
-
-
-def _tail(
-    builder: SkeletonBuilder,
-    base: FloatArray,
-    direction: Vector,
-    length: float,
-    radii: Vector,
-) -> None:
-    way = np.asarray(direction, float)
-    points = between(base, base + length * way / np.linalg.norm(way), 4)
-    builder.chain("tail", points, between(radii[0], radii[1], 4), parent="spine.0", toward=(0, 0.3, 1))
 
 
 def horse(rng: Random) -> Skeleton:
@@ -170,21 +34,19 @@ def horse(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.9, 1.15), rng.uniform(0.85, 1.05)
     barrel = rng.uniform(0.19, 0.25)
-    _add_quadruped_torso(builder, length, height, np.array([0.95, 0.95, 1.05, 0.9]) * barrel)
-    _add_quadruped_legs(
-        builder, length, height, 0.11, rng.uniform(0.085, 0.1), rng.uniform(0.036, 0.048), 0.07
-    )
+    add_torso(builder, length, height, np.array([0.95, 0.95, 1.05, 0.9]) * barrel)
+    add_legs(builder, length, height, 0.11, rng.uniform(0.085, 0.1), rng.uniform(0.036, 0.048), 0.07)
     chest = np.array([0, -0.5 * length, height + 0.05])
     reach = rng.uniform(0.45, 0.62)
     head = rng.uniform(0.095, 0.12)
-    skull, _ = _neck_and_head(
-        builder, chest, _FORWARD * 0.8 + _UP, reach, (0.15, 0.09), head, rng.uniform(1.8, 2.4), 3
+    skull, _ = add_neck_and_head(
+        builder, chest, FORWARD * 0.8 + UP, reach, (0.15, 0.09), head, rng.uniform(1.8, 2.4), 3
     )
-    _ears(builder, skull, head, rng.uniform(0.9, 1.3), 0.35)
+    add_ears(builder, skull, head, rng.uniform(0.9, 1.3), 0.35)
     mane = between(offset(chest, 0, 0.13, 0.1), offset(skull, 0, 0.1, 0.08), 4)
     for number in range(3):
         builder.stick(f"neck.{number}", mane[number : number + 3], [0.045, 0.05, 0.045], stretch=(0.7, 1, 1))
-    _tail(
+    add_tail(
         builder,
         np.array([0, 0.5 * length + 0.08, height + 0.08]),
         (0, 0.55, -1),
@@ -192,7 +54,7 @@ def horse(rng: Random) -> Skeleton:
         (0.05, 0.04),
     )
     builder.blob("tail.2", (0, 0.5 * length + 0.33, height - 0.35), (0.055, 0.075, 0.16))
-    return builder.build(_QUADRUPED_POSES)
+    return builder.build(QUADRUPED_POSES)
 
 
 def dog(rng: Random) -> Skeleton:
@@ -200,26 +62,26 @@ def dog(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.75, 1.05), rng.uniform(0.4, 0.62)
     barrel = rng.uniform(0.11, 0.16)
-    _add_quadruped_torso(builder, length, height, np.array([0.85, 0.8, 1.05, 0.95]) * barrel)
+    add_torso(builder, length, height, np.array([0.85, 0.8, 1.05, 0.95]) * barrel)
     thin = rng.uniform(0.032, 0.045)
-    _add_quadruped_legs(builder, length, height, 0.62 * barrel, 1.9 * thin, thin, 2.2 * thin)
+    add_legs(builder, length, height, 0.62 * barrel, 1.9 * thin, thin, 2.2 * thin)
     head = rng.uniform(0.09, 0.125)
     chest = np.array([0, -0.5 * length, height + 0.06])
-    skull, nose = _neck_and_head(
+    skull, nose = add_neck_and_head(
         builder,
         chest,
-        _FORWARD * 0.9 + _UP,
+        FORWARD * 0.9 + UP,
         rng.uniform(0.16, 0.3),
         (0.1, 0.085),
         head,
         rng.uniform(0.2, 1.5),
     )
     builder.blob("head.1", offset(nose, 0, -0.02, 0.02), (0.35 * head, 0.3 * head, 0.3 * head))
-    _ears(builder, skull, head, rng.uniform(0.6, 1.3), rng.uniform(0.4, 0.6))
+    add_ears(builder, skull, head, rng.uniform(0.6, 1.3), rng.uniform(0.4, 0.6))
     tail = np.array([0, 0.5 * length + 0.06, height + 0.05])
     thick = rng.uniform(0.028, 0.06)
-    _tail(builder, tail, (0, 1, rng.uniform(-0.4, 0.9)), rng.uniform(0.3, 0.65), (thick, 0.7 * thick))
-    return builder.build(_QUADRUPED_POSES)
+    add_tail(builder, tail, (0, 1, rng.uniform(-0.4, 0.9)), rng.uniform(0.3, 0.65), (thick, 0.7 * thick))
+    return builder.build(QUADRUPED_POSES)
 
 
 def deer(rng: Random) -> Skeleton:
@@ -227,14 +89,14 @@ def deer(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.75, 0.95), rng.uniform(0.8, 0.98)
     barrel = rng.uniform(0.145, 0.19)
-    _add_quadruped_torso(builder, length, height, np.array([0.9, 0.85, 1.05, 0.9]) * barrel)
-    _add_quadruped_legs(builder, length, height, 0.09, 0.07, rng.uniform(0.03, 0.037), 0.05)
+    add_torso(builder, length, height, np.array([0.9, 0.85, 1.05, 0.9]) * barrel)
+    add_legs(builder, length, height, 0.09, 0.07, rng.uniform(0.03, 0.037), 0.05)
     head = rng.uniform(0.075, 0.09)
     chest = np.array([0, -0.48 * length, height + 0.04])
-    skull, _ = _neck_and_head(
-        builder, chest, _FORWARD * 0.55 + _UP, rng.uniform(0.38, 0.5), (0.1, 0.065), head, 1.6, 3
+    skull, _ = add_neck_and_head(
+        builder, chest, FORWARD * 0.55 + UP, rng.uniform(0.38, 0.5), (0.1, 0.065), head, 1.6, 3
     )
-    _ears(builder, skull, head, 1.1, 0.42)
+    add_ears(builder, skull, head, 1.1, 0.42)
     root = skull + np.array([0.035, 0.02, 0.07])
     span = rng.uniform(0.3, 0.5)
     beam = root + span * np.array([[0, 0, 0], [0.35, 0.2, 0.4], [0.55, 0.05, 0.8], [0.5, -0.25, 1.1]])
@@ -243,8 +105,8 @@ def deer(rng: Random) -> Skeleton:
         beam[: rng.integers(2, 4)], ([0.1, -0.5, 0.35], [0.1, -0.5, 0.3], [0.35, 0.2, 0.3]), strict=False
     ):
         builder.stick("head.0", [joint, joint + 0.6 * span * np.array(way)], [0.024, 0.021], both_sides=True)
-    _tail(builder, np.array([0, 0.5 * length + 0.1, height + 0.05]), (0, 1, -0.3), 0.14, (0.045, 0.03))
-    return builder.build(_QUADRUPED_POSES)
+    add_tail(builder, np.array([0, 0.5 * length + 0.1, height + 0.05]), (0, 1, -0.3), 0.14, (0.045, 0.03))
+    return builder.build(QUADRUPED_POSES)
 
 
 def elephant(rng: Random) -> Skeleton:
@@ -252,9 +114,9 @@ def elephant(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.95, 1.15), rng.uniform(0.75, 0.9)
     barrel = rng.uniform(0.3, 0.36)
-    _add_quadruped_torso(builder, length, height, np.array([0.92, 1.0, 1.03, 0.85]) * barrel)
+    add_torso(builder, length, height, np.array([0.92, 1.0, 1.03, 0.85]) * barrel)
     thin = rng.uniform(0.085, 0.105)
-    _add_quadruped_legs(builder, length, height, 0.19, 1.4 * thin, thin, 0.04)
+    add_legs(builder, length, height, 0.19, 1.4 * thin, thin, 0.04)
     head = rng.uniform(0.19, 0.23)
     chest = np.array([0, -0.5 * length - 0.1, height + 0.12])
     skull = chest + np.array([0, -0.2, 0.12])
@@ -287,7 +149,7 @@ def elephant(rng: Random) -> Skeleton:
         stretch=(0.8, 0.2, 1),
         both_sides=True,
     )
-    _tail(builder, np.array([0, 0.5 * length + 0.24, height + 0.05]), (0, 0.35, -1), 0.45, (0.045, 0.032))
+    add_tail(builder, np.array([0, 0.5 * length + 0.24, height + 0.05]), (0, 0.35, -1), 0.45, (0.045, 0.032))
     extra: dict[str, Pose] = {
         "trumpet": {
             "trunk": (150, 0, 0),
@@ -301,7 +163,7 @@ def elephant(rng: Random) -> Skeleton:
         },
         "swing": {"trunk": Wave(swing=50, cycles=0.5), "ear": (-30, 0, 0), "neck": (0, 20, 0)},
     }
-    kept = {name: _QUADRUPED_POSES[name] for name in ("walk", "rear", "look back")}
+    kept = {name: QUADRUPED_POSES[name] for name in ("walk", "rear", "look back")}
     return builder.build({**kept, **extra})
 
 
@@ -310,22 +172,22 @@ def giraffe(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.6, 0.75), rng.uniform(0.85, 1.05)
     barrel = rng.uniform(0.15, 0.19)
-    _add_quadruped_torso(builder, length, height, np.array([0.85, 0.95, 1.05, 1.0]) * barrel)
-    _add_quadruped_legs(builder, length, height, 0.09, 0.075, rng.uniform(0.032, 0.04), 0.04)
+    add_torso(builder, length, height, np.array([0.85, 0.95, 1.05, 1.0]) * barrel)
+    add_legs(builder, length, height, 0.09, 0.075, rng.uniform(0.032, 0.04), 0.04)
     head = rng.uniform(0.075, 0.09)
     chest = np.array([0, -0.47 * length, height + 0.06])
     reach = rng.uniform(0.85, 1.15)
-    skull, _ = _neck_and_head(builder, chest, _FORWARD * 0.4 + _UP, reach, (0.12, 0.06), head, 1.6, 6)
-    _ears(builder, skull, head, 1.0, 0.4)
+    skull, _ = add_neck_and_head(builder, chest, FORWARD * 0.4 + UP, reach, (0.12, 0.06), head, 1.6, 6)
+    add_ears(builder, skull, head, 1.0, 0.4)
     horn = skull + np.array([0.03, -0.01, 0.06])
     builder.stick("head.0", [horn, offset(horn, 0.01, 0.01, 0.11)], [0.024, 0.026], both_sides=True)
-    _tail(builder, np.array([0, 0.5 * length + 0.08, height + 0.05]), (0, 0.4, -1), 0.5, (0.034, 0.028))
+    add_tail(builder, np.array([0, 0.5 * length + 0.08, height + 0.05]), (0, 0.4, -1), 0.5, (0.034, 0.028))
     extra: dict[str, Pose] = {
         "drink": {"neck": (125, 0, 0), "fore": [(-8, 22, 0)], "head": (-30, 0, 0)},
         "reach up": {"neck": (-22, 0, 0), "head": (-25, 0, 0)},
         "curve": {"neck": Wave(bend=45, cycles=1.0), "tail": (30, 0, 0)},
     }
-    kept = {name: _QUADRUPED_POSES[name] for name in ("walk", "gallop", "look back", "lie", "kick")}
+    kept = {name: QUADRUPED_POSES[name] for name in ("walk", "gallop", "look back", "lie", "kick")}
     return builder.build({**kept, **extra})
 
 
@@ -344,7 +206,7 @@ def kangaroo(rng: Random) -> Skeleton:
         [offset(hip, x, 0, -0.03), [1.2 * x, -0.22, 0.3], [1.2 * x, 0.1, 0.1], [1.2 * x, -0.32, 0.04]],
         [0.12, 0.065, 0.045, 0.036],
         parent="spine.0",
-        toward=_BACK,
+        toward=BACK,
         both_sides=True,
     )
     builder.chain(
@@ -360,8 +222,8 @@ def kangaroo(rng: Random) -> Skeleton:
         both_sides=True,
     )
     head = rng.uniform(0.075, 0.09)
-    skull, _ = _neck_and_head(builder, chest, _FORWARD * 0.5 + _UP, 0.16, (0.085, 0.06), head, 1.3)
-    _ears(builder, skull, head, rng.uniform(1.6, 2.4), 0.4)
+    skull, _ = add_neck_and_head(builder, chest, FORWARD * 0.5 + UP, 0.16, (0.085, 0.06), head, 1.3)
+    add_ears(builder, skull, head, rng.uniform(1.6, 2.4), 0.4)
     tail = rng.uniform(0.7, 1.0)
     joints = hip + tail * np.array(
         [[0, 0.06, -0.02], [0, 0.25, -0.2], [0, 0.5, -0.38], [0, 0.75, -0.45], [0, 1.0, -0.46]]
@@ -383,8 +245,8 @@ def centaur(rng: Random) -> Skeleton:
     builder = SkeletonBuilder()
     length, height = rng.uniform(0.8, 1.0), rng.uniform(0.75, 0.9)
     barrel = rng.uniform(0.17, 0.21)
-    _add_quadruped_torso(builder, length, height, np.array([0.95, 0.95, 1.0, 0.9]) * barrel)
-    _add_quadruped_legs(builder, length, height, 0.1, 0.08, rng.uniform(0.036, 0.044), 0.06)
+    add_torso(builder, length, height, np.array([0.95, 0.95, 1.0, 0.9]) * barrel)
+    add_legs(builder, length, height, 0.1, 0.08, rng.uniform(0.036, 0.044), 0.06)
     waist = np.array([0, -0.5 * length - 0.02, height + 0.08])
     torso = rng.uniform(0.5, 0.6)
     girth = rng.uniform(0.105, 0.13)
@@ -400,7 +262,7 @@ def centaur(rng: Random) -> Skeleton:
     )
     add_arms(builder, "torso.2", offset(neck, 1.35 * girth, 0, -0.06), rng.uniform(0.52, 0.62), 0.043)
     add_human_head(builder, "torso.2", neck, rng.uniform(0.1, 0.12), 0.0)
-    _tail(
+    add_tail(
         builder,
         np.array([0, 0.5 * length + 0.08, height + 0.06]),
         (0, 0.55, -1),
@@ -418,9 +280,7 @@ def centaur(rng: Random) -> Skeleton:
     ]
     for quadruped, biped in arms:
         legs = {
-            chain: rule
-            for chain, rule in _QUADRUPED_POSES[quadruped].items()
-            if chain not in ("neck", "head")
+            chain: rule for chain, rule in QUADRUPED_POSES[quadruped].items() if chain not in ("neck", "head")
         }
         upper = {
             chain: rule for chain, rule in BIPED_POSES[biped].items() if chain.startswith(("arm", "neck"))
