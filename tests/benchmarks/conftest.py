@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,9 +18,6 @@ from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
 from shapegoogle_core.model.shape_bags import ChannelWords
 from tests.core.conftest import bumpy, data_folder, make_mesh, shapes  # noqa: F401
-
-# Worker processes must be able to import `benchmark_tasks` too; they are given the same path.
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 def relevant_columns(collection: Collection) -> list[int]:
@@ -43,7 +39,7 @@ def lumps(tmp_path_factory: pytest.TempPathFactory, make_mesh: Callable[..., Pat
     return folder
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def collection(lumps: Path) -> Collection:
     """Three null shapes and two others; each null shape asked for at two sizes."""
     nulls = [database_shape(path, "null") for path in sorted((lumps / "nulls").iterdir())]
@@ -52,7 +48,7 @@ def collection(lumps: Path) -> Collection:
     return Collection("lumps", (*nulls, *negatives), tuple(queries))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def labelled(lumps: Path) -> LabelledCollection:
     paths = sorted((lumps / "labelled").rglob("*.off"))
     shapes = [database_shape(path, "null", f"{path.parent.name}{path.stem}") for path in paths]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The summary of measured keypoints, and the measurement itself on one creature."""
 
+from __future__ import annotations
+
 import argparse
 import math
 from typing import Any

@@ -36,6 +36,10 @@ def no_result() -> Arrays:
     pytest.fail("the result is on disk")
 
 
+def no_mesh() -> Mesh:
+    pytest.fail("the result is on disk")
+
+
 def test_results_come_back(cache: BenchmarkCache) -> None:
     arrays = {"values": np.arange(6.0).reshape(2, 3), "names": np.array(["a", "bc"])}
     assert cache.load("things", "00ff") is None
@@ -85,7 +89,7 @@ def test_a_folder_that_cannot_be(tmp_path: Path) -> None:
 
 
 def test_a_digest_tells_all_apart() -> None:
-    parts = [
+    parts: list[list[object]] = [
         [],
         ["a"],
         ["b"],
@@ -124,7 +128,7 @@ def test_code_of_all_stages_is_found() -> None:
 def test_a_shape_is_the_same_from_the_cache(cache: BenchmarkCache, bumpy: Mesh) -> None:
     settings = replace(PRESETS["paper"], eigenpairs=40)
     first = cached_shape(cache, settings, "key", lambda: bumpy)
-    again = cached_shape(cache, settings, "key", no_result)
+    again = cached_shape(cache, settings, "key", no_mesh)
     for name in ("eigenvalues", "eigenvectors", "mass"):
         np.testing.assert_array_equal(getattr(first.spectrum, name), getattr(again.spectrum, name))
     assert first.spectrum.eigenvectors.dtype == np.float64

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The queries and databases made of the evaluation meshes."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import pytest

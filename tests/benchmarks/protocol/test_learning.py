@@ -32,7 +32,7 @@ def test_the_seed_decides() -> None:
 
 def test_a_creature_is_posed_and_transformed() -> None:
     pytest.importorskip("skimage")
-    null, *others = (v for v in training_versions(individuals=1) if v.creature == "human")
+    null, *others = (version for version in training_versions(individuals=1) if version.label == "human-0")
     assert np.isfinite(null.mesh().vertices).all()
     for version in others:
         assert len(version.mesh().faces) > 100

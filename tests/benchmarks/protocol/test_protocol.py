@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmark_tasks import CountVertices
 
 from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.cache import BenchmarkCache
@@ -18,6 +17,7 @@ from benchmarks.protocol.matching import Matched, Variant
 from benchmarks.protocol.protocol import run_benchmark
 from benchmarks.protocol.results import BenchmarkResult
 from benchmarks.protocol.workshop import Workshop
+from tests.benchmarks.benchmark_tasks import CountVertices
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,17 @@ class Known:
             yield Matched(variant, distances, 0.25, 12, 0.125)
 
 
-def run(group: Known, collection: Collection, cache: BenchmarkCache, labelled=()) -> BenchmarkResult:
+def run(
+    group: Known, collection: Collection, cache: BenchmarkCache, labelled: Sequence[LabelledCollection] = ()
+) -> BenchmarkResult:
     return run_benchmark(
         collection, labelled, [group], cache, jobs=0, seed=4, progress=lambda items, *_: items
     )
 
 
-def test_ranks_are_those_of_the_distances(collection, cache, tmp_path: Path) -> None:
+def test_ranks_are_those_of_the_distances(
+    collection: Collection, cache: BenchmarkCache, tmp_path: Path
+) -> None:
     result = run(Known(CountVertices(tmp_path / "trace")), collection, cache)
     (variant,) = result.variants
     assert [outcome.rank for outcome in variant.outcomes] == [1, 1, 1, 2, 2, 2]
@@ -64,7 +68,9 @@ def test_ranks_are_those_of_the_distances(collection, cache, tmp_path: Path) -> 
     assert (result.collection, result.seed, result.problems) == ("lumps", 4, ())
 
 
-def test_a_query_that_fails_counts_as_last(collection, cache, tmp_path: Path) -> None:
+def test_a_query_that_fails_counts_as_last(
+    collection: Collection, cache: BenchmarkCache, tmp_path: Path
+) -> None:
     task = CountVertices(tmp_path / "trace", fail="null1.scale.1")
     result = run(Known(task), collection, cache)
     (variant,) = result.variants
@@ -72,7 +78,9 @@ def test_a_query_that_fails_counts_as_last(collection, cache, tmp_path: Path) ->
     assert [(problem.shape, problem.kind) for problem in result.problems] == [("null1.scale.1", "failed")]
 
 
-def test_a_query_that_cannot_be_made_is_no_query(collection, cache, tmp_path: Path) -> None:
+def test_a_query_that_cannot_be_made_is_no_query(
+    collection: Collection, cache: BenchmarkCache, tmp_path: Path
+) -> None:
     path = tmp_path / "coarse.off"
     path.write_text("OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
     impossible = BenchmarkShape("null0.topology.5", path, "null0", "topology", 5, 0)
@@ -88,7 +96,7 @@ def test_a_query_that_cannot_be_made_is_no_query(collection, cache, tmp_path: Pa
 
 
 def test_labelled_collections_are_asked_by_headline_variants(
-    collection, labelled: LabelledCollection, cache, tmp_path: Path
+    collection: Collection, labelled: LabelledCollection, cache: BenchmarkCache, tmp_path: Path
 ) -> None:
     group = Known(CountVertices(tmp_path / "trace"))
     group = replace(group, variants=(*group.variants, Variant("aside", "bags")))
@@ -98,6 +106,6 @@ def test_labelled_collections_are_asked_by_headline_variants(
     assert 0 < category.scores.first_tier < 1
 
 
-def test_nothing_to_measure(collection, cache, tmp_path: Path) -> None:
+def test_nothing_to_measure(collection: Collection, cache: BenchmarkCache, tmp_path: Path) -> None:
     with pytest.raises(BenchmarkError, match="no variant"):
         run(Known(CountVertices(tmp_path / "trace"), ()), collection, cache)

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: MIT
+"""Scores of variants, their JSON files, and the comparison of two runs."""
+
+from __future__ import annotations
+
 import json
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +16,7 @@ from benchmarks.protocol.results import (
     BenchmarkResult,
     CategoryResult,
     Problem,
+    VariantResult,
     compare,
     compare_queries,
     load_result,
@@ -39,11 +45,13 @@ QUERIES = [
 DISTANCES = [[0.1, 0.2, 0.3], [0.2, 0.1, 0.3], [0.1, 0.1, 0.3], [INF, INF, INF]]
 
 
-def variant(name="model", family="model", distances=DISTANCES):
+def variant(
+    name: str = "model", family: str = "model", distances: list[list[float]] = DISTANCES
+) -> VariantResult:
     return score_variant(name, family, {"bits": 256}, distances, QUERIES, DATABASE, 0.01, 32)
 
 
-def result(*variants):
+def result(*variants: VariantResult) -> BenchmarkResult:
     scores = CategoryScores(0.9, 0.5, 0.75, 0.8)
     return BenchmarkResult(
         collection="pets",
@@ -58,7 +66,7 @@ def result(*variants):
     )
 
 
-def test_scores_every_query():
+def test_scores_every_query() -> None:
     scored = variant()
     assert [outcome.rank for outcome in scored.outcomes] == [1, 2, 1.5, 3]
     assert [outcome.first for outcome in scored.outcomes] == ["cat0", "dog0", "dog0", ""]
@@ -74,14 +82,14 @@ def test_scores_every_query():
     assert 0 < scored.equal_error_rate < 0.5
 
 
-def test_a_database_of_one_shape_has_no_curves():
+def test_a_database_of_one_shape_has_no_curves() -> None:
     scored = score_variant("only", "bags", {}, [[0.3]], QUERIES[:1], ["cat0"], 0, 0)
     assert scored.average == 100
     assert math.isnan(scored.equal_error_rate)
     assert (scored.roc, scored.precision_recall) == ([], [])
 
 
-def test_scoring_names_the_query_without_an_answer():
+def test_scoring_names_the_query_without_an_answer() -> None:
     with pytest.raises(
         BenchmarkError, match=r"'dog0\.holes\.1' should find 'dog0', which is not in the database"
     ):
@@ -90,7 +98,7 @@ def test_scoring_names_the_query_without_an_answer():
         score_variant("v", "bags", {}, DISTANCES, QUERIES, ["cat0", "dog0"], 0, 0)
 
 
-def test_comes_back_from_a_file(tmp_path):
+def test_comes_back_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "benchmark.json"
     one = result(variant("codes", "codes"), variant())
     save_result(one, path)
@@ -106,7 +114,7 @@ def test_comes_back_from_a_file(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_is_missing_stays_missing(tmp_path):
+def test_what_is_missing_stays_missing(tmp_path: Path) -> None:
     late = [Query("cat0.noise.3", "cat0", "noise", 3)]
     scored = score_variant("v", "bags", {}, [[INF]], late, ["cat0"], 0, 0)
     save_result(result(scored), tmp_path / "benchmark.json")
@@ -126,7 +134,7 @@ def test_what_is_missing_stays_missing(tmp_path):
         ('{"format": 99, "version": "9.0"}', "written by Shape Google 9.0"),
     ],
 )
-def test_a_file_of_something_else_is_refused_by_name(tmp_path, text, message):
+def test_a_file_of_something_else_is_refused_by_name(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "other.json"
     path.write_text(text)
     with pytest.raises(BenchmarkError, match=message) as caught:
@@ -134,19 +142,19 @@ def test_a_file_of_something_else_is_refused_by_name(tmp_path, text, message):
     assert "other.json" in str(caught.value)
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(BenchmarkError, match=r"none.json' cannot be read"):
         load_result(tmp_path / "none.json")
 
 
-def test_damaged_values_are_refused():
+def test_damaged_values_are_refused() -> None:
     values = result().to_json()
     values["variants"][0]["outcomes"]["rank"].pop()
     with pytest.raises(BenchmarkError, match="not the result"):
         BenchmarkResult.from_json(values)
 
 
-def test_the_search_is_that_of_the_last_model():
+def test_the_search_is_that_of_the_last_model() -> None:
     search, other = variant("default · search"), variant("paper · search")
     search, other = (replace(entry, parameters={"stage": "search"}) for entry in (search, other))
     bags = variant("full bags")
@@ -155,7 +163,7 @@ def test_the_search_is_that_of_the_last_model():
     assert result(variant("codes", "codes")).search is None
 
 
-def test_compares_what_both_runs_have():
+def test_compares_what_both_runs_have() -> None:
     better = [[0.1, 0.2, 0.3], [0.1, 0.2, 0.3], [0.1, 0.1, 0.3], [0.3, 0.1, 0.2]]
     before, after = (
         result(variant(), variant("gone")),

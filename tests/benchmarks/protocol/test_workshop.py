@@ -6,12 +6,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from benchmark_tasks import CountVertices
 
 from benchmarks.errors import BenchmarkError
+from benchmarks.protocol.cache import Arrays
 from benchmarks.protocol.collection import BenchmarkShape, Collection
 from benchmarks.protocol.workshop import Workshop, shape_key
+from tests.benchmarks.benchmark_tasks import CountVertices
 
 
 def counts(workshop: Workshop, task: CountVertices, collection: Collection) -> list[int | None]:
@@ -86,6 +88,10 @@ def test_worker_processes_need_a_with_statement(
         workshop.describe(CountVertices(tmp_path / "trace"), collection.database)
 
 
+def fail(divisor: int) -> Arrays:
+    return {"ratio": np.array(1 // divisor)}
+
+
 def test_learning_that_fails_ends_the_run(workshop: Workshop) -> None:
     with pytest.raises(BenchmarkError, match="words failed: ZeroDivisionError"):
-        workshop.remembered("things", lambda divisor: 1 / divisor, [0], ["00"], "words")
+        workshop.remembered("things", fail, [0], ["00"], "words")

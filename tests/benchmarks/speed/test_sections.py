@@ -46,6 +46,7 @@ def test_meshes_to_index_are_read_back(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
 def test_figures_of_this_process() -> None:
     figures = processes.figures_of()
+    assert figures is not None
     assert 10 < figures.memory_mb <= figures.peak_mb < 100_000
     assert figures.threads >= 1
     assert figures.cpu_seconds > 0

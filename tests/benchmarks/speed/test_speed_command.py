@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The speed comparison measures and reports; its numbers mean nothing at this size."""
 
+from __future__ import annotations
+
 import json
 import os
 from collections.abc import Iterator
@@ -9,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks import command
-from benchmarks.speed import search
-from benchmarks.speed.measuring import Contestant, Options, race
+from benchmarks.speed import search, spectra
+from benchmarks.speed.measuring import Contestant, Options, Row, race
 
 Capture = pytest.CaptureFixture[str]
 
@@ -54,15 +56,19 @@ def test_a_section_that_fails_does_not_stop_the_others(
     def fail(options: Options) -> None:
         raise OSError("the disk is full")
 
+    def one_row(options: Options) -> Iterator[Row]:
+        yield {"task": "k = 1", "size": options.sizes[0], "contestant": "nobody", "cpu_seconds": 0.5}
+
     monkeypatch.setattr(search, "measure", fail)
-    arguments = ["--sections", "search,describing", "--sizes", "800", "--repeats", "1", "--output"]
+    monkeypatch.setattr(spectra, "measure", one_row)
+    arguments = ["--sections", "search,spectra", "--sizes", "800", "--repeats", "1", "--output"]
     assert main([*arguments, str(tmp_path)]) == 1
     printed = capsys.readouterr()
-    assert '"format": ".ply"' in printed.out
+    assert '"contestant": "nobody"' in printed.out
     assert "the disk is full" in printed.err
     assert "the section 'search' failed" in printed.err
     names = sorted(entry.name for entry in tmp_path.iterdir())
-    assert names == ["speed-describing.json", "speed-describing.png"]
+    assert names == ["speed-spectra.json", "speed-spectra.png"]
 
 
 def test_contestants_take_turns() -> None:

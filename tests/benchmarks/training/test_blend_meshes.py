@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The parts of the export of .blend meshes that need no Blender."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,7 +59,7 @@ def test_ply_files_read_back_exactly(tmp_path: Path, face_count: int) -> None:
     vertices = random.standard_normal((12, 3)).astype(np.float32)
     faces = random.integers(0, 12, (face_count, 3)).astype(np.int32)
     blend_meshes.write_ply(tmp_path / "mesh.ply", vertices, faces)
-    loaded = trimesh.load(tmp_path / "mesh.ply", process=False)
+    loaded: Any = trimesh.load(tmp_path / "mesh.ply", process=False)
     np.testing.assert_array_equal(np.asarray(loaded.vertices, np.float32), vertices)
     if face_count:
         np.testing.assert_array_equal(loaded.faces, faces)

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.protocol.collection import Collection
+from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants.bag_variants import Preparation
 from benchmarks.variants.baseline_variants import mesh_groups, spectrum_groups
 from benchmarks.variants.baselines import (
@@ -19,7 +21,7 @@ from shapegoogle_core.spectral import compute_spectrum
 from tests.benchmarks.conftest import relevant_columns
 
 
-def test_shape_dna_is_compared_by_the_euclidean_distance(workshop, collection) -> None:
+def test_shape_dna_is_compared_by_the_euclidean_distance(workshop: Workshop, collection: Collection) -> None:
     group = spectrum_groups(Preparation("paper", PRESETS["paper"]), seed=0)[0]
     (entry,) = group.match(workshop, collection.queries[:2], collection.database)
     first, second = (
@@ -30,7 +32,7 @@ def test_shape_dna_is_compared_by_the_euclidean_distance(workshop, collection) -
     assert entry.bytes_per_shape == 4 * 49
 
 
-def test_distances_and_moments_are_compared_by_l1(workshop, collection) -> None:
+def test_distances_and_moments_are_compared_by_l1(workshop: Workshop, collection: Collection) -> None:
     groups = [*spectrum_groups(Preparation("paper", PRESETS["paper"]), seed=3)[1:], mesh_groups(3)[1]]
     names = ["diffusion distances", "GPS distances", "moments"]
     assert [group.variants[0].name for group in groups] == names
@@ -47,7 +49,7 @@ def test_distances_and_moments_are_compared_by_l1(workshop, collection) -> None:
         assert 0 < entry.describe_seconds < 10
 
 
-def test_d2_is_compared_by_l1(workshop, collection) -> None:
+def test_d2_is_compared_by_l1(workshop: Workshop, collection: Collection) -> None:
     (entry,) = mesh_groups(5)[0].match(workshop, collection.queries[:1], collection.database)
     first, second = (
         d2_distribution(shape.mesh(), seed=5) for shape in (collection.queries[0], collection.database[3])

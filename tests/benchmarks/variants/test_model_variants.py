@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.collection import Collection, database_shape
+from benchmarks.protocol.matching import Matched
 from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants.model_variants import _in_order, hamming, model_group
 from shapegoogle_core.library import Library
@@ -14,14 +18,21 @@ from shapegoogle_core.model import ShapeModel
 from tests.benchmarks.conftest import relevant_columns
 
 
-@pytest.fixture
-def matched(workshop: Workshop, collection: Collection, tiny_model: ShapeModel) -> dict:
+@pytest.fixture(scope="module")
+def matched(
+    collection: Collection, tiny_model: ShapeModel, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Matched]:
+    cache = BenchmarkCache(tmp_path_factory.mktemp("cache"))
+    workshop = Workshop(cache, jobs=0, progress=lambda items, _title, _total: items)
     group = model_group(tiny_model)
-    found = group.match(workshop, collection.queries, collection.database)
-    return {entry.variant.parameters["stage"]: entry for entry in found}
+    found = list(group.match(workshop, collection.queries, collection.database))
+    assert workshop.problems == ()
+    return {str(entry.variant.parameters["stage"]): entry for entry in found}
 
 
-def test_rows_are_what_the_model_says(matched: dict, collection: Collection, tiny_model, workshop) -> None:
+def test_rows_are_what_the_model_says(
+    matched: dict[str, Matched], collection: Collection, tiny_model: ShapeModel
+) -> None:
     known = [tiny_model.describe(shape.mesh()) for shape in collection.database]
     asked = [tiny_model.describe(query.mesh()) for query in collection.queries]
     bags = np.array([signature.bags for signature in known])
@@ -31,10 +42,11 @@ def test_rows_are_what_the_model_says(matched: dict, collection: Collection, tin
     np.testing.assert_array_equal(matched["codes"].distances, differing)
     assert matched["codes"].bytes_per_shape == 8
     assert matched["full bags"].bytes_per_shape == 2 * tiny_model.bag_size
-    assert workshop.problems == ()
 
 
-def test_the_search_is_the_librarys(matched: dict, collection: Collection, tiny_model, tmp_path) -> None:
+def test_the_search_is_the_librarys(
+    matched: dict[str, Matched], collection: Collection, tiny_model: ShapeModel, tmp_path: Path
+) -> None:
     found = matched["search"].distances
     assert np.isfinite(found).all()
     with Library.open(tmp_path / "shapes.sglib", tiny_model) as library:
@@ -48,13 +60,15 @@ def test_the_search_is_the_librarys(matched: dict, collection: Collection, tiny_
     assert matched["search"].bytes_per_shape > 0
 
 
-def test_scaled_shapes_are_found_first(matched: dict, collection: Collection) -> None:
+def test_scaled_shapes_are_found_first(matched: dict[str, Matched], collection: Collection) -> None:
     for entry in matched.values():
         own = entry.distances[np.arange(6), relevant_columns(collection)]
         assert (own <= entry.distances.min(axis=1)).all()
 
 
-def test_a_shape_that_fails_stands_last(workshop, collection, tiny_model, tmp_path) -> None:
+def test_a_shape_that_fails_stands_last(
+    workshop: Workshop, collection: Collection, tiny_model: ShapeModel, tmp_path: Path
+) -> None:
     (tmp_path / "broken.off").write_text("OFF\n")
     broken = database_shape(tmp_path / "broken.off", "negative")
     database = (*collection.database, broken)
@@ -64,7 +78,9 @@ def test_a_shape_that_fails_stands_last(workshop, collection, tiny_model, tmp_pa
     assert [problem.shape for problem in workshop.problems] == ["broken"]
 
 
-def test_choosing_one_row_computes_that(workshop, collection, tiny_model) -> None:
+def test_choosing_one_row_computes_that(
+    workshop: Workshop, collection: Collection, tiny_model: ShapeModel
+) -> None:
     group = model_group(tiny_model, "mine").only({"mine · 64-bit codes"})
     (entry,) = group.match(workshop, collection.queries, collection.database)
     assert entry.variant.family == "codes"
