@@ -13,6 +13,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.model.signature import ShapeSignature
+from tests.core.conftest import make_bumpy
 
 SignatureMaker = Callable[..., ShapeSignature]
 
@@ -75,9 +76,9 @@ def make_signature(model: ShapeModel) -> SignatureMaker:
 
 
 @pytest.fixture(scope="session")
-def meshes(shapes: type) -> list[Mesh]:
+def meshes() -> list[Mesh]:
     """Five shapes from flat to long, far enough apart for the tiny model."""
-    bumpy = [shapes.bumpy(2, seed=seed) for seed in range(5)]
+    bumpy = [make_bumpy(2, seed=seed) for seed in range(5)]
     return [
         Mesh(mesh.vertices * [1, 1, length], mesh.faces, mesh.name)
         for mesh, length in zip(bumpy, [0.2, 0.5, 1, 2, 4], strict=True)

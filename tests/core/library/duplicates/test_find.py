@@ -102,7 +102,7 @@ def test_copied_files_come_as_files_and_their_shapes_only_once(
 ) -> None:
     bolt, nut = (numbered(make_signature(seed), faces=seed * 100) for seed in (1, 2))
 
-    def add(path: str, content: str, *shapes: NewShape) -> None:
+    def add(path: str, content: str, *shapes: NewShape[ShapeSignature]) -> None:
         library.replace_source(path, size=1000, mtime_ns=0, sha256=content, shapes=shapes)
 
     add("a/kit.blend", "k", NewShape(bolt, "bolt", "bolt"), NewShape(nut, "nut", "nut"))

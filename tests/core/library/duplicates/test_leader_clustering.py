@@ -54,7 +54,7 @@ def test_members_are_near_an_earlier_leader_of_their_class(
     x, kinds = np.array(points), np.array(classes[: len(points)], np.int64)
 
     def distances(position: int, others: NDArray[np.int64]) -> FloatArray:
-        return np.abs(x[others] - x[position])
+        return np.asarray(np.abs(x[others] - x[position]))
 
     codes = np.zeros((len(x), 1), np.uint8)
     clusters = cluster_by_leaders(codes, distances, limit, Banding(8, 1), kinds)

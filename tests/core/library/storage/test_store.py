@@ -16,6 +16,7 @@ from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.library.storage.records import StoreSummary
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store, all_codes
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 SignatureMaker = Callable[..., ShapeSignature]
@@ -69,12 +70,11 @@ def test_a_tag_counts_once_and_goes_with_its_shape(filled: Store, make_signature
     assert filled.filtered_ids(Filter(tag="new")).tolist() == []
 
 
-def test_a_mesh_brings_its_extents(path: Path, model: ShapeModel, shapes: type) -> None:
-    mesh = shapes.bumpy(2, seed=0)  # type: ignore[attr-defined]
+def test_a_mesh_brings_its_extents(path: Path, model: ShapeModel, bumpy: Mesh) -> None:
     with Library.open(path, model) as library:
-        shape_id = library.add(mesh, tags=["rock"])
+        shape_id = library.add(bumpy, tags=["rock"])
         (record,) = library.shapes()
-        assert record.extents == tuple(np.ptp(mesh.vertices, axis=0))
+        assert record.extents == tuple(np.ptp(bumpy.vertices, axis=0))
         assert record.tags == ("rock",)
         assert library.signature(shape_id).extents == record.extents
 
