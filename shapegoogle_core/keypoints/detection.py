@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints.registry import DETECTORS
-from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["Keypoints", "detect_keypoints"]
@@ -20,14 +21,26 @@ __all__ = ["Keypoints", "detect_keypoints"]
 
 @dataclass(frozen=True, eq=False)
 class Keypoints:
-    """Points of a shape that stand out.
+    """Keypoints of a shape (paper, section 3.1).
 
     Attributes
     ----------
     indices : (p,) array of int
-        Vertices of the mesh, the strongest first; of equals the one with the smaller index.
+        Vertices of the mesh, the strongest first; of equally strong ones the smaller index first.
     response : (p,) array
-        How much each stands out, > 0; what that means is the detector's.
+        Strength of each keypoint, > 0. Its meaning depends on the detector.
+
+    See Also
+    --------
+    detect_keypoints : Find the keypoints of a mesh.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> points = sg.Keypoints(np.array([7, 2]), np.array([0.9, 0.4]))
+    >>> len(points), points.indices.tolist()
+    (2, [7, 2])
     """
 
     indices: NDArray[np.int64]
@@ -38,35 +51,51 @@ class Keypoints:
 
 
 def detect_keypoints(
-    mesh: Mesh, spectrum: Spectrum, detector: str = "hks-maxima", **parameters: float
+    mesh: MeshLike, spectrum: Spectrum, detector: str = "hks-maxima", **parameters: float
 ) -> Keypoints:
-    """Find the points of a shape that stand out (paper, section 3.1).
+    """Find the keypoints of a shape (paper, section 3.1 and algorithm 2, lines 1 to 4).
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
         Repaired: every vertex belongs to a face. Made for some thousand vertices, to which a model's mending
         brings every shape.
     spectrum : Spectrum
-        Of that mesh.
+        Spectrum of that mesh.
     detector : {"hks-maxima", "mesh-dog", "salient-points", "harris-3d"}
-        A key of `DETECTORS`; the function it names says what is found.
+        "hks-maxima": maxima of the heat kernel signature, at tips (Sun et al. 2009). "mesh-dog": extrema of
+        the mean curvature in scale space (Zaharescu et al. 2009). "salient-points": where smoothing moves
+        the surface most (Castellani et al. 2008). "harris-3d": corners (Sipiran and Bustos 2010).
     **parameters : float
-        Of that function.
+        Parameters of the detector's function in `shapegoogle_core.keypoints`, for example ``time`` and
+        ``persistence`` of `hks_maxima`. Lengths are shares of √area, times are shares of the area.
 
     Returns
     -------
     keypoints : Keypoints
-        Not changed by rigid motions and scaling; those of "hks-maxima" neither by bending. None on a shape
-        that is everywhere alike.
+        Rigid motions and scaling do not change them; bending does not change those of "hks-maxima". A shape
+        that is the same everywhere has none.
 
     Raises
     ------
     ValueError
-        If there is no such detector, it has no such parameter, or that is not positive.
+        If the detector is unknown, it has no parameter of that name, or a parameter is not positive.
     MeshError
-        If mesh and spectrum do not fit, or an operator cannot be assembled.
+        If the mesh has no faces, the spectrum is of another mesh, or an operator cannot be assembled.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import trimesh
+    >>> import shapegoogle_core as sg
+    >>> ball = trimesh.creation.icosphere(subdivisions=3)
+    >>> tip = 1 + np.exp(20 * (ball.vertices[:, 2:] - 1))
+    >>> mesh = sg.Mesh(ball.vertices * tip, ball.faces, name="ball with a tip")
+    >>> keypoints = sg.detect_keypoints(mesh, sg.compute_spectrum(mesh))
+    >>> mesh.vertices[keypoints.indices[0]].round(3).tolist()
+    [0.0, 0.0, 2.0]
     """
+    mesh = as_mesh(mesh)
     if detector not in DETECTORS:
         raise ValueError(f"detector must be one of {', '.join(DETECTORS)}, not {detector!r}")
     if len(mesh.vertices) != len(spectrum.mass) or mesh.is_point_cloud:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Harris 3D: corners of the surface (Sipiran and Bustos 2010)."""
+"""Harris 3D, a detector of corners (Sipiran and Bustos 2010; paper, section 3.1)."""
 
 from __future__ import annotations
 
@@ -13,41 +13,42 @@ from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["fit_quadrics", "harris_3d", "harris_response"]
 
-# So small a share of the normal matrix keeps a fit to fewer points than it has coefficients solvable.
+# Share of the normal matrix that is added to it, so that a fit to fewer points than coefficients is solvable.
 _RIDGE = 1e-6
 
 
 def harris_3d(
     mesh: Mesh, spectrum: Spectrum, radius: float = 0.04, trace_weight: float = 0.04, threshold: float = 3e-3
 ) -> FloatArray:
-    """Find corners of the surface: points around which it bends in every direction (Sipiran, Bustos 2010).
+    """Find corners, points around which the surface bends in every direction (Sipiran, Bustos 2010).
 
-    A quadric z = p₁x²/2 + p₂xy + p₃y²/2 + p₄x + p₅y + p₆ is laid through the surroundings of each vertex, x
-    and y in their principal plane, the vertex at its origin. E is the mean of ∇z∇zᵀ under a Gaussian window
-    of standard deviation `radius`, and the response h = det E - k (tr E)².
+    A quadric z = p₁x²/2 + p₂xy + p₃y²/2 + p₄x + p₅y + p₆ is fitted to the surroundings of each vertex, with x
+    and y in their principal plane and the vertex at the origin. E is the mean of ∇z∇zᵀ under a Gaussian
+    window of standard deviation `radius`, and the response is h = det E - k (tr E)².
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     spectrum : Spectrum
         Its areas weight the vertices.
     radius : float
-        Of the surroundings and the window, as a share of √area; no two points are closer.
+        Radius of the surroundings and of the window, as a share of √area; no two keypoints are closer.
     trace_weight : float
-        k: the larger, the less may ridges look like corners. 0.04 as Harris and Stephens have it.
+        k: the larger, the fewer ridges count as corners. 0.04 as in Harris and Stephens.
     threshold : float
-        Least response of a point, as a share of the largest. Responses go with the fourth power of the
-        curvature: 3e-3 are points a quarter as sharp as the sharpest.
+        Least response of a keypoint, as a share of the largest. Responses grow with the fourth power of the
+        curvature: 3e-3 keeps points a quarter as sharp as the sharpest.
 
     Returns
     -------
     response : (n,) array
-        h at the points found, 0 at the other vertices; without unit.
+        h at the keypoints, 0 at the other vertices; without unit.
 
     Notes
     -----
-    Sipiran and Bustos take maxima among the neighbours along edges, then those of the highest responses or
-    clusters of them. Maxima in discs do both, whatever the resolution.
+    Sipiran and Bustos take maxima among the neighbours along edges, and then those of highest response or
+    clusters of them. Maxima in discs do both, at any resolution.
     """
     size = radius * np.sqrt(spectrum.area)
     joined = discs(mesh, size)
@@ -58,11 +59,11 @@ def harris_3d(
 
 
 def harris_response(quadrics: FloatArray, trace_weight: float = 0.04) -> FloatArray:
-    """Response of quadrics: det E - k (tr E)² under a Gaussian window of standard deviation 1.
+    """Compute the response det E - k (tr E)² of quadrics under a Gaussian window of standard deviation 1.
 
-    As the mean of x² and of y² is 1 and that of xy, x and y is 0, E is ((p₄² + p₁² + p₂², p₄p₅ + p₂(p₁ +
-    p₃)), (…, p₅² + p₂² + p₃²)). Sipiran and Bustos have a window of variance 2: each square of a curvature
-    twice.
+    As the means of x² and y² are 1 and those of xy, x and y are 0, E is ((p₄² + p₁² + p₂², p₄p₅ + p₂(p₁ +
+    p₃)), (…, p₅² + p₂² + p₃²)). The window of Sipiran and Bustos has variance 2, which doubles each square of
+    a curvature.
 
     Parameters
     ----------
@@ -74,6 +75,7 @@ def harris_response(quadrics: FloatArray, trace_weight: float = 0.04) -> FloatAr
     Returns
     -------
     response : (n,) array
+        h of each quadric.
     """
     p1, p2, p3, p4, p5, _ = quadrics.T
     along_x = p4**2 + p1**2 + p2**2
@@ -91,21 +93,22 @@ def fit_quadrics(
     values: FloatArray | None = None,
     unit: float = 1.0,
 ) -> FloatArray:
-    """Lay a quadric through the surroundings of vertices, by least squares weighted by area.
+    """Fit quadrics to the surroundings of vertices, by least squares weighted by area.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     mass : (n,) array
         Areas of the vertices.
     joined : (c, n) sparse array
-        Surroundings of the c centers, rows of `discs`.
+        Surroundings of the c centres, rows of `discs`.
     centers : (c,) array of int
         Vertices at the origin of the quadrics.
     values : (n,) array, optional
-        Function over the principal plane of the surroundings. Left out: the height above it.
+        Function over the principal plane of the surroundings. Default: the height above the plane.
     unit : float
-        Of x, y and z, in the unit of the mesh.
+        Unit of x, y and z, in the unit of the mesh.
 
     Returns
     -------
@@ -125,12 +128,12 @@ def fit_quadrics(
     spread = offsets - mean(offsets)[place]
     covariance = np.stack([mean(spread * spread[:, [axis]]) for axis in range(3)], axis=1)
     _, axes = np.linalg.eigh(covariance)
-    # Axes come by ascending spread: the normal of the principal plane first.
+    # The axes are in order of ascending spread: the normal of the principal plane comes first.
     z, y, x = np.einsum("pi,pij->jp", offsets, axes[place])
     height = z if values is None else values[joined.indices]
     terms = np.stack([x**2 / 2, x * y, y**2 / 2, x, y, np.ones_like(x)], axis=1)
     matrix = np.stack([mean(terms * terms[:, [row]]) for row in range(6)], axis=1)
-    # Every coefficient by its own size, so that the unit does not matter to the ridge.
+    # Each coefficient is scaled by its own size, so that the ridge does not depend on the unit.
     scale = np.sqrt(np.maximum(np.diagonal(matrix, axis1=1, axis2=2), np.finfo(float).tiny))
     matrix = matrix / (scale[:, :, None] * scale[:, None, :]) + _RIDGE * np.eye(6)
     right = mean(terms * height[:, None]) / scale

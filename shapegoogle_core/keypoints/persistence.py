@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which maxima of a function on a graph are hills of their own, and which are bumps on a larger one."""
+"""Persistence of the maxima of a function on a graph."""
 
 from __future__ import annotations
 
@@ -14,37 +14,37 @@ Indices = NDArray[np.int64]
 
 
 def persistent_maxima(values: FloatArray, edges: IntArray) -> tuple[Indices, FloatArray]:
-    """Find the maxima of a function and at which height each is merged into a higher one.
+    """Find the maxima of a function, and the height at which each merges with a higher one.
 
-    0-dimensional persistence of superlevel sets (Edelsbrunner, Letscher, Zomorodian 2002; on the heat kernel:
-    Skraba, Ovsjanikov, Chazal, Guibas 2010): while the water sinks, each maximum rises as an island, born at
-    its height; where two islands meet, the one with the lower maximum dies.
+    0-dimensional persistence of superlevel sets (Edelsbrunner, Letscher, Zomorodian 2002; of the heat kernel:
+    Skraba, Ovsjanikov, Chazal, Guibas 2010). While the water level sinks, each maximum appears as an island,
+    born at its height; where two islands meet, the one with the lower maximum dies.
 
     Parameters
     ----------
     values : (n,) array
-        Of the function, in any unit. Of equal values the one with the smaller index counts as higher.
+        Values of the function. Of equal values the one with the smaller index counts as higher.
     edges : (e, 2) array of int
         Pairs of neighbouring vertices.
 
     Returns
     -------
     maxima : (p,) array of int
-        Vertices higher than all their neighbours, the highest first.
+        Vertices that are higher than all their neighbours, the highest first.
     deaths : (p,) array
-        In the unit of the values: each maximum persists from its own value down to this one. The highest of a
-        connected part dies at the lowest value of that part.
+        Value down to which each maximum persists. The highest maximum of a connected component dies at the
+        lowest value of that component.
     """
     n = len(values)
     order = np.lexsort((np.arange(n), -values))
     rank = np.empty(n, np.int64)  # 0 is the highest; without ties from here on
     rank[order] = np.arange(n)
     start, end = rank[edges[:, 0]], rank[edges[:, 1]]
-    uphill = np.arange(n)  # by rank: the highest of each vertex and its neighbours
+    uphill = np.arange(n)  # by rank: the highest among each vertex and its neighbours
     np.minimum.at(uphill, start, end)
     np.minimum.at(uphill, end, start)
-    # Whoever walks uphill stays on one island at any height below, so that islands meet only on the edges
-    # between the regions of two maxima.
+    # A walk uphill stays on one island at any lower level, so that islands meet only on the edges between the
+    # regions of two maxima.
     while not np.array_equal(uphill, uphill[uphill]):
         uphill = uphill[uphill]
     between = uphill[start] != uphill[end]

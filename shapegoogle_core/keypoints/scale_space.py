@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Detectors in scale space: differences of a function, or of the surface itself, at two smoothings."""
+"""Detectors in scale space: differences between two smoothings of a function or of the surface itself."""
 
 from __future__ import annotations
 
@@ -18,21 +18,23 @@ __all__ = ["diffusions", "mesh_dog", "salient_points", "signed_mean_curvature"]
 
 
 def diffusions(operator: Operator, values: FloatArray, times: FloatArray) -> list[FloatArray]:
-    """Let heat flow for a while, in implicit steps from each time to the next.
+    """Smooth functions by heat flow, in implicit steps from each time to the next.
 
-    (A + (tᵢ - tᵢ₋₁) W) fᵢ = A fᵢ₋₁: Gaussian smoothing of variance 2t, whatever the triangles look like.
+    (A + (tᵢ - tᵢ₋₁) W) fᵢ = A fᵢ₋₁, Gaussian smoothing of variance 2t for any triangulation.
 
     Parameters
     ----------
     operator : Operator
+        Stiffness W and mass A.
     values : (n,) or (n, d) array
-        At time 0.
+        Functions at time 0.
     times : (s,) array
         Ascending, > 0, in squared mesh units.
 
     Returns
     -------
     smoothed : list of s arrays like `values`
+        Functions at each time.
     """
     mass = operator.lumped_mass
     smoothed, before = [], 0.0
@@ -44,10 +46,24 @@ def diffusions(operator: Operator, values: FloatArray, times: FloatArray) -> lis
 
 
 def signed_mean_curvature(mesh: Mesh, operator: Operator) -> FloatArray:
-    """(n,) mean curvature H, in 1 / mesh units: half the Laplacian of the positions, along the normal.
+    """Compute the mean curvature H of every vertex: half the Laplacian of the positions, along the normal.
 
-    1/r on a sphere of radius r whose faces look outwards. On open boundaries, where the Laplacian is not that
-    of the surface, the mean of the neighbours. `descriptors.mean_curvature` smooths it and has no sign.
+    Parameters
+    ----------
+    mesh : Mesh
+        A mesh of triangles.
+    operator : Operator
+        Laplacian of the mesh.
+
+    Returns
+    -------
+    curvature : (n,) array
+        In 1 / mesh units; 1/r on a sphere of radius r whose normals point outwards. At open boundaries, where
+        the Laplacian is not that of the surface, the mean of the neighbours.
+
+    See Also
+    --------
+    shapegoogle_core.descriptors.mean_curvature : Smoothed, and without sign.
     """
     along = (np.asarray(operator.stiffness @ mesh.vertices) * vertex_normals(mesh)).sum(axis=1)
     curvature: FloatArray = 0.5 * along / operator.lumped_mass
@@ -70,36 +86,46 @@ def mesh_dog(
 ) -> FloatArray:
     """Find extrema of the mean curvature in scale space (Zaharescu, Boyer, Varanasi, Horaud 2009).
 
-    With f(σ) the mean curvature smoothed by a Gaussian of standard deviation σ, points are the extrema over
-    place and scale of f(√2 σ) - f(σ), those on ridges excepted.
+    Let f(σ) be the mean curvature smoothed by a Gaussian of standard deviation σ. Keypoints are the extrema
+    of f(√2 σ) - f(σ) over place and scale, except those on ridges.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     spectrum : Spectrum
-        Only its area counts.
+        Spectrum of the mesh, of which the areas are used.
     smallest, largest : float
-        Range of σ, as shares of √area: the sizes of what is found. Steps are √2.
+        Range of σ, as shares of √area: the sizes of the features. Steps are √2.
     edge_ratio : float
-        Most that the principal curvatures of the difference around a point may differ: it is a ridge if (r₁ +
-        r₂)² / r₁r₂ exceeds (e + 1)² / e, or if r₁ and r₂ have different signs (Lowe 2004, section 4.1).
+        e, the largest ratio of the principal curvatures r₁ and r₂ of the difference around a keypoint: it is
+        a ridge if (r₁ + r₂)² / r₁r₂ exceeds (e + 1)² / e, or if r₁ and r₂ have different signs (Lowe 2004,
+        section 4.1).
     threshold : float
-        Least difference at a point, as a share of the largest anywhere.
+        Least difference at a keypoint, as a share of the largest anywhere.
 
     Returns
     -------
     response : (n,) array
-        |f(√2 σ) - f(σ)| √area at the points found, 0 at the other vertices; without unit.
+        |f(√2 σ) - f(σ)| √area at the keypoints, 0 at the other vertices; without unit.
+
+    Raises
+    ------
+    ValueError
+        If `largest` is less than `smallest`.
+    MeshError
+        If the operator cannot be assembled.
 
     Notes
     -----
     Zaharescu et al. smooth over rings of neighbours and keep 5 % of the vertices; heat flow and a share of
-    the largest difference make it independent of the mesh. Of the functions that they name it is the mean
-    curvature: meshes here have no colours.
+    the largest difference make the result independent of the triangulation. The function is the mean
+    curvature, one of those that they propose, as meshes here have no colours.
     """
     operator = build_operator(mesh, "robust")
-    # One more below and, of the differences, above: an extremum is compared with the scales beside its own.
-    sigma = _scales(smallest / np.sqrt(2), largest, 2)
+    # One more scale below and one more difference above: an extremum is compared with the neighbouring
+    # scales.
+    sigma = _scales(smallest, largest, below=1, above=2)
     curvature = signed_mean_curvature(mesh, operator) * np.sqrt(spectrum.area)
     differences = np.diff(diffusions(operator, curvature, sigma**2 / 2 * spectrum.area), axis=0)
     joined, rings, inside = adjacency(mesh), discs(mesh, 0.0), ~boundary_vertices(mesh)
@@ -115,12 +141,13 @@ def mesh_dog(
     return np.where(response >= threshold * np.abs(differences[1:-1]).max(), response, 0.0)
 
 
-def _scales(smallest: float, largest: float, more: int) -> FloatArray:
-    """Take steps of √2 from the smallest to the largest, and some more."""
+def _scales(smallest: float, largest: float, below: int, above: int) -> FloatArray:
+    """List the scales from the smallest to the largest in steps of √2, and some more below and above."""
     if largest < smallest:
-        raise ValueError(f"the largest scale ({largest}) must not be below the smallest ({smallest})")
-    steps = round(2 * np.log2(largest / smallest))
-    return np.asarray(smallest * np.sqrt(2) ** np.arange(steps + 1 + more))
+        raise ValueError(f"the scale largest={largest} must not be below smallest={smallest}")
+    first = smallest / np.sqrt(2) ** below
+    steps = round(2 * np.log2(largest / first))
+    return np.asarray(first * np.sqrt(2) ** np.arange(steps + 1 + above))
 
 
 def _largest_of(values: FloatArray, joined: csr_array) -> FloatArray:
@@ -138,31 +165,39 @@ def salient_points(
 ) -> FloatArray:
     """Find where smoothing moves the surface most (Castellani, Cristani, Fantoni, Murino 2008).
 
-    With x(σ) the positions smoothed by a Gaussian of standard deviation σ, the map of a scale is |n·(x(2σ) -
-    x(σ))|. Maps are scaled to a largest value of 1 and weighted by (1 - m)², m the mean of their other
-    maxima: a map with a few high peaks counts, one with many alike does not (Itti, Koch, Niebur 1998). Points
-    are the maxima of their sum.
+    Let x(σ) be the positions smoothed by a Gaussian of standard deviation σ. The map of a scale is |n·(x(2σ)
+    - x(σ))|. Maps are scaled to a largest value of 1 and weighted by (1 - m)², where m is the mean of their
+    other maxima: a map with a few high peaks counts, one with many similar peaks does not (Itti, Koch, Niebur
+    1998). Keypoints are the maxima of the sum of the maps.
 
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     spectrum : Spectrum
-        Only its area counts.
+        Spectrum of the mesh, of which the area is used.
     smallest, largest : float
         Range of σ, as shares of √area. Steps are √2.
     radius : float
-        Of the surroundings in which a point has the largest value, as a share of √area; no two points are
-        closer.
+        Radius of the surroundings in which a keypoint has the largest value, as a share of √area; no two
+        keypoints are closer.
     threshold : float
-        Least value of a point, as a share of the largest.
+        Least value of a keypoint, as a share of the largest.
 
     Returns
     -------
     response : (n,) array
-        The sum at the points found, 0 at the other vertices; without unit.
+        The sum at the keypoints, 0 at the other vertices; without unit.
+
+    Raises
+    ------
+    ValueError
+        If `largest` is less than `smallest`.
+    MeshError
+        If the operator cannot be assembled.
     """
     operator = build_operator(mesh, "robust")
-    sigma = _scales(smallest, largest, 2)
+    sigma = _scales(smallest, largest, below=0, above=2)
     smoothed = diffusions(operator, mesh.vertices, sigma**2 / 2 * spectrum.area)
     normals, joined = vertex_normals(mesh), adjacency(mesh)
     inside = ~boundary_vertices(mesh)
@@ -170,7 +205,7 @@ def salient_points(
     for narrow, wide in zip(smoothed, smoothed[2:], strict=False):
         moved = np.abs(((wide - narrow) * normals).sum(axis=1)) * inside
         if not moved.any():
-            continue  # flat
+            continue  # a flat surface does not move
         moved /= moved.max()
         others = np.sort(moved[maxima_in(moved, joined)])[:-1]
         saliency += moved * (1 - (others.mean() if len(others) else 0.0)) ** 2

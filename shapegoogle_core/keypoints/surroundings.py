@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What lies around each vertex: discs on the surface, normals, and maxima among neighbours."""
+"""Surroundings of each vertex on the surface, and maxima in them."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ def adjacency(mesh: Mesh) -> sparse.csr_array:
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
 
     Returns
     -------
     joined : (n, n) sparse array
-        1 where two vertices are joined.
+        1 where two vertices are joined, and on the diagonal.
     """
     n = len(mesh.vertices)
     edges, _ = unique_edges(mesh)
@@ -41,17 +42,18 @@ def discs(mesh: Mesh, radius: float, centers: Indices | None = None) -> sparse.c
     Parameters
     ----------
     mesh : Mesh
+        A mesh of triangles.
     radius : float
-        In the unit of the mesh.
+        Radius of the surroundings, in the unit of the mesh.
     centers : (c,) array of int, optional
-        Vertices in the middle. Left out: all.
+        Vertices in the middle. Default: all.
 
     Returns
     -------
     joined : (c, n) sparse array
-        1 for the vertex itself, for two rings of neighbours however long their edges are, and for what is
-        within the radius in space and reached along edges within it: the other side of a thin sheet is not.
-        Rows grow with the square of the radius, in edge lengths.
+        1 for the vertex itself, for two rings of neighbours of any edge length, and for the vertices within
+        the radius in space that are reached along edges within it, which excludes the other side of a thin
+        sheet. The size of a row grows with the square of the radius, in edge lengths.
     """
     n = len(mesh.vertices)
     chosen = np.arange(n) if centers is None else centers
@@ -79,21 +81,21 @@ def discs(mesh: Mesh, radius: float, centers: Indices | None = None) -> sparse.c
 def maxima_in(
     values: FloatArray, joined: sparse.csr_array, centers: Indices | None = None
 ) -> NDArray[np.bool_]:
-    """Mask of the vertices that have the largest value among those they are joined with.
+    """Find the vertices that have the largest value among those they are joined with.
 
     Parameters
     ----------
     values : (n,) array
-        Of equal values the one with the smaller index counts as larger.
+        Value of each vertex. Of equal values the one with the smaller index counts as larger.
     joined : (c, n) sparse array
         From `adjacency` or `discs`; every row joins a vertex with itself.
     centers : (c,) array of int, optional
-        Vertices of the rows. Left out: all.
+        Vertices of the rows. Default: all.
 
     Returns
     -------
     largest : (n,) array of bool
-        False at vertices that are no centers.
+        Mask of these vertices; False at vertices that are not centres.
     """
     n = len(values)
     rank = np.empty(n, np.int64)

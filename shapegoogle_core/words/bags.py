@@ -21,12 +21,24 @@ def bag_of_features(words: FloatArray, mass: FloatArray | None = None) -> FloatA
     words : (n, V) array
         θ(x) at every vertex.
     mass : (n,) array, optional
-        Area dμ of every vertex. Left out: all vertices count alike, as in the authors' own scripts.
+        Area dμ of every vertex. Default: all vertices have the same weight, as in the authors' own scripts.
 
     Returns
     -------
     bag : (V,) array
-        Sums to 1.
+        f(X), which sums to 1.
+
+    See Also
+    --------
+    spatially_sensitive_bag : Frequencies of pairs of words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> words = np.array([[1.0, 0.0], [0.5, 0.5]])
+    >>> sg.bag_of_features(words, mass=np.array([3.0, 1.0])).tolist()
+    [0.875, 0.125]
     """
     weights = np.full(len(words), 1 / len(words)) if mass is None else mass / mass.sum()
     bag: FloatArray = weights @ words
@@ -48,15 +60,32 @@ def spatially_sensitive_bag(
     words : (n, V) array
         θ(x) at every vertex.
     spectrum : Spectrum
+        Eigenpairs of the shape.
     time : float
-        t ≥ 0 in squared mesh units: how far apart "close" is.
+        t ≥ 0 in squared mesh units. Words count as close if they are at a distance of about √t.
     area_weighted : bool
-        Weight vertices by their area, as the equation says. Otherwise all count alike.
+        Whether to weight vertices by their area, as in the equation. Otherwise all have the same weight.
 
     Returns
     -------
     bag : (V, V) array
-        Symmetric, sums to 1. Entries can be slightly negative where the truncated kernel is.
+        F(X), symmetric, sums to 1. Entries can be slightly negative where the truncated kernel is.
+
+    See Also
+    --------
+    bag_of_features : Frequencies of single words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> vertices = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+    >>> spectrum = sg.compute_spectrum((vertices, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]))
+    >>> words = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
+    >>> sg.spatially_sensitive_bag(words, spectrum, time=0.0).round(3).tolist()  # each vertex by itself
+    [[0.25, 0.0], [0.0, 0.75]]
+    >>> sg.spatially_sensitive_bag(words, spectrum, time=100.0).round(3).tolist()  # all vertices together
+    [[0.062, 0.188], [0.188, 0.562]]
     """
     weights = spectrum.mass if area_weighted else np.full(len(words), spectrum.area / len(words))
     projected = spectrum.eigenvectors.T @ (weights[:, None] * words)

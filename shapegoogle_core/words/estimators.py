@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Input checks that the estimators share, in the form scikit-learn's own conventions ask for."""
+"""Input checks of the estimators, in the form that the conventions of scikit-learn require."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ __all__ = ["check_features", "learn_features"]
 
 
 def learn_features(estimator: BaseEstimator, X: Any, min_samples: int = 1) -> FloatArray:
-    """Check a training array and remember how many features it has.
+    """Check a training array and record its number of features.
 
     Parameters
     ----------
     estimator : BaseEstimator
-        Gets `n_features_in_`.
+        Its attribute `n_features_in_` is set.
     X : (n, d) array_like
+        Training samples.
     min_samples : int
-        The least n.
+        Least number of samples.
 
     Returns
     -------
@@ -32,7 +33,7 @@ def learn_features(estimator: BaseEstimator, X: Any, min_samples: int = 1) -> Fl
     Raises
     ------
     ValueError
-        If X is not a finite array of that many rows.
+        If X is not a finite array of at least that number of rows.
     """
     array: FloatArray = check_array(X, dtype=np.float64, ensure_min_samples=min_samples, estimator=estimator)
     estimator.n_features_in_ = array.shape[1]
@@ -40,13 +41,14 @@ def learn_features(estimator: BaseEstimator, X: Any, min_samples: int = 1) -> Fl
 
 
 def check_features(estimator: BaseEstimator, X: Any) -> FloatArray:
-    """Check an array against what the estimator was fitted with.
+    """Check that an array has as many features as those that the estimator was fitted to.
 
     Parameters
     ----------
     estimator : BaseEstimator
-        Fitted, with `n_features_in_`.
+        A fitted estimator, with `n_features_in_`.
     X : (n, d) array_like
+        Samples.
 
     Returns
     -------

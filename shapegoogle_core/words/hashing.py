@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Similarity-sensitive hashing: vectors to short binary codes (paper, section 5, algorithm 1)."""
+"""Similarity-sensitive hashing of vectors to short binary codes (paper, section 5, algorithm 1)."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ __all__ = ["SimilaritySensitiveHashing", "best_threshold", "rotated_components"]
 class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
     """Binary codes in which similar shapes differ in few bits, y(f) = sign(A f + b) (paper, equation 19).
 
-    Each bit is a weak classifier of pairs into similar and dissimilar, and AdaBoost chooses them one after
-    the other (algorithm 1): a direction and a threshold that minimise the exponential loss, after which
-    the pairs that this bit gets wrong weigh more.
+    Each bit is a weak classifier of pairs into similar and dissimilar ones. AdaBoost chooses them one after
+    the other (algorithm 1): a direction and a threshold that minimise the exponential loss, after which the
+    pairs that this bit classifies wrongly get more weight.
 
     Parameters
     ----------
     bits : int
         s, the length of the code.
     projection : {"eigenvectors", "random"}
-        Where the candidate directions of each bit come from: the `candidates` generalised eigenvectors of
-        largest eigenvalue of (C_N, C_P), the covariances of f - f' over negative and positive pairs under
-        the current boosting weights (equation 21); or as many random ones (Shakhnarovich 2005).
+        Source of the candidate directions of each bit: the `candidates` generalised eigenvectors of largest
+        eigenvalue of (C_N, C_P), the covariances of f - f' over negative and positive pairs under the current
+        boosting weights (equation 21); or as many random directions (Shakhnarovich 2005).
     candidates : int
         Number of candidate directions of each bit.
     regularization : float
-        Share of its mean diagonal that is added to C_P's diagonal. Relative, so that a change of unit of
-        the vectors changes nothing.
+        Share of its mean diagonal that is added to the diagonal of C_P. It is a share, so that the unit of
+        the vectors does not matter.
     random_state : int, RandomState or None
-        Of the random directions.
+        Seed or generator of the random directions.
 
     Attributes
     ----------
@@ -50,6 +50,21 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
     losses_ : (s,) array
         Weighted exponential loss of each bit when it was chosen: e⁻¹ is perfect, cosh 1 ≈ 1.54 no better
         than chance for a balanced set.
+    n_features_in_ : int
+        d, the length of the vectors.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> random = np.random.default_rng(0)
+    >>> shapes = random.standard_normal((100, 4))
+    >>> versions = shapes + 0.1 * random.standard_normal((100, 4))
+    >>> first, second = np.tile(shapes, (2, 1)), np.concatenate([versions, np.roll(versions, 1, axis=0)])
+    >>> hashing = sg.SimilaritySensitiveHashing(bits=16).fit(first, second, similar=np.arange(200) < 100)
+    >>> different = hashing.transform(first) != hashing.transform(second)
+    >>> bool(different[:100].mean() < 0.2), bool(different[100:].mean() > 0.4)
+    (True, True)
     """
 
     def __init__(
@@ -73,9 +88,9 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         Parameters
         ----------
         first, second : (P, d) array
-            The vectors f and f' of each pair.
+            Vectors f and f' of each pair.
         similar : (P,) array of bool
-            Whether the pair is positive: a shape and a transformed version of it.
+            Whether the pair is positive: a shape and another version of it.
 
         Returns
         -------
@@ -84,7 +99,7 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         Raises
         ------
         ValueError
-            If the arrays do not fit together, one kind of pair is missing, or a parameter is out of range.
+            If the shapes of the arrays differ, one kind of pair is missing, or a parameter is out of range.
         """
         if self.projection not in ("eigenvectors", "random"):
             raise ValueError(f"projection must be 'eigenvectors' or 'random', not {self.projection!r}")
@@ -94,13 +109,15 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         second = check_array(second, dtype=np.float64)
         similar = np.asarray(similar, dtype=bool)
         if first.shape != second.shape or similar.shape != (len(first),):
-            raise ValueError(f"pairs do not fit: {first.shape}, {second.shape} and labels {similar.shape}")
+            raise ValueError(
+                f"pairs do not fit: first is {first.shape}, second {second.shape}, similar {similar.shape}"
+            )
         if similar.all() or not similar.any():
-            raise ValueError("hashing needs positive and negative pairs")
+            raise ValueError("similar must hold positive and negative pairs")
         random = check_random_state(self.random_state)
         sign = np.where(similar, 1.0, -1.0)
         differences = first - second
-        # Both kinds start with half of the weight, however many pairs each has (equation 20).
+        # Both kinds start with half of the weight, whatever their numbers of pairs (equation 20).
         weights = np.where(similar, 0.5 / similar.sum(), 0.5 / (~similar).sum())
         self.directions_ = np.empty((self.bits, first.shape[1]))
         self.thresholds_ = np.empty(self.bits)
@@ -128,13 +145,13 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
     def _eigenvectors(
         self, differences: FloatArray, similar: NDArray[np.bool_], weights: FloatArray
     ) -> FloatArray:
-        """Directions along which negative pairs spread most, relative to positive ones (equation 21)."""
+        """Find directions of large spread of negative pairs, relative to positive ones (equation 21)."""
         positive, negative = differences[similar], differences[~similar]
         covariance_positive = (positive * weights[similar, None]).T @ positive / weights[similar].sum()
         covariance_negative = (negative * weights[~similar, None]).T @ negative / weights[~similar].sum()
         dimension = len(covariance_positive)
         ridge = self.regularization * np.trace(covariance_positive) / dimension
-        # Positive pairs that are all equal have no spread at all: measure against the negative ones then.
+        # If all positive pairs are equal they have no spread: the bound comes from the negative pairs.
         ridge = max(ridge, 1e-12 * np.trace(covariance_negative) / dimension)
         covariance_positive[np.diag_indices(dimension)] += ridge
         count = min(self.candidates, dimension)
@@ -149,11 +166,19 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
         Parameters
         ----------
         X : (n, d) array
+            Vectors f.
 
         Returns
         -------
         bits : (n, s) array of bool
             y = A f + b > 0.
+
+        Raises
+        ------
+        NotFittedError
+            If the estimator was not fitted.
+        ValueError
+            If X is not finite or its vectors have another length than those of `fit`.
         """
         vectors = check_features(self, X)
         bits: NDArray[np.bool_] = vectors @ self.directions_.T + self.thresholds_ > 0
@@ -169,25 +194,25 @@ def best_threshold(first: FloatArray, second: FloatArray, signed_weights: FloatA
     Parameters
     ----------
     first, second : (P,) array
-        Projections A_i f and A_i f' of both sides of each pair.
+        Projections A_i f and A_i f' of both vectors of each pair.
     signed_weights : (P,) array
-        w_p s_p.
+        w_p s_p, weight and label (±1) of each pair.
 
     Returns
     -------
     threshold : float
         b.
     agreement : float
-        The maximum.
+        Maximum of the sum.
     """
-    # A pair is split exactly by the -b between its two projections: a sum over intervals that contain -b,
-    # accumulated over their sorted ends.
+    # A pair is split by those -b that lie between its two projections: so the sum over split pairs is one
+    # over the intervals that contain -b, accumulated over their sorted ends.
     starts, ends = np.minimum(first, second), np.maximum(first, second)
     positions = np.concatenate([starts, ends])
     order = np.argsort(positions, kind="stable")
     positions = positions[order]
     split = np.cumsum(np.concatenate([signed_weights, -signed_weights])[order])
-    # Between two equal positions there is no threshold; the last interval is outside of all pairs.
+    # Between two equal positions there is no threshold; the last interval lies outside all pairs.
     usable = np.append(positions[1:] > positions[:-1], False)
     if not usable.any():
         return float(-positions[0]), float(signed_weights.sum())
@@ -198,17 +223,19 @@ def best_threshold(first: FloatArray, second: FloatArray, signed_weights: FloatA
 
 
 def rotated_components(vectors: FloatArray, bits: int, random_state: int = 0) -> FloatArray:
-    """Draw directions of a code that is not learnt from pairs: random rotations of principal components.
+    """Draw directions of a code that needs no pairs: random rotations of the principal components.
 
-    The leading components hold most of what tells shapes apart, but in unequal shares; a rotation gives every
-    bit the same share (Jégou et al. 2010). Beside boosting it needs no pairs, so that it cannot fit them.
+    The leading components have most of the variance, but in unequal shares; a rotation gives every bit the
+    same share (Jégou et al. 2010). Unlike boosting it uses no pairs, so that it cannot overfit them.
 
     Parameters
     ----------
     vectors : (n, d) array
+        Training vectors.
     bits : int
-        s. The s leading components are rotated; where there are fewer, several rotations of all of them.
+        s. The s leading components are rotated; if there are fewer, all of them in several rotations.
     random_state : int
+        Seed of the rotations.
 
     Returns
     -------

@@ -15,41 +15,59 @@ __all__ = ["InverseDocumentFrequency"]
 
 
 class InverseDocumentFrequency(OneToOneFeatureMixin, TransformerMixin, BaseEstimator):  # type: ignore[misc]
-    """Weights that make words found on few shapes count more (paper, equations 17 and 18).
+    """Weights that give more importance to words found on few shapes (paper, equations 17 and 18).
 
     w_i = log(D / #{shapes that contain word i})
 
-    The L1 distance between transformed bags is the weighted distance of equation 18. Pairs of words are
-    words here: pass spatially sensitive bags as rows of length V².
+    The L1 distance between transformed bags is the weighted distance of equation 18. Spatially sensitive bags
+    are passed as rows of length V²; pairs of words then take the place of words.
 
     Parameters
     ----------
     threshold : float
-        A shape contains a word when its bag holds more than this share of it. 0 is the paper's definition,
-        and right for bags of hard words. With soft words every word occurs everywhere and all weights would
-        be 0: count on hard bags, or set a threshold.
+        A shape contains a word if the word's share of its bag exceeds this. 0 is the paper's definition, and
+        right for bags of hard words. With soft words every word occurs everywhere and all weights would be 0:
+        fit to bags of hard words, or set a threshold.
 
     Attributes
     ----------
     weights_ : (V,) array
-        ≥ 0. A word that no training shape contains gets log(D), as if one did.
+        w ≥ 0. A word that no training shape contains gets log(D), as if one did.
+    n_features_in_ : int
+        V, the number of words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> bags = np.array([[0.5, 0.5, 0.0], [1.0, 0.0, 0.0], [0.4, 0.0, 0.6]])
+    >>> weighting = sg.InverseDocumentFrequency().fit(bags)
+    >>> weighting.weights_.round(3).tolist()
+    [0.0, 1.099, 1.099]
+    >>> weighting.transform(bags)[0].round(3).tolist()
+    [0.0, 0.549, 0.0]
     """
 
     def __init__(self, threshold: float = 0.0) -> None:
         self.threshold = threshold
 
     def fit(self, X: FloatArray, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
-        """Count in how many shapes each word occurs.
+        """Count the shapes in which each word occurs.
 
         Parameters
         ----------
         X : (D, V) array
-            Bags.
+            Bags of the training shapes.
         y : ignored
 
         Returns
         -------
         self : InverseDocumentFrequency
+
+        Raises
+        ------
+        ValueError
+            If X is not a finite array.
         """
         bags = learn_features(self, X)
         shapes_with_word = (bags > self.threshold).sum(axis=0)
@@ -67,6 +85,13 @@ class InverseDocumentFrequency(OneToOneFeatureMixin, TransformerMixin, BaseEstim
         Returns
         -------
         weighted : (n, V) array
+
+        Raises
+        ------
+        NotFittedError
+            If the estimator was not fitted.
+        ValueError
+            If X is not finite or has another number of words than the bags of `fit`.
         """
         weighted: FloatArray = check_features(self, X) * self.weights_
         return weighted

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Learning a vocabulary of geometric words (paper, section 4).
-
-Apart from `words.py`, so that describing a shape does not import scikit-learn.
-"""
+"""Vocabulary of geometric words, learnt by k-means (paper, section 4)."""
 
 from __future__ import annotations
 
@@ -26,23 +23,40 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     words : int
         V, the number of words.
     soft : bool
-        Whether `transform` gives distributions over the words (equation 12) or the nearest word only.
+        Whether `transform` returns distributions over the words (equation 12) or only the nearest word.
     sigma_factor : float
         σ as a multiple of the median distance of a training descriptor to its nearest word.
     outlier_share : float
-        Share of the training descriptors, the farthest from their words, that a second round of k-means
+        Share of the training descriptors, those farthest from their words, that a second run of k-means
         leaves out.
     restarts : int
-        How many random starts k-means has; the one with the least inertia is kept.
+        Number of random starts of k-means; the one with the least inertia is kept.
     random_state : int, RandomState or None
-        Of k-means.
+        Seed or generator of k-means.
 
     Attributes
     ----------
     centers_ : (V, d) array
-        Sorted by their first component, so that the numbering does not depend on the random start alone.
+        Words, sorted by their first component, so that their numbers depend less on the random start.
     sigma_ : float
-        In the unit of the descriptors.
+        σ of equation 12, in the unit of the descriptors.
+    n_features_in_ : int
+        d, the length of the descriptors.
+
+    See Also
+    --------
+    soft_words, hard_words : The two kinds of assignment.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> descriptors = np.array([[0.0], [0.1], [0.2], [5.0], [5.1], [5.2]])
+    >>> vocabulary = sg.Vocabulary(words=2, outlier_share=0.0).fit(descriptors)
+    >>> vocabulary.centers_.round(3).tolist()
+    [[0.1], [5.1]]
+    >>> vocabulary.transform([[0.0], [5.2]]).round(3).tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
     """
 
     def __init__(
@@ -78,9 +92,9 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         Raises
         ------
         ValueError
-            If there are fewer descriptors than words.
+            If there are fewer descriptors than words, or X is not a finite array.
         """
-        from sklearn.cluster import KMeans  # half a second to import, and only training needs it
+        from sklearn.cluster import KMeans  # slow to import, and only needed here
 
         descriptors = learn_features(self, X, min_samples=self.words)
         kmeans = KMeans(self.words, n_init=self.restarts, max_iter=250, random_state=self.random_state)
@@ -92,8 +106,8 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
             distances = kmeans.transform(descriptors[inliers]).min(axis=1)
         order = np.lexsort(kmeans.cluster_centers_.T[::-1])
         self.centers_ = kmeans.cluster_centers_[order]
-        # Where most descriptors equal their word, a σ of 0 would divide by zero: a small one, relative to
-        # the spread of the descriptors, gives the hard assignment that it stands for.
+        # If most descriptors equal their word, the median is 0. A small σ, relative to the spread of the
+        # descriptors, then gives a hard assignment without a division by zero.
         spread = float(np.sqrt(descriptors.var(axis=0).sum()))
         self.sigma_ = max(self.sigma_factor * float(np.median(distances)), 1e-6 * spread) or 1.0
         return self
@@ -110,6 +124,13 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         -------
         words : (n, V) array
             θ(x), rows sum to 1.
+
+        Raises
+        ------
+        NotFittedError
+            If the estimator was not fitted.
+        ValueError
+            If X is not finite or its descriptors have another length than those of `fit`.
         """
         descriptors = check_features(self, X)
         if self.soft:

@@ -84,7 +84,7 @@ def members() -> Iterator[tuple[str, Any]]:
 def is_method(member: object) -> bool:
     unwrapped = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
     if isinstance(unwrapped, property):
-        return not (unwrapped.fget or unwrapped).__name__.startswith("_")
+        unwrapped = unwrapped.fget
     return inspect.isfunction(unwrapped) and not unwrapped.__name__.startswith("_")
 
 
