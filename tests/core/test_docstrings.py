@@ -26,9 +26,6 @@ MODULES = sorted(
 
 PENDING = frozenset(
     {
-        "InverseDocumentFrequency",
-        "InverseDocumentFrequency.transform",
-        "Keypoints",
         "Library",
         "Library.add",
         "Library.add_signature",
@@ -43,17 +40,8 @@ PENDING = frozenset(
         "LibraryError",
         "Match",
         "ModelError",
-        "SimilaritySensitiveHashing",
-        "SimilaritySensitiveHashing.transform",
         "VertexMatch",
-        "Vocabulary",
-        "Vocabulary.transform",
-        "bag_of_features",
-        "detect_keypoints",
-        "hard_words",
         "match_vertices",
-        "soft_words",
-        "spatially_sensitive_bag",
     }
 )
 """Public names whose docstrings are not complete yet. Take a name out when its docstring is."""
