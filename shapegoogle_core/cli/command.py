@@ -18,10 +18,9 @@ class Command:
     ----------
     name : str
         As typed: "index".
-    summary : str
-        One line for the list of commands, without a capital and a full stop.
-    details : str
-        Text below the options in the command's own help.
+    help : str
+        Docstring of the command's module: one line for the list of commands, an empty line, and the text
+        below the options in the command's own help.
     add_options : callable
         Adds the options of the command to its parser.
     run : callable
@@ -32,8 +31,7 @@ class Command:
     """
 
     name: str
-    summary: str
-    details: str
+    help: str
     add_options: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], int]
     reads_files: bool = False

@@ -1,5 +1,24 @@
 # SPDX-License-Identifier: MIT
-"""`shapegoogle duplicates`: list the groups of duplicates of a library."""
+"""List copied files and shapes that are the same or hard to tell apart.
+
+copies     files that are equal byte for byte
+identical  the same geometry in the same place; the other kinds are relative to the first of the group:
+moved, scaled, mirrored   the same geometry elsewhere, at another size, or reflected
+re-meshed  the same surface with other vertices
+re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
+similar    at least --min-similarity to the first of the group, and none of these
+same       the same signature and counts; where surfaces were not compared
+
+Every shape is compared with the first of its group, never through a chain of others. The saving counts all
+members but the first: their faces, and for copies the bytes of the files. Nothing is changed or deleted.
+With --json, one line for each group, the largest saving first:
+  {"kind", "similarity", "saving": {"faces", "bytes"},
+   "members": [{"name", "source", "object_name", "shape_id", "similarity", "scale"}, …]}
+
+for example:
+  shapegoogle duplicates --library shapes.sglib
+  shapegoogle duplicates --library shapes.sglib --json | jq -r 'select(.kind == "copies") | .members[].source'
+"""
 
 from __future__ import annotations
 
@@ -17,26 +36,6 @@ if TYPE_CHECKING:
     from shapegoogle_core.library import DuplicateGroup
 
 __all__ = ["COMMAND"]
-
-DETAILS = """\
-copies     files that are equal byte for byte
-identical  the same geometry in the same place; the other kinds are relative to the first of the group:
-moved, scaled, mirrored   the same geometry elsewhere, at another size, or reflected
-re-meshed  the same surface with other vertices
-re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
-similar    at least --min-similarity to the first of the group, and none of these
-same       the same signature and counts; where surfaces were not compared
-
-Every shape is compared with the first of its group, never through a chain of others. The saving counts all
-members but the first: their faces, and for copies the bytes of the files. Nothing is changed or deleted.
-With --json, one line for each group, the largest saving first:
-  {"kind", "similarity", "saving": {"faces", "bytes"},
-   "members": [{"name", "source", "object_name", "shape_id", "similarity", "scale"}, …]}
-
-examples:
-  shapegoogle duplicates --library shapes.sglib
-  shapegoogle duplicates --library shapes.sglib --json | jq -r 'select(.kind == "copies") | .members[].source'
-"""
 
 # One copy would be enough. Most users see a mirror image as another shape.
 _EXACT = {"copies", "same", "identical", "moved", "scaled"}
@@ -108,10 +107,4 @@ def _group_table(group: DuplicateGroup) -> str:
     return "\n".join([title, *lines])
 
 
-COMMAND = Command(
-    "duplicates",
-    "list copied files and shapes that are the same or hard to tell apart",
-    DETAILS,
-    _add_options,
-    _run,
-)
+COMMAND = Command("duplicates", str(__doc__), _add_options, _run)

@@ -1,5 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""`shapegoogle index`: bring a library up to date with folders of files."""
+"""Add the meshes of folders to a library; only new and changed files are read.
+
+Files that cannot be read, take too long or crash their process are skipped and listed at the end.
+They are tried again when they change, or with --retry.
+
+for example:
+  shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4
+  shapegoogle index ~/models --library shapes.sglib --prune --json
+"""
 
 from __future__ import annotations
 
@@ -19,15 +27,6 @@ if TYPE_CHECKING:
     from shapegoogle_core.indexing import IndexReport
 
 __all__ = ["COMMAND"]
-
-DETAILS = """\
-Files that cannot be read, take too long or crash their process are skipped and listed at the end.
-They are tried again when they change, or with --retry.
-
-examples:
-  shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4
-  shapegoogle index ~/models --library shapes.sglib --prune --json
-"""
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -156,11 +155,4 @@ def _summary(report: IndexReport, failed: Failures, removed: list[str], shapes: 
     return f"{', '.join(parts)} in {report.seconds:.1f} s{rate}; the library has {counted(shapes, 'shape')}"
 
 
-COMMAND = Command(
-    "index",
-    "add the meshes of folders to a library; only new and changed files are read",
-    DETAILS,
-    _add_options,
-    _run,
-    reads_files=True,
-)
+COMMAND = Command("index", str(__doc__), _add_options, _run, reads_files=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`shapegoogle info`: print what a library contains."""
+"""Print what a library contains."""
 
 from __future__ import annotations
 
@@ -36,4 +36,4 @@ def _run(options: argparse.Namespace) -> int:
     return DONE
 
 
-COMMAND = Command("info", "print what a library contains", "", _add_options, _run)
+COMMAND = Command("info", str(__doc__), _add_options, _run)

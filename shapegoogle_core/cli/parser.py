@@ -104,12 +104,13 @@ def _add_command(
     program: str,
     reader: ExternalReader | None,
 ) -> None:
+    summary, _, details = command.help.partition("\n\n")
     parser = subparsers.add_parser(
         command.name,
         prog=program,
-        help=command.summary,
-        description=f"{command.summary[0].upper()}{command.summary[1:]}.",
-        epilog=f"{command.details}\n{EXIT_CODES}",
+        help=f"{summary[0].lower()}{summary[1:].rstrip('.')}",
+        description=summary,
+        epilog=f"{details}\n{EXIT_CODES}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("-v", "--verbose", action="store_true", help="show the traceback of errors")

@@ -1,5 +1,30 @@
 # SPDX-License-Identifier: MIT
-"""`shapegoogle query`: find the shapes of a library that are most like given meshes."""
+r"""Find the shapes of a library that are most like a mesh.
+
+With --json, one line for each mesh:
+  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}
+A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
+With --together, all meshes are examples of what you search, and give one line:
+  {"query": [path, …], "unlike": [path, …], "matches": […]}
+Shapes close to all of them come first; if one example cannot be read, the whole query fails. With
+--unlike, also without --together, shapes close to one of its meshes move to the end.
+
+similarity  0 to 1: probability that it is the same shape, transformed, and not merely the nearest of many
+distance    what the list is sorted by, from 0 (identical) to 2
+evidence    {"kind": …} and its values, found by comparing the surfaces; lengths are shares of √area
+            of the query:
+  identical, moved, scaled, mirrored   a copy; factor: its size, deviation of 95 % of its surface
+  re-meshed                            the same surface, another mesh
+  re-posed                             bent; displacement: how far; probability that it is the same shape
+  part of, contains                    the query is a part of it, or it is a part of the query; share
+  similar                              none of these; null where nothing could be compared
+
+for example:
+  shapegoogle query horse.obj --library shapes.sglib
+  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json
+  shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib
+  shapegoogle query bolt.stl --library shapes.sglib --kind scaled --folder D:\models --faces :5000
+"""
 
 from __future__ import annotations
 
@@ -8,6 +33,7 @@ import json
 import sys
 import traceback
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,32 +54,6 @@ if TYPE_CHECKING:
     from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["COMMAND"]
-
-DETAILS = """\
-With --json, one line for each mesh:
-  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}
-A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
-With --together, all meshes are examples of what you search, and give one line:
-  {"query": [path, …], "unlike": [path, …], "matches": […]}
-Shapes close to all of them come first; if one example cannot be read, the whole query fails. With
---unlike, also without --together, shapes close to one of its meshes move to the end.
-
-similarity  0 to 1: probability that it is the same shape, transformed, and not merely the nearest of many
-distance    what the list is sorted by, from 0 (identical) to 2
-evidence    {"kind": …} and its values, found by comparing the surfaces; lengths are shares of √area
-            of the query:
-  identical, moved, scaled, mirrored   a copy; factor: its size, deviation of 95 % of its surface
-  re-meshed                            the same surface, another mesh
-  re-posed                             bent; displacement: how far; probability that it is the same shape
-  part of, contains                    the query is a part of it, or it is a part of the query; share
-  similar                              none of these; null where nothing could be compared
-
-examples:
-  shapegoogle query horse.obj --library shapes.sglib
-  shapegoogle query poses/*.off --library shapes.sglib --top 1 --json
-  shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib
-  shapegoogle query bolt.stl --library shapes.sglib --kind scaled --folder D:\\models --faces :5000
-"""
 
 LEGEND = """\
 similarity: probability that it is the same shape, transformed, and not merely the nearest of many others
@@ -102,148 +102,129 @@ def _run(options: argparse.Namespace) -> int:
 
     failed: Failures = []
     with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:
-        unlike = _examples(library, reader, options.unlike, options, failed)
-        if options.together:
-            answered = _query_together(library, reader, options, unlike, failed)
-        else:
-            answers = [_query_file(library, reader, path, options, unlike, failed) for path in options.meshes]
-            answered = any(answers)
+        queries = _Queries(options, library, reader, failed)
+        answered = queries.run_together() if options.together else queries.run_each()
     if answered and not options.json:
         print(LEGEND)
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 
 
-def _query_together(
-    library: Library,
-    reader: ShapeReader,
-    options: argparse.Namespace,
-    unlike: list[ShapeSignature] | str,
-    failed: Failures,
-) -> bool:
-    """Run one query with all meshes; whether there is an answer."""
-    like = _examples(library, reader, options.meshes, options, failed)
-    if isinstance(like, str) or isinstance(unlike, str):
-        # Without one of its examples it would be another query.
-        reasons = [reason for reason in (like, unlike) if isinstance(reason, str)]
-        _print_answer(options, options.meshes, None, "; ".join(reasons))
-        return False
-    matches = _matches(library, like, options, unlike)
-    _print_answer(options, options.meshes, None, matches, len(library))
-    return True
+@dataclass(frozen=True)
+class _Queries:
+    """The queries of one command line, in an open library."""
 
+    options: argparse.Namespace
+    library: Library
+    reader: ShapeReader
+    failed: Failures
 
-def _query_file(
-    library: Library,
-    reader: ShapeReader,
-    path: str,
-    options: argparse.Namespace,
-    unlike: list[ShapeSignature] | str,
-    failed: Failures,
-) -> bool:
-    """Run a query with each shape of a file; whether one of them has an answer."""
-    if isinstance(unlike, str):
-        _print_answer(options, path, None, unlike)
-        return False
-    try:
-        found = _read(reader, path, failed)
-    except (MeshError, MemoryError) as error:
-        _print_answer(options, path, None, _note_failure(path, error, options, failed))
-        return False
-    answered = False
-    for shape in found:
+    def run_together(self) -> bool:
+        """Run one query with all meshes; whether there is an answer."""
+        meshes = self.options.meshes
         try:
-            matches = _matches(library, shape.mesh, options, unlike)
+            like, unlike = self._examples(meshes, self.options.unlike)
+        except MeshError as error:
+            # Without one of its examples it would be another query.
+            self._print(meshes, None, str(error))
+            return False
+        self._print(meshes, None, self._matches(like, unlike))
+        return True
+
+    def run_each(self) -> bool:
+        """Run a query with each shape of each file; whether one of them has an answer."""
+        try:
+            (unlike,) = self._examples(self.options.unlike)
+        except MeshError as error:
+            for path in self.options.meshes:
+                self._print(path, None, str(error))
+            return False
+        answers = [self._run_file(path, unlike) for path in self.options.meshes]
+        return any(answers)
+
+    def _run_file(self, path: str, unlike: list[ShapeSignature]) -> bool:
+        answered = False
+        try:
+            shapes = self._read(path)
         except (MeshError, MemoryError) as error:
-            _print_answer(options, path, shape, _note_failure(path, error, options, failed))
+            self._print(path, None, self._failure(path, error))
+            return False
+        for shape in shapes:
+            try:
+                matches = self._matches(shape.mesh, unlike)
+            except (MeshError, MemoryError) as error:
+                self._print(path, shape, self._failure(path, error))
+            else:
+                self._print(path, shape, matches)
+                answered = True
+        return answered
+
+    def _matches(self, shapes: QueryShapes, unlike: list[ShapeSignature]) -> list[Match]:
+        return self.library.query(
+            shapes,
+            top=self.options.top,
+            explain=self.options.evidence,
+            exact=self.options.exact,
+            unlike=unlike,
+            where=filter_of(self.options),
+        )
+
+    def _examples(self, *groups: Sequence[str]) -> list[list[ShapeSignature]]:
+        """Describe all shapes of groups of files; raises `MeshError` if one of the files fails."""
+        described: list[list[ShapeSignature]] = [[] for _ in groups]
+        reasons = []
+        for signatures, paths in zip(described, groups, strict=True):
+            for path in paths:
+                try:
+                    for shape in self._read(path):
+                        signatures.append(self.library.model.describe(shape.mesh, keep_surface=True))
+                except (MeshError, MemoryError) as error:
+                    reasons.append(self._failure(path, error))
+        if reasons:
+            raise MeshError("; ".join(reasons))
+        return described
+
+    def _read(self, path: str) -> Sequence[NewShape[Mesh]]:
+        """Read all shapes of a query file, at least one; objects that cannot be read are noted as failed."""
+        found = self.reader.read(path)
+        self.failed.extend((Path(path), problem) for problem in found.problems)
+        if not found.shapes:
+            raise MeshError(f"{Path(path).name!r} has no mesh objects; choose a file with a shape in it")
+        return found.shapes
+
+    def _failure(self, path: str, error: BaseException) -> str:
+        """Note a failure and return its reason."""
+        if self.options.verbose:
+            traceback.print_exception(error)
+        reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
+        self.failed.append((Path(path), reason))
+        return reason
+
+    def _print(self, query: str | list[str], shape: NewShape[Mesh] | None, answer: list[Match] | str) -> None:
+        """Print the matches of one query, or the sentence that says why there are none.
+
+        The query is a file, one shape of a file, or several files together.
+        """
+        record: dict[str, object] = {"query": query}
+        title = query if isinstance(query, str) else " and ".join(query)
+        unlike = self.options.unlike
+        if shape is not None and shape.object_name:
+            record["object"] = shape.object_name
+            title = f"{title}, {shape.object_name}"
+        if self.options.together or unlike:
+            record["unlike"] = unlike
+        if unlike:
+            title = f"{title}, not like {' and '.join(unlike)}"
+        if isinstance(answer, str):
+            record |= {"matches": [], "error": answer}
         else:
-            _print_answer(options, path, shape, matches, len(library))
-            answered = True
-    return answered
-
-
-def _matches(
-    library: Library,
-    shapes: QueryShapes,
-    options: argparse.Namespace,
-    unlike: list[ShapeSignature],
-) -> list[Match]:
-    return library.query(
-        shapes,
-        top=options.top,
-        explain=options.evidence,
-        exact=options.exact,
-        unlike=unlike,
-        where=filter_of(options),
-    )
-
-
-def _examples(
-    library: Library,
-    reader: ShapeReader,
-    paths: Sequence[str],
-    options: argparse.Namespace,
-    failed: Failures,
-) -> list[ShapeSignature] | str:
-    """Describe all shapes of some example files; a sentence if one of the files fails."""
-    signatures: list[ShapeSignature] = []
-    reasons = []
-    for path in paths:
-        try:
-            found = _read(reader, path, failed)
-            signatures += [library.model.describe(shape.mesh, keep_surface=True) for shape in found]
-        except (MeshError, MemoryError) as error:
-            reasons.append(_note_failure(path, error, options, failed))
-    return "; ".join(reasons) if reasons else signatures
-
-
-def _read(reader: ShapeReader, path: str, failed: Failures) -> Sequence[NewShape[Mesh]]:
-    """Read all shapes of a query file, at least one; objects that cannot be read are noted as failed."""
-    found = reader.read(path)
-    failed += [(Path(path), problem) for problem in found.problems]
-    if not found.shapes:
-        raise MeshError(f"{Path(path).name!r} has no mesh objects; choose a file with a shape in it")
-    return found.shapes
-
-
-def _note_failure(path: str, error: BaseException, options: argparse.Namespace, failed: Failures) -> str:
-    if options.verbose:
-        traceback.print_exception(error)
-    reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
-    failed.append((Path(path), reason))
-    return reason
-
-
-def _print_answer(
-    options: argparse.Namespace,
-    query: str | list[str],
-    shape: NewShape[Mesh] | None,
-    answer: list[Match] | str,
-    shapes: int = 0,
-) -> None:
-    """Print the matches of one query, or the sentence that says why there are none.
-
-    The query is a file, one shape of a file, or several files together.
-    """
-    record: dict[str, object] = {"query": query}
-    title = query if isinstance(query, str) else " and ".join(query)
-    if shape is not None and shape.object_name:
-        record["object"] = shape.object_name
-        title = f"{title}, {shape.object_name}"
-    if options.together or options.unlike:
-        record["unlike"] = options.unlike
-    if options.unlike:
-        title = f"{title}, not like {' and '.join(options.unlike)}"
-    if isinstance(answer, str):
-        record |= {"matches": [], "error": answer}
-    else:
-        record["matches"] = [match.to_json() for match in answer]
-        if not options.json:
-            print(_match_table(title, answer, shapes), end="\n\n")
-    if options.json:
-        print(json.dumps(record))
-    # The program at the other end of a pipe gets each answer as soon as it is known.
-    sys.stdout.flush()
+            record["matches"] = [match.to_json() for match in answer]
+            if not self.options.json:
+                print(_match_table(title, answer, len(self.library)), end="\n\n")
+        if self.options.json:
+            print(json.dumps(record))
+        # The program at the other end of a pipe gets each answer as soon as it is known.
+        sys.stdout.flush()
 
 
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:
@@ -280,11 +261,4 @@ def _similarity(match: Match) -> str:
     return ">0.999" if rounded == "1.000" and match.distance > 0 else rounded
 
 
-COMMAND = Command(
-    "query",
-    "find the shapes of a library that are most like a mesh",
-    DETAILS,
-    _add_options,
-    _run,
-    reads_files=True,
-)
+COMMAND = Command("query", str(__doc__), _add_options, _run, reads_files=True)

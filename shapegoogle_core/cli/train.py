@@ -1,5 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""`shapegoogle train`: learn a model from a folder of shapes."""
+"""Learn a model from your own shapes.
+
+Training needs at least 8 different shapes, better 100 varied ones, and about a second per version.
+Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz
+
+--descriptor  the descriptor of each surface point: hks, log-hks or si-hks with the preset's parameters;
+              gps, geodesic-histogram or volumetric-hks, which hardly change with the pose either;
+              or spin-images, shape-context or mesh-hog, which do change with the pose
+
+for example:
+  shapegoogle train ~/models --output mine.npz
+  shapegoogle train ~/models --output rigid.npz --descriptor spin-images --descriptor hks
+"""
 
 from __future__ import annotations
 
@@ -20,19 +32,6 @@ if TYPE_CHECKING:
     from shapegoogle_core.mesh import Mesh
 
 __all__ = ["COMMAND"]
-
-DETAILS = """\
-Training needs at least 8 different shapes, better 100 varied ones, and about a second per version.
-Use the model for a new library: shapegoogle index FOLDER --library FILE --model MODEL.npz
-
---descriptor  the descriptor of each surface point: hks, log-hks or si-hks with the preset's parameters;
-              gps, geodesic-histogram or volumetric-hks, which hardly change with the pose either;
-              or spin-images, shape-context or mesh-hog, which do change with the pose
-
-examples:
-  shapegoogle train ~/models --output mine.npz
-  shapegoogle train ~/models --output rigid.npz --descriptor spin-images --descriptor hks
-"""
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -117,6 +116,4 @@ def _read_meshes(options: argparse.Namespace, failed: Failures) -> dict[str, lis
     return meshes
 
 
-COMMAND = Command(
-    "train", "learn a model from your own shapes", DETAILS, _add_options, _run, reads_files=True
-)
+COMMAND = Command("train", str(__doc__), _add_options, _run, reads_files=True)
