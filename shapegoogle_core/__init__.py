@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.library import Filter as Filter
     from shapegoogle_core.library import Library as Library
     from shapegoogle_core.library import Match as Match
+    from shapegoogle_core.library import SearchSettings as SearchSettings
     from shapegoogle_core.library import compare as compare
     from shapegoogle_core.mesh import Mesh as Mesh
     from shapegoogle_core.mesh import as_mesh as as_mesh
@@ -105,7 +106,7 @@ _MODULES = {
     "indexing": ("IndexReport", "IndexSettings", "find_meshes", "index_files"),
     "keypoints": ("Keypoints", "detect_keypoints"),
     "laplacian": ("Operator", "build_operator"),
-    "library": ("Evidence", "Filter", "Library", "Match", "compare"),
+    "library": ("Evidence", "Filter", "Library", "Match", "SearchSettings", "compare"),
     "mesh": ("Mesh", "as_mesh", "read_mesh"),
     "model": ("ChannelSettings", "ModelSettings", "ShapeModel", "ShapeSignature", "load_model"),
     "model.training": ("TrainingShape", "train_model"),

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.library.filter import Filter as Filter
     from shapegoogle_core.library.library import Library as Library
     from shapegoogle_core.library.match import Match as Match
+    from shapegoogle_core.library.search.settings import SearchSettings as SearchSettings
     from shapegoogle_core.library.storage.records import NewShape as NewShape
     from shapegoogle_core.library.storage.records import ShapeRecord as ShapeRecord
     from shapegoogle_core.library.storage.records import SourceRecord as SourceRecord
@@ -25,6 +26,7 @@ _MODULE_OF = {
     "Library": "library",
     "Match": "match",
     "NewShape": "storage.records",
+    "SearchSettings": "search.settings",
     "ShapeRecord": "storage.records",
     "SourceRecord": "storage.records",
     "compare": "compare",

@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""`Library`: a collection of shapes in one file, and the search in it."""
+"""`Library`: a collection of shapes in one file, the search in it, and its duplicates."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
-from types import TracebackType
-from typing import Self
+from collections.abc import Sequence
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.contents import LibraryContents
 from shapegoogle_core.library.duplicates.find import find_duplicates
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
@@ -17,361 +14,56 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.missing_files import missing_files
 from shapegoogle_core.library.search.explain import explain_matches
 from shapegoogle_core.library.search.query import Query
 from shapegoogle_core.library.search.query_shapes import QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.storage.opening import open_store
-from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
-from shapegoogle_core.library.storage.signatures import check_signature, read_signature
+from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.storage.store import Store
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import as_mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["Library"]
 
-PathLike = str | os.PathLike[str]
-
-# Shapes that a listing reads at once.
-PAGE = 1_000
 # Matches that are explained at once to find those of a kind.
 KIND_PORTION = 10
 
 
-class Library:
-    """Shapes in one SQLite file, with the model that described them. Open it with `Library.open`.
+class Library(LibraryContents):
+    """Shapes in one file, with the model that described them. Open it with `Library.open`.
 
     A library may be open in several programs at once: any number of them read while one writes; a second
-    writer waits for the first one's running transaction. A `Library` itself belongs to the thread that opened
-    it. After kill -9, a power cut or a full disk the file holds everything whose method had returned.
+    writer waits for the running transaction of the first. A `Library` itself belongs to the thread that
+    opened it. After kill -9, a power cut or a full disk the file holds everything whose method had returned.
 
-    Every method raises `LibraryError` when the file cannot be read or written.
+    Every method raises `LibraryError` if the file cannot be read or written.
+
+    Parameters
+    ----------
+    store : Store
+        The open file.
+    model : ShapeModel
+        The model of the library.
+    search : SearchSettings, optional
+        Settings of all searches; the default values if left out.
+
+    Examples
+    --------
+    >>> import tempfile, trimesh
+    >>> import shapegoogle_core as sg
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+    ...         _ = library.add(trimesh.creation.box(), name="box")
+    ...         match, = library.query(trimesh.creation.box((2, 2, 2)))
+    >>> match.name, match.evidence.kind, match.evidence.factor
+    ('box', 'scaled', 0.5)
     """
 
     def __init__(self, store: Store, model: ShapeModel, search: SearchSettings | None = None) -> None:
-        self._store = store
-        self._model = model
-        self._settings = SearchSettings() if search is None else search
+        super().__init__(store, model, search)
         self._search = Search(store, model, self._settings)
-
-    @classmethod
-    def open(
-        cls,
-        path: PathLike,
-        model: ShapeModel | None = None,
-        *,
-        read_only: bool = False,
-        timeout: float = 30.0,
-        search: SearchSettings | None = None,
-    ) -> Self:
-        """Open a library, or make a new one.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file. An existing library on a read-only disk opens too; then it can be searched only.
-        model : ShapeModel, optional
-            For a new library: the model to describe shapes with; left out, the one that ships with the
-            package. For an existing one: must be the library's own model; left out, it is taken from the
-            library.
-        read_only : bool, optional
-            Never change the file, and make none.
-        timeout : float, optional
-            Longest time to wait while another program writes, in seconds.
-        search : SearchSettings, optional
-            Settings of all searches in this library.
-
-        Returns
-        -------
-        library : Library
-            Also a context manager that closes it.
-
-        Raises
-        ------
-        LibraryError
-            If the path is a folder, lies in no folder or is no library; if the library is damaged, made by a
-            newer version or with another model; if there is none and it may not or cannot be made.
-        ModelError
-            If a new library is to be made and the shipped model cannot be loaded.
-        """
-        return cls(*open_store(Path(path), model, read_only=read_only, timeout=timeout), search)
-
-    def close(self) -> None:
-        """Close the file. Closing twice does no harm."""
-        self._store.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        error_type: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def __repr__(self) -> str:
-        return f"Library('{self.path}', model {self._model.identifier})"
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return Path(self._store.name)
-
-    @property
-    def model(self) -> ShapeModel:
-        """The model that describes the shapes of this library."""
-        return self._model
-
-    @property
-    def read_only(self) -> bool:
-        """Whether changes are refused: asked for, or because the file is write-protected."""
-        return self._store.read_only
-
-    # -- changes --------------------------------------------------------------------------------------------
-
-    def add(
-        self,
-        mesh: MeshLike,
-        name: str = "",
-        source: PathLike = "",
-        object_name: str = "",
-        thumbnail: bytes | None = None,
-        tags: Sequence[str] = (),
-    ) -> int:
-        """Describe a shape and add it.
-
-        Within a source a shape is known by its object name and name: adding it again replaces it. A shape
-        without a source is always a new one.
-
-        Parameters
-        ----------
-        mesh : MeshLike
-        name : str, optional
-            By default the file name of the source, such as "horse.ply"; without a source, the name of the
-            mesh.
-        source : str, optional
-            Path of the file it comes from.
-        object_name : str, optional
-            Name of the object inside the source.
-        thumbnail : bytes, optional
-            A picture as PNG.
-        tags : sequence of str, optional
-            Labels to filter searches by.
-
-        Returns
-        -------
-        shape_id : int
-
-        Raises
-        ------
-        MeshError
-            If the model cannot describe the mesh.
-        """
-        source = os.fspath(source)
-        mesh = as_mesh(mesh, name or Path(source).name)
-        return self.add_signature(
-            self._model.describe(mesh),
-            name or Path(source).name or mesh.name,
-            source=source,
-            object_name=object_name,
-            thumbnail=thumbnail,
-            tags=tags,
-        )
-
-    def add_signature(
-        self,
-        signature: ShapeSignature,
-        name: str,
-        source: str = "",
-        object_name: str = "",
-        thumbnail: bytes | None = None,
-        tags: Sequence[str] = (),
-    ) -> int:
-        """Add a shape that this library's model has described already; else as `add`.
-
-        Raises
-        ------
-        LibraryError
-            If another model made the signature.
-        """
-        shape = NewShape(signature, name, object_name, thumbnail, tuple(tags))
-        check_signature(signature, name, self._model, self._store.name)
-        return self._store.add(source, shape)
-
-    def replace_source(
-        self,
-        path: PathLike,
-        *,
-        size: int | None,
-        mtime_ns: int | None,
-        sha256: str | None,
-        shapes: Sequence[NewShape[ShapeSignature]] = (),
-        error: str | None = None,
-    ) -> list[int]:
-        """Put in all that a file gives now and forget what it gave before, in one transaction.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file, as its shapes' `source` will call it.
-        size, mtime_ns : int or None
-            As `os.stat` gives them, to see later whether the file changed.
-        sha256 : str or None
-            Hash of its content, in hexadecimal digits.
-        shapes : sequence of NewShape, optional
-            May be empty: the file is remembered all the same.
-        error : str, optional
-            Why the file, or a part of it, could not be described.
-
-        Returns
-        -------
-        shape_ids : list of int
-            In the order of `shapes`.
-        """
-        for shape in shapes:
-            check_signature(shape.signature, shape.name, self._model, self._store.name)
-        source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
-        return self._store.replace_source(source, shapes)
-
-    def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
-        """Note the new time of a file whose content is still the same; returns whether it is known."""
-        return self._store.update_source(os.fspath(path), size, mtime_ns)
-
-    def remove(self, source: PathLike) -> bool:
-        """Remove a source with all its shapes; returns whether it was known."""
-        return self._store.remove_sources([os.fspath(source)]) > 0
-
-    def remove_shape(self, shape_id: int) -> bool:
-        """Remove one shape; returns whether it was there."""
-        return self._store.remove_shapes([shape_id]) > 0
-
-    def remove_missing(self, folders: Iterable[PathLike]) -> list[str]:
-        """Remove the indexed files that are no longer there. Nothing does this by itself.
-
-        Parameters
-        ----------
-        folders : iterable of str or path-like
-            Only files below these folders are looked at. Each must exist: on a drive that is not plugged in
-            all files are missing.
-
-        Returns
-        -------
-        removed : list of str
-            Paths of the removed sources.
-
-        Raises
-        ------
-        LibraryError
-            If a folder does not exist; then nothing is removed.
-        """
-        missing = self.missing(folders)
-        if missing:
-            self._store.remove_sources(missing)
-        return missing
-
-    def missing(self, folders: Iterable[PathLike]) -> list[str]:
-        """List the indexed files that are no longer there.
-
-        Parameters
-        ----------
-        folders : iterable of str or path-like
-            As for `remove_missing`.
-
-        Returns
-        -------
-        missing : list of str
-            Paths of the sources.
-
-        Raises
-        ------
-        LibraryError
-            If a folder does not exist.
-        """
-        return missing_files(self._store.sources(), folders)
-
-    # -- what is in it --------------------------------------------------------------------------------------
-
-    def __len__(self) -> int:
-        return self._store.count()
-
-    def info(self) -> dict[str, object]:
-        """Describe the library in numbers.
-
-        Returns
-        -------
-        info : dict
-            ``path``, ``shapes``, ``sources``, ``failed`` (sources with an error), ``model`` (its identifier),
-            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``.
-        """
-        summary = self._store.summary()
-        return {
-            "path": str(self.path),
-            "shapes": summary.shapes,
-            "sources": summary.sources,
-            "failed": summary.failed,
-            "model": self._model.identifier,
-            "model_name": self._model.name,
-            "code_bits": self._model.code_bits,
-            "bag_size": self._model.bag_size,
-            "bytes": summary.bytes,
-            "schema": summary.format,
-        }
-
-    def sources(self) -> dict[str, SourceRecord]:
-        """All known files by path, those that failed included: what is new or changed is to be indexed."""
-        return {source.path: source for source in self._store.sources()}
-
-    def shapes(self) -> Iterator[ShapeRecord]:
-        """All shapes, oldest first, without bags and pictures.
-
-        They are read page by page, so that a writer need not wait for whoever looks at them.
-
-        Yields
-        ------
-        shape : ShapeRecord
-        """
-        last_id = 0
-        while page := self._store.shapes_after(last_id, PAGE):
-            yield from page
-            last_id = page[-1].shape_id
-
-    def signature(self, shape_id: int) -> ShapeSignature:
-        """Signature of a shape, its bags rounded to the precision of the library (11 bits).
-
-        Raises
-        ------
-        LibraryError
-            If there is no such shape.
-        """
-        signature = read_signature(self._store, self._model, shape_id)
-        if signature is None:
-            raise self._unknown(shape_id)
-        return signature
-
-    def thumbnail(self, shape_id: int) -> bytes | None:
-        """Picture of a shape as PNG, or None when it has none.
-
-        Raises
-        ------
-        LibraryError
-            If there is no such shape.
-        """
-        picture = self._store.thumbnail(shape_id)
-        if picture is None and not self._store.shapes([shape_id]):
-            raise self._unknown(shape_id)
-        return picture
-
-    def _unknown(self, shape_id: int) -> LibraryError:
-        return LibraryError(
-            f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
-        )
-
-    # -- search ---------------------------------------------------------------------------------------------
 
     def query(
         self,
@@ -473,6 +165,7 @@ class Library:
             The examples that were searched for, described with ``keep_surface=True``: without their surface
             the figures are coarser.
         matches : sequence of Match
+            From `query`, best first.
         count : int, optional
             Number of matches to explain; `EvidenceSettings.explained` by default.
 

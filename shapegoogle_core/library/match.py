@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`Match`: one line of an answer."""
+"""`Match`: a shape of a library that a query finds."""
 
 from __future__ import annotations
 
@@ -9,39 +9,45 @@ from shapegoogle_core.library.evidence import Evidence
 
 __all__ = ["DISTANCE_DECIMALS", "Match"]
 
-# Distances are dimensionless and of order one. Half floats and the order in which a matrix product adds up
-# move them in later digits; unrounded, copies of one shape would come in an order that nobody can foresee.
 DISTANCE_DECIMALS = 6
+"""Decimals that distances are rounded to. Half floats and the order of sums in a matrix product change later
+digits: unrounded, copies of one shape would come in an unpredictable order."""
 
 
 @dataclass(frozen=True)
 class Match:
-    """A shape of the library that answers a query.
+    """A shape of a library that a query finds.
 
     Attributes
     ----------
     name : str
-        The object's or the file's name.
+        Name of the object or of the file.
     source : str
-        Path of the file that the shape came from; empty when it was added without one.
+        Path of the file the shape comes from; empty for a shape added without one.
     object_name : str
         Name of the object inside the source; empty for a file that is one shape.
     distance : float
-        Between the bags of query and shape, as the model measures it; 0 for the same bag. Less where the two
-        surfaces were laid over one another and agree.
+        What matches are sorted by: the distance of the bags of query and shape, as the model measures it,
+        lowered where the two surfaces fit; 0 for the same bag.
     similarity : float
-        The model's monotone reading of the distance: 1 at distance 0, towards 0 for shapes that have nothing
-        in common.
+        Confidence that it is the same shape, as the model derives it from the distance: 1 at distance 0,
+        towards 0 for shapes that have nothing in common.
     shape_id : int
-        The shape's number in its library; never given to another shape of that library.
-    vertex_count : int
-        Of the mesh as it was read.
-    face_count : int
+        Number of the shape in its library; never given to another shape of that library.
+    vertex_count, face_count : int
         Of the mesh as it was read.
     area : float
         Of the mesh as it was read, in squared units of its file.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import shapegoogle_core as sg
+    >>> match = sg.compare(trimesh.creation.box(), trimesh.creation.box())
+    >>> match.distance, match.similarity, match.evidence.kind
+    (0.0, 1.0, 'identical')
     """
 
     name: str
@@ -57,11 +63,11 @@ class Match:
 
     @property
     def rank_key(self) -> tuple[float, str, str, str, int]:
-        """What matches are sorted by: distance first; the rest decides between equals."""
+        """Key that sorts matches: by distance, then by name, source, object name and number."""
         return (self.distance, self.name, self.source, self.object_name, self.shape_id)
 
     def to_json(self) -> dict[str, object]:
-        """Put the match into the form that ``shapegoogle query --json`` prints.
+        """Convert to the object that ``shapegoogle query --json`` prints.
 
         Returns
         -------

@@ -26,19 +26,7 @@ MODULES = sorted(
 
 PENDING = frozenset(
     {
-        "Library",
-        "Library.add",
-        "Library.add_signature",
-        "Library.explain",
-        "Library.remove",
-        "Library.remove_shape",
-        "Library.replace_source",
-        "Library.signature",
-        "Library.sources",
-        "Library.thumbnail",
-        "Library.update_source",
         "LibraryError",
-        "Match",
         "ModelError",
         "VertexMatch",
         "match_vertices",

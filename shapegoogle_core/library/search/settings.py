@@ -191,15 +191,21 @@ class SearchSettings:
     Attributes
     ----------
     candidates : CandidateSettings
+        Selection of the shapes that are compared by their bags.
     rerank : RerankSettings
+        Comparison of full bags.
     verification : VerificationSettings
+        Alignment of the best candidates with the query.
     evidence : EvidenceSettings
+        Explanation of the best matches.
 
     Examples
     --------
-    >>> from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
-    >>> SearchSettings(candidates=CandidateSettings(count=1_000)).candidates.oversampling
-    4
+    >>> import shapegoogle_core as sg
+    >>> from shapegoogle_core.library.search.settings import CandidateSettings
+    >>> settings = sg.SearchSettings(candidates=CandidateSettings(count=1_000))
+    >>> settings.candidates.oversampling, settings.verification.certain
+    (4, 0.7)
     """
 
     candidates: CandidateSettings = field(default_factory=CandidateSettings)
