@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["FormatError", "MeshFile", "check_face_count", "check_point_count", "read_content"]
+__all__ = ["DamagedError", "FormatError", "MeshFile", "check_face_count", "check_point_count", "read_content"]
 
 
 # A file is read as a whole. The longest spelling, a text STL, takes about 300 bytes a face; textures in a
@@ -17,6 +17,13 @@ _OTHER_BYTES = 500_000_000
 
 class FormatError(Exception):
     """A file does not follow its format; the message completes the sentence "<file> …"."""
+
+
+class DamagedError(FormatError):
+    """A file is damaged; the message says only where, and not what to do."""
+
+    def __str__(self) -> str:
+        return f"{super().__str__()}; it is damaged or was cut short: copy or export it again"
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count, read_content
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_face_count, read_content
 from shapegoogle_core.mesh.io.polygons import Polygons
 
 __all__ = ["read_glb", "read_gltf"]
@@ -35,10 +35,7 @@ def read_glb(file: MeshFile) -> Polygons:
     if magic != int.from_bytes(b"glTF", "little") or version != 2:
         raise FormatError("does not begin like a binary glTF 2 file (.glb); export it again")
     if length > len(data) or 20 + json_length > length:
-        raise FormatError(
-            f"claims {length:,} bytes, {json_length:,} of them JSON, but has {len(data):,}; "
-            "it is damaged or was cut short: copy or export it again"
-        )
+        raise DamagedError(f"claims {length:,} bytes, {json_length:,} of them JSON, but has {len(data):,}")
     _check(data[20 : 20 + json_length], file.max_faces)
     return _parse(file, "glb")
 
@@ -75,9 +72,7 @@ def _check(data: bytes, max_faces: int) -> None:
             if isinstance(error, json.JSONDecodeError)
             else ""
         )
-        raise FormatError(
-            f"has no valid JSON{place}; it is damaged, cut short or not a glTF file: export it again"
-        ) from error
+        raise DamagedError(f"has no valid JSON{place}") from error
     if not isinstance(header, dict) or "asset" not in header:
         raise FormatError("has no 'asset' entry, so it is not a glTF file; export it again")
     version = str(header["asset"].get("version", "2.0"))
@@ -98,9 +93,8 @@ def _check(data: bytes, max_faces: int) -> None:
     for index, accessor in enumerate(header.get("accessors", [])):
         # trimesh makes room for accessors without a buffer, whatever they claim.
         if not 0 <= accessor["count"] <= max(3 * max_faces, 10_000_000):
-            raise FormatError(
-                f"claims {accessor['count']:,} values in accessor {index}, a number out of range; "
-                "it is damaged: export it again, or raise max_faces"
+            raise DamagedError(
+                f"claims {accessor['count']:,} values in accessor {index}, a number out of range"
             )
     places = [child for node in header.get("nodes", []) for child in node.get("children", [])]
     # A node may be the root of several scenes.
@@ -154,9 +148,8 @@ def _flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         triangles = np.asarray(getattr(part, "faces", ()), np.int64).reshape(-1, 3)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
             strange = triangles[(triangles < 0) | (triangles >= len(points))][0]
-            raise FormatError(
-                f"has a face that names vertex {strange}, but its part has {len(points):,} vertices "
-                "(counted from 0); it is damaged or was cut short"
+            raise DamagedError(
+                f"has a face that names vertex {strange}, counted from 0, of the {len(points):,} of its part"
             )
         if not np.array_equal(transform, np.eye(4)):
             points = points @ transform[:3, :3].T + transform[:3, 3]

@@ -13,7 +13,7 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import parse_corners, parse_numbers, plain_text, unexpected
 
@@ -60,9 +60,8 @@ def read_obj(file: MeshFile) -> Polygons:
         corners -= 1
     missing = corners[(corners >= len(vertices)) & np.repeat(sizes > 2, sizes)]
     if missing.size:
-        raise FormatError(
-            f"has a face that names vertex {missing.max() + 1}, but there are only {len(vertices):,}; "
-            "it is damaged or was cut short"
+        raise DamagedError(
+            f"has a face that names vertex {missing.max() + 1}, but there are only {len(vertices):,}"
         )
     return Polygons(vertices, corners, sizes)
 
@@ -97,7 +96,7 @@ def _absolute(corners: NDArray[np.int64], sizes: NDArray[np.int64], lines: list[
     counted = np.where(corners < 0, corners + np.repeat(above, sizes), corners - 1)
     if (counted < 0).any():
         first = int(np.argmax(counted < 0))
-        raise FormatError(
+        raise DamagedError(
             f"names vertex {corners[first]}, but only {np.repeat(above, sizes)[first]} stand above"
         )
     return counted

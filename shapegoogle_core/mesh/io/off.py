@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import filled_lines, parse_numbers, parse_polygons, plain_text
 
@@ -42,9 +42,8 @@ def read_off(file: MeshFile) -> Polygons:
         raise FormatError("has no counts of vertices and faces after the word OFF; export it again")
     vertex_count, face_count = int(head[1]), int(head[2])
     if 2 * (vertex_count + face_count) > len(text):
-        raise FormatError(
-            f"claims {vertex_count:,} vertices and {face_count:,} faces, more than a file of "
-            f"{len(file.data):,} bytes can hold; it is damaged or was cut short"
+        raise DamagedError(
+            f"claims {vertex_count:,} vertices and {face_count:,} faces in {len(file.data):,} bytes"
         )
     check_face_count(face_count, file.max_faces)
     lines = filled_lines(text[head.end() :], vertex_count + face_count)

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_point_count
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import filled_lines, parse_numbers, plain_text, without_mark
-from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["read_pcd"]
 
@@ -21,12 +21,20 @@ _SIZES = (1, 2, 4, 8)
 _DATA_LINE = re.compile(rb"(?:\A|(?<=[\r\n]))DATA[ \t]+(\w+)[ \t]*(?:\r\n|\n|\r|\Z)")
 
 
-class _Layout(NamedTuple):
-    """Content of a PCD header: the record of a point, and how the records are written."""
+@dataclass(frozen=True)
+class _Axis:
+    """A coordinate in the record of a point."""
 
-    record: np.dtype[np.void]
+    type: np.dtype[Any]
+    column: int  # values before it
+    offset: int  # bytes before it
+
+
+@dataclass(frozen=True)
+class _Header:
+    axes: list[_Axis]
+    record_size: int
     point_count: int
-    encoding: str
 
 
 def read_pcd(file: MeshFile) -> Polygons:
@@ -52,80 +60,55 @@ def read_pcd(file: MeshFile) -> Polygons:
     head = _DATA_LINE.search(data[: 1 << 16])
     if head is None:
         raise FormatError("has no PCD header with a line DATA; it is not a PCD file or was cut short")
-    layout = _layout(plain_text(data[: head.start()]).decode("latin-1"), head[1].decode())
-    check_point_count(layout.point_count, file.max_faces)
-    body = data[head.end() :]
-    if layout.encoding == "ascii":
-        points = _from_text(plain_text(body), layout)
-    elif layout.encoding == "binary":
-        if len(body) < layout.point_count * layout.record.itemsize:
-            raise _cut_short(layout)
-        points = _positions(np.frombuffer(body, layout.record, layout.point_count))
-    elif layout.encoding == "binary_compressed":
-        points = _from_compressed(body, layout)
+    header = _read_header(plain_text(data[: head.start()]).decode("latin-1"))
+    count, size = header.point_count, header.record_size
+    check_point_count(count, file.max_faces)
+    body, encoding = data[head.end() :], head[1].decode()
+    if encoding == "ascii":
+        lines = filled_lines(plain_text(body), count)
+        points = parse_numbers(lines, [axis.column for axis in header.axes], "a point")
+    elif encoding == "binary":
+        if len(body) < count * size:
+            raise _cut_short(count)
+        columns = [np.ndarray(count, axis.type, body, axis.offset, size) for axis in header.axes]
+        points = np.stack(columns, axis=1).astype(np.float64)
+    elif encoding == "binary_compressed":
+        packed_size, unpacked_size = struct.unpack_from("<2I", body.ljust(8, b"\0"))
+        if len(body) < 8 + packed_size or unpacked_size != count * size:
+            raise _cut_short(count)
+        # Unpacked, each field stands for all points before the next one.
+        fields = _unpack(body[8 : 8 + packed_size], unpacked_size)
+        columns = [np.frombuffer(fields, axis.type, count, axis.offset * count) for axis in header.axes]
+        points = np.stack(columns, axis=1).astype(np.float64)
     else:
-        raise FormatError(f"has the unknown kind of data {layout.encoding!r}; export it again")
+        raise FormatError(f"has the unknown kind of data {encoding!r}; export it again")
     return Polygons.from_points(points[~np.isnan(points).all(axis=1)])
 
 
-def _layout(header: str, encoding: str) -> _Layout:
-    values = {}
-    for line in header.splitlines():
-        if words := line.partition("#")[0].split():
-            values[words[0].upper()] = words[1:]
+def _read_header(text: str) -> _Header:
+    words = (line.partition("#")[0].split() for line in text.split("\n"))
+    values = {line[0].upper(): line[1:] for line in words if line}
     try:
         names = [name.lower() for name in values["FIELDS"]]
         sizes, counts = map(int, values["SIZE"]), map(int, values.get("COUNT", ["1"] * len(names)))
-        fields = []
+        axes, column, offset = dict[str, _Axis](), 0, 0
         for name, size, kind, count in zip(names, sizes, values["TYPE"], counts, strict=True):
             if size not in _SIZES or not 0 <= count < 1 << 16:
                 raise ValueError(name)
-            fields.append((name, f"<{_TYPES[kind]}{size}", (count,)))
-        width, height = (int(values[name][0]) for name in ("WIDTH", "HEIGHT"))
-        count = int(values["POINTS"][0]) if "POINTS" in values else width * height
-        # Names may repeat ("_" is filler), so records have numbers instead.
-        place = [names.index(axis) for axis in "xyz"]
-        titles = {index: axis for axis, index in zip("xyz", place, strict=True)}
-        renamed = [(titles.get(index, f"f{index}"), *rest) for index, (_, *rest) in enumerate(fields)]
-        record = np.dtype([(name, kind, shape) for name, kind, shape in renamed if shape != (0,)])
-        if count < 0 or any(record[axis].shape != (1,) for axis in "xyz"):
-            raise ValueError(count)
+            if name in ("x", "y", "z") and name not in axes and count == 1:
+                axes[name] = _Axis(np.dtype(f"<{_TYPES[kind]}{size}"), column, offset)
+            column, offset = column + count, offset + count * size
+        point_count = int(values["WIDTH"][0]) * int(values["HEIGHT"][0])
+        if "POINTS" in values:
+            point_count = int(values["POINTS"][0])
+        if point_count < 0:
+            raise ValueError(point_count)
+        return _Header([axes[name] for name in "xyz"], offset, point_count)
     except (KeyError, ValueError, IndexError, TypeError) as error:
-        raise FormatError("has a damaged PCD header; export it again") from error
-    return _Layout(record, count, encoding)
+        raise DamagedError("has a damaged PCD header") from error
 
 
-def _positions(records: np.ndarray[tuple[int], np.dtype[np.void]]) -> FloatArray:
-    return np.concatenate([records[axis] for axis in "xyz"], axis=1).astype(np.float64)
-
-
-def _from_text(text: bytes, layout: _Layout) -> FloatArray:
-    column, place = 0, {}
-    for name in layout.record.names or ():
-        place[name] = column
-        column += layout.record[name].shape[0]
-    lines = filled_lines(text, layout.point_count)
-    return parse_numbers(lines, [place[axis] for axis in "xyz"], "a point")
-
-
-def _from_compressed(body: bytes, layout: _Layout) -> FloatArray:
-    """Unpack LZF; the fields then stand one after the other, each for all points."""
-    if len(body) < 8:
-        raise _cut_short(layout)
-    packed_size, size = struct.unpack_from("<2I", body)
-    if len(body) < 8 + packed_size or size != layout.point_count * layout.record.itemsize:
-        raise _cut_short(layout)
-    unpacked = _lzf(body[8 : 8 + packed_size], size)
-    start, columns = 0, {}
-    for name in layout.record.names or ():
-        kind = layout.record[name]
-        if name in ("x", "y", "z"):
-            columns[name] = np.frombuffer(unpacked, kind.base, layout.point_count, start)
-        start += layout.point_count * kind.itemsize
-    return np.stack([columns[axis] for axis in "xyz"], axis=1).astype(np.float64)
-
-
-def _lzf(packed: bytes, size: int) -> bytes:
+def _unpack(packed: bytes, size: int) -> bytes:
     """Unpack the format of LibLZF: runs of plain bytes, and references to earlier bytes."""
     out, at = bytearray(), 0
     try:
@@ -153,16 +136,11 @@ def _lzf(packed: bytes, size: int) -> bytes:
             if len(out) > size:
                 break
     except IndexError as error:
-        raise FormatError("has damaged compressed data; export it again") from error
+        raise DamagedError("has compressed data that cannot be unpacked") from error
     if len(out) != size:
-        raise FormatError(
-            f"has compressed data of {len(out):,} bytes instead of {size:,}; it is damaged: export it again"
-        )
+        raise DamagedError(f"has compressed data of {len(out):,} bytes instead of {size:,}")
     return bytes(out)
 
 
-def _cut_short(layout: _Layout) -> FormatError:
-    return FormatError(
-        f"announces {layout.point_count:,} points, but ends before them; it was cut short: copy or export it "
-        "again"
-    )
+def _cut_short(point_count: int) -> DamagedError:
+    return DamagedError(f"announces {point_count:,} points, but ends before them")

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import (
     filled_lines,
@@ -90,9 +90,8 @@ def read_ply(file: MeshFile) -> Polygons:
         if element.name == "face":
             check_face_count(element.length, file.max_faces)
         if not 0 <= element.length <= len(data) - start:
-            raise FormatError(
-                f"claims {element.length:,} times the element {element.name!r}, but only "
-                f"{len(data) - start:,} bytes are left; it is damaged or was cut short"
+            raise DamagedError(
+                f"claims {element.length:,} times the element {element.name!r} in {len(data) - start:,} bytes"
             )
     read = _text_columns if order == "=" else _binary_columns
     columns = read(data, start, [element for element in elements if element.length])
@@ -111,7 +110,7 @@ def _read_header(data: bytes) -> tuple[str, list[_Element], int]:
         raise FormatError("does not begin with the word ply: it is empty, or not a PLY file; export it again")
     end = _HEADER_END.search(data, 0, 1 << 20)
     if end is None:
-        raise FormatError("has a PLY header without end: it was cut short; copy or export it again")
+        raise DamagedError("has a PLY header without end")
     order, elements = "", list[_Element]()
     for line in plain_text(data[: end.start()]).decode("latin-1").split("\n")[1:]:
         try:
@@ -131,11 +130,9 @@ def _read_header(data: bytes) -> tuple[str, list[_Element], int]:
                     raise ValueError(line)
                 # All other lines are comments, whatever their keyword.
         except (ValueError, KeyError, IndexError) as error:
-            raise FormatError(
-                f"has a damaged line {line[:60]!r} in its PLY header; export it again"
-            ) from error
+            raise DamagedError(f"has a line {line[:60]!r} in its PLY header that cannot be read") from error
     if not order:
-        raise FormatError("has a PLY header without a format; it is damaged: export it again")
+        raise DamagedError("has a PLY header without a format")
     for element in elements:
         element.wanted()
     return order, elements, end.end()
@@ -185,69 +182,53 @@ def _text_column(lines: list[bytes], before: Sequence[_Property], place: int) ->
 def _binary_columns(data: bytes, position: int, elements: Sequence[_Element]) -> dict[str, list[_Column]]:
     columns = dict[str, list[_Column]]()
     for element in elements:
-        even = _even_columns(data, position, element)
-        columns[element.name], position = even or _uneven_columns(data, position, element)
+        columns[element.name], position = _element_columns(data, position, element)
     return columns
 
 
-def _even_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int] | None:
-    """Read rows that are all as long as the first, as in most files; None if they are not.
-
-    Returns
-    -------
-    columns : list
-        Of the properties that are wanted.
-    end : int
-        Where the next element begins.
-    """
-    fields, counts, end = list[tuple[Any, ...]](), list[str](), position
-    for place, each in enumerate(element.properties):
-        size = 1
-        if each.count_type:
-            counts.append(f"count of {place}")
-            fields.append((counts[-1], each.count_type))
-            size = _list_length(data, end, each.count_type, element)
-            end += each.count_type.itemsize
-        end += size * each.type.itemsize
-        if end > len(data):
-            raise _cut_short(element)
-        fields.append((str(place), each.type, (size,)))
-    record = np.dtype(fields)
-    if not fields:
-        return [], position
-    end = position + element.length * record.itemsize
-    if end > len(data):
-        if counts:
-            return None
-        raise _cut_short(element)
-    rows = np.frombuffer(data, record, element.length, position)
-    if not all((rows[count] == rows[count][0]).all() for count in counts):
-        return None
-    columns = [rows[str(place)] for place in element.wanted()]
-    return [(values.ravel(), np.full(*values.shape)) for values in columns], end
-
-
-def _uneven_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int]:
-    """Read rows with lists of different lengths; see `_even_columns`."""
-    wanted = element.wanted()
-    starts, sizes = ({place: array("q") for place in wanted} for _ in range(2))
-    for _ in range(element.length):
-        for place, each in enumerate(element.properties):
-            size = 1
-            if each.count_type:
-                size = _list_length(data, position, each.count_type, element)
-                position += each.count_type.itemsize
-            if place in starts:
-                starts[place].append(position)
-                sizes[place].append(size)
-            position += size * each.type.itemsize
-    if position > len(data):
-        raise _cut_short(element)
-    columns = [
-        _gather(data, np.array(starts[place]), np.array(sizes[place]), element.properties[place].type)
-        for place in wanted
+def _element_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int]:
+    """Read the columns that are wanted of the rows that begin at a byte, and where the rows end."""
+    places, end = _row(data, position, element)
+    row, end = end - position, position + element.length * (end - position)
+    counts = [
+        np.ndarray(element.length, each.count_type, data, start - each.count_type.itemsize, row)
+        for each, (start, _) in zip(element.properties, places, strict=True)
+        if each.count_type and end <= len(data)
     ]
-    return columns, position
+    wanted = element.wanted()
+    if end <= len(data) and all((count == count[0]).all() for count in counts):
+        # All rows are as long as the first one, as in most files.
+        columns = []
+        for place in wanted:
+            kind, (start, size) = element.properties[place].type, places[place]
+            values = np.ndarray((element.length, size), kind, data, start, (row, kind.itemsize))
+            columns.append((values.ravel(), np.full(element.length, size)))
+        return columns, end
+    found = array("q")
+    for _ in range(element.length):
+        places, position = _row(data, position, element)
+        for place in wanted:
+            found.extend(places[place])
+    starts, sizes = np.array(found, np.int64).reshape(element.length, len(wanted), 2).T
+    kinds = [element.properties[place].type for place in wanted]
+    return [_gather(data, *column) for column in zip(starts, sizes, kinds, strict=True)], position
+
+
+def _row(data: bytes, position: int, element: _Element) -> tuple[list[tuple[int, int]], int]:
+    """Find where the values of each property begin in a row and how many they are, and where it ends."""
+    places = []
+    for each in element.properties:
+        size = 1
+        if kind := each.count_type:
+            order: Literal["little", "big"] = "big" if kind.str[0] == ">" else "little"
+            count = data[position : position + kind.itemsize]
+            size = int.from_bytes(count, order, signed=kind.kind == "i")
+            position += kind.itemsize
+        places.append((position, size))
+        position += size * each.type.itemsize
+        if position > len(data) or size < 0:
+            raise DamagedError(f"has incomplete rows of the element {element.name!r}")
+    return places, position
 
 
 def _gather(data: bytes, starts: NDArray[np.int64], sizes: NDArray[np.int64], kind: _Type) -> _Column:
@@ -258,20 +239,3 @@ def _gather(data: bytes, starts: NDArray[np.int64], sizes: NDArray[np.int64], ki
         found = content[starts[rows, None] + np.arange(size * kind.itemsize)].view(kind)
         values[places[rows, None] - size + np.arange(size)] = found
     return values, sizes
-
-
-def _list_length(data: bytes, position: int, kind: _Type, element: _Element) -> int:
-    if position + kind.itemsize > len(data):
-        raise _cut_short(element)
-    order: Literal["little", "big"] = "big" if kind.str[0] == ">" else "little"
-    length = int.from_bytes(data[position : position + kind.itemsize], order, signed=kind.kind == "i")
-    if length < 0:
-        raise FormatError(f"has a list of {length} values in the element {element.name!r}; it is damaged")
-    return length
-
-
-def _cut_short(element: _Element) -> FormatError:
-    return FormatError(
-        f"ends before its {element.length:,} times the element {element.name!r} are complete; it was cut "
-        "short: copy or export it again"
-    )

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 
-from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_face_count
+from shapegoogle_core.mesh.io.file import DamagedError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import parse_numbers, plain_text
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -45,7 +45,10 @@ def read_stl(file: MeshFile) -> Polygons:
     else:
         text = plain_text(data).lower()
         if text.lstrip()[:5] != b"solid":
-            raise _not_an_stl(len(data), count)
+            raise DamagedError(
+                f"claims {count:,} triangles, which take {84 + _RECORD.itemsize * count:,} bytes, but has "
+                f"{len(data):,} bytes, or is not an STL file"
+            )
         vertices = _text_vertices(text, file.max_faces)
     return Polygons.from_triangles(vertices, np.arange(len(vertices)).reshape(-1, 3))
 
@@ -53,23 +56,11 @@ def read_stl(file: MeshFile) -> Polygons:
 def _text_vertices(text: bytes, max_faces: int) -> FloatArray:
     text = re.sub(rb"^\s*(end ?)?solid\b.*", rb"\1solid", text, flags=re.MULTILINE)  # names say anything
     if not re.search(rb"\bend ?solid\s*\Z", text):
-        raise FormatError("ends before the word endsolid: it was cut short; copy or export it again")
+        raise DamagedError("ends before the word endsolid")
     facet_count = text.count(b"endfacet")
     check_face_count(facet_count, max_faces)
     triangles = _FACET.findall(text)
     if not 3 * len(triangles) == 3 * facet_count == text.count(b"vertex"):
-        raise FormatError(
-            f"has {facet_count:,} facets, of which {len(triangles):,} are triangles; it is damaged or "
-            "was cut short: copy or export it again"
-        )
+        raise DamagedError(f"has {facet_count:,} facets, of which {len(triangles):,} are triangles")
     lines = [vertex for triangle in triangles for vertex in triangle]
     return parse_numbers(lines, (0, 1, 2), "a vertex")
-
-
-def _not_an_stl(size: int, count: int) -> FormatError:
-    if size < 84:
-        return FormatError(f"has only {size} bytes, too few for an STL file; copy or export it again")
-    return FormatError(
-        f"claims {count:,} triangles, which take {84 + _RECORD.itemsize * count:,} bytes, but has {size:,}; "
-        "it is not an STL file, damaged or cut short: copy or export it again"
-    )

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.mesh.io.file import FormatError
+from shapegoogle_core.mesh.io.file import DamagedError
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = [
@@ -50,13 +50,10 @@ def plain_text(data: bytes) -> bytes:
 
 
 def filled_lines(text: bytes, count: int) -> list[bytes]:
-    """Return the first `count` lines that are not blank; `FormatError` if there are fewer."""
+    """Return the first `count` lines that are not blank; `DamagedError` if there are fewer."""
     lines = [line for line in text.split(b"\n") if line and not line.isspace()]
     if len(lines) < count:
-        raise FormatError(
-            f"ends after {len(lines):,} of the {count:,} lines that it announces; it was cut short: "
-            "copy or export it again"
-        )
+        raise DamagedError(f"ends after {len(lines):,} of the {count:,} lines that it announces")
     return lines[:count]
 
 
@@ -78,7 +75,7 @@ def parse_numbers(lines: Sequence[bytes], columns: Sequence[int], expected: str)
 
     Raises
     ------
-    FormatError
+    DamagedError
         If a line has too few columns, or something else than a number there.
     """
     if not lines or not columns:
@@ -108,7 +105,7 @@ def parse_polygons(lines: Sequence[bytes], column: int) -> tuple[NDArray[np.int6
 
     Raises
     ------
-    FormatError
+    DamagedError
         If a line is not a polygon.
     """
     sizes = _whole_numbers(lines, [column])[:, 0]
@@ -130,12 +127,9 @@ def parse_corners(lines: Sequence[bytes], column: int, sizes: NDArray[np.int64])
     return corners
 
 
-def unexpected(line: bytes, expected: str) -> FormatError:
+def unexpected(line: bytes, expected: str) -> DamagedError:
     """Make the error for a line that has something else than expected."""
-    return FormatError(
-        f"has a line {line.strip()[:60].decode('latin-1')!r} that is not {expected}; it is damaged or was "
-        "cut short: copy or export it again"
-    )
+    return DamagedError(f"has a line {line.strip()[:60].decode('latin-1')!r} that is not {expected}")
 
 
 def _whole_numbers(lines: Sequence[bytes], columns: Sequence[int]) -> NDArray[np.int64]:

@@ -107,14 +107,17 @@ def test_header_with_lines_of_other_programs(tmp_path: Path) -> None:
 )
 def test_damaged_header(tmp_path: Path, line: bytes) -> None:
     data = ply().replace(b"comment made by a test", line)
-    refuse(write(tmp_path, "header.ply", data), f"a damaged line {line.decode()!r}")
+    refuse(write(tmp_path, "header.ply", data), f"a line {line.decode()!r} in its PLY header")
 
 
 def test_header_without_what_is_needed(tmp_path: Path) -> None:
     refuse(write(tmp_path, "axis.ply", ply().replace(b"property float y", b"property float v")), "'y'")
     refuse(write(tmp_path, "corner.ply", ply(corners="corners")), "'vertex_indices'")
     data = ply().replace(b"list uchar int", b"list float int")
-    refuse(write(tmp_path, "count.ply", data), "a damaged line 'property list float int vertex_indices'")
+    refuse(
+        write(tmp_path, "count.ply", data),
+        "a line 'property list float int vertex_indices' in its PLY header",
+    )
 
 
 def test_lists_before_the_corners(tmp_path: Path) -> None:
