@@ -40,7 +40,7 @@ from scipy.spatial import KDTree
 import shapegoogle_core as sg
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Mesh, MeshError
-from shapegoogle_core.correspondence.surface import distance_graph
+from shapegoogle_core.correspondence.distance_graph import distance_graph
 from shapegoogle_core.mesh.prolongation import nearest_faces, prolongation
 from shapegoogle_core.preprocessing import repair
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide

@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from benchmarks.protocol.collection import ISOMETRY
-from shapegoogle_core.correspondence.surface import distance_graph
+from shapegoogle_core.correspondence.distance_graph import distance_graph
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
 from shapegoogle_core.laplacian import cotangent
 from shapegoogle_core.mesh import Mesh

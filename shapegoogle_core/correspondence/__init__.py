@@ -10,7 +10,7 @@ from shapegoogle_core.correspondence.matching import (
     match_with_points,
     vertex_match,
 )
-from shapegoogle_core.correspondence.surface import SurfaceSettings
+from shapegoogle_core.correspondence.working_surface import SurfaceSettings
 
 __all__ = [
     "ShapeMap",

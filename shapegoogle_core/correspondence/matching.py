@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.correspondence.choosing import Candidate, best_maps, stretches
-from shapegoogle_core.correspondence.functional import FunctionalMaps, nearest_in_faces
-from shapegoogle_core.correspondence.surface import SurfaceSettings, WorkingSurface, working_surface
+from shapegoogle_core.correspondence.functional_maps import FunctionalMaps, nearest_in_faces
+from shapegoogle_core.correspondence.map_selection import Candidate, best_maps, stretches
+from shapegoogle_core.correspondence.working_surface import SurfaceSettings, WorkingSurface, working_surface
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.prolongation import nearest_faces

@@ -9,9 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.correspondence.candidates import first_maps
-from shapegoogle_core.correspondence.functional import FunctionalMaps, PointMaps, nearest, project, zoom_out
-from shapegoogle_core.correspondence.surface import WorkingSurface
+from shapegoogle_core.correspondence.functional_maps import (
+    FunctionalMaps,
+    PointMaps,
+    nearest,
+    project,
+    zoom_out,
+)
+from shapegoogle_core.correspondence.initial_maps import first_maps
+from shapegoogle_core.correspondence.working_surface import WorkingSurface
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["Candidate", "best_maps", "stretches"]

@@ -12,8 +12,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.correspondence.functional import PointMaps, nearest
-from shapegoogle_core.correspondence.surface import WorkingSurface
+from shapegoogle_core.correspondence.functional_maps import PointMaps, nearest
+from shapegoogle_core.correspondence.working_surface import WorkingSurface
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["first_maps"]
