@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which point of one shape is which point of another: maps between re-posed and re-meshed shapes."""
+"""Correspondence: maps between the points of a shape and those of the same shape re-posed or re-meshed."""
 
 from shapegoogle_core.correspondence.matching import (
     ShapeMap,

@@ -29,14 +29,14 @@ _AT_ONCE = 2_000_000  # entries of a matrix of distances
 
 @dataclass(frozen=True, eq=False)
 class PointMaps:
-    """A map of the points of one shape to those of another, and one back.
+    """Map from the points of a shape a to those of a shape b, and one back.
 
     Attributes
     ----------
     forth : (p,) array of int
-        For each point of a the point of b.
+        Point of b for each point of a.
     back : (q,) array of int
-        For each point of b the point of a.
+        Point of a for each point of b.
     """
 
     forth: Indices
@@ -45,12 +45,12 @@ class PointMaps:
 
 @dataclass(frozen=True, eq=False)
 class FunctionalMaps:
-    """Both directions of a map in the bases of eigenfunctions.
+    """Functional maps in both directions, in the bases of eigenfunctions.
 
     Attributes
     ----------
     to_a : (k, k) array
-        C with coefficients on a = C · coefficients on b; pulls functions back along the map from a to b.
+        C with coefficients on a = C · coefficients on b: it pulls functions back along the map from a to b.
     to_b : (k, k) array
         The same for the map from b to a.
     """
@@ -59,29 +59,39 @@ class FunctionalMaps:
     to_b: FloatArray
 
     def embed_a(self, functions: FloatArray) -> FloatArray:
-        """Place points of a where points of b can be compared with them.
+        """Embed points of a in the space in which nearest points of b are their images.
 
         Parameters
         ----------
         functions : (p, k) array
-            Eigenfunctions of a at its points.
+            Eigenfunctions φ of a at p points.
 
         Returns
         -------
         places : (p, 2k) array
-            [φ, φ to_bᵀ]: where φ to_bᵀ of x is φ of b at the point that is mapped to x.
+            [φ, φ to_bᵀ], where φ to_bᵀ at x equals the eigenfunctions of b at the point that is mapped to x.
         """
         k = len(self.to_a)
         return np.concatenate([functions[:, :k], functions[:, :k] @ self.to_b.T], axis=1)
 
     def embed_b(self, functions: FloatArray) -> FloatArray:
-        """Place points of b beside those of a; see `embed_a`."""
+        """Embed points of b in the same space; see `embed_a`.
+
+        Parameters
+        ----------
+        functions : (q, k) array
+            Eigenfunctions of b at q points.
+
+        Returns
+        -------
+        places : (q, 2k) array
+        """
         k = len(self.to_a)
         return np.concatenate([functions[:, :k] @ self.to_a.T, functions[:, :k]], axis=1)
 
 
 def nearest(queries: FloatArray, targets: FloatArray) -> Indices:
-    """Find the nearest of some targets, in any dimension.
+    """Find the nearest target of each point, in any dimension.
 
     Parameters
     ----------
@@ -91,6 +101,7 @@ def nearest(queries: FloatArray, targets: FloatArray) -> Indices:
     Returns
     -------
     index : (p,) array of int
+        Row of `targets` for each row of `queries`.
     """
     queries, targets = queries.astype(np.float32), targets.astype(np.float32)
     half_squares = 0.5 * (targets**2).sum(axis=1)
@@ -111,8 +122,9 @@ def project(functions_a: FloatArray, functions_b: FloatArray, maps: PointMaps, k
     functions_a : (p, ≥ k) array
         Eigenfunctions of a at p points.
     functions_b : (q, ≥ k) array
+        Eigenfunctions of b at q points.
     maps : PointMaps
-        Between these points.
+        Maps between these points.
     k : int
 
     Returns
@@ -132,20 +144,21 @@ def _fit(basis: FloatArray, values: FloatArray) -> FloatArray:
 def zoom_out(
     functions_a: FloatArray, functions_b: FloatArray, maps: PointMaps, sizes: Sequence[int]
 ) -> PointMaps:
-    """Refine point maps by functional maps of growing size, in both directions at once.
+    """Refine point maps by functional maps of increasing size, in both directions at once.
 
-    Each step fits functional maps and takes for each point the nearest one in both embeddings together, so
-    that the two directions agree (as Ren et al. 2020, MapTree, do).
+    Each step fits functional maps and maps each point to the nearest one in both embeddings together, so that
+    the two directions agree (as in MapTree, Ren et al. 2020).
 
     Parameters
     ----------
     functions_a : (p, k) array
         Eigenfunctions of a at p points.
     functions_b : (q, k) array
+        Eigenfunctions of b at q points.
     maps : PointMaps
-        Between these points.
+        Maps between these points.
     sizes : sequence of int
-        Sizes of the functional maps, one for each step.
+        Size of the functional maps in each step.
 
     Returns
     -------
@@ -163,21 +176,21 @@ def zoom_out(
 
 
 def nearest_in_faces(queries: FloatArray, places: FloatArray, faces: IntArray) -> tuple[Indices, FloatArray]:
-    """Find the nearest point of the faces at the nearest vertex, in any dimension (Ezuz and Ben-Chen 2017).
+    """Find the nearest point on the faces around the nearest vertex (Ezuz and Ben-Chen 2017).
 
     Parameters
     ----------
     queries : (p, d) array
     places : (n, d) array
-        Of the vertices.
+        Positions of the vertices.
     faces : (m, 3) array of int
-        Every vertex must belong to one.
+        Every vertex must belong to a face.
 
     Returns
     -------
     face : (p,) array of int
     weights : (p, 3) array
-        Barycentric coordinates there: rows are ≥ 0 and sum to 1.
+        Barycentric coordinates of the nearest points: rows are ≥ 0 and sum to 1.
     """
     vertex = nearest(queries, places)
     order = np.argsort(faces.ravel(), kind="stable")
@@ -195,8 +208,8 @@ def nearest_in_faces(queries: FloatArray, places: FloatArray, faces: IntArray) -
         offset = queries[part][owner] - places[faces[candidate, 0]]
         products = np.einsum("cid,cd->ci", duals[candidate], offset)
         shares = _clamped(gram[candidate], products)
-        # ‖offset - Σ w_i side_i‖² without what is the same for all; small differences of large numbers are
-        # no danger here, since all candidates meet in one vertex.
+        # ‖offset - Σ w_i side_i‖². All candidates meet in one vertex, so no small difference of large numbers
+        # arises.
         fit = np.einsum("ci,cij,cj->c", shares, gram[candidate], shares) - 2 * (shares * products).sum(axis=1)
         squared = (offset**2).sum(axis=1) + fit
         best = np.lexsort([squared, owner])[np.cumsum(counts) - counts]
@@ -206,15 +219,15 @@ def nearest_in_faces(queries: FloatArray, places: FloatArray, faces: IntArray) -
 
 
 def _face_frames(places: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Products (m, 2, 2) of the two sides at the first corner, and these sides (m, 2, d)."""
+    """Return the products (m, 2, 2) of the two sides at the first corner, and these sides (m, 2, d)."""
     sides = places[faces[:, 1:]] - places[faces[:, :1]]
     return np.einsum("fid,fjd->fij", sides, sides), sides
 
 
 def _clamped(gram: FloatArray, products: FloatArray) -> FloatArray:
-    """Weights (c, 2) of the second and third corner at the nearest point of each triangle.
+    """Return weights (c, 2) of the second and third corner at the nearest point of each triangle.
 
-    The nearest point inside, or else the nearest of the three sides.
+    It is the projection if that lies inside, else the nearest point on the three sides.
     """
     g00, g01, g11 = gram[:, 0, 0], gram[:, 0, 1], gram[:, 1, 1]
     tiny = np.finfo(float).tiny

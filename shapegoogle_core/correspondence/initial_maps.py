@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""First maps between two shapes: several, since a symmetric shape has several good ones.
+"""Initial maps between two shapes, many of them, because a symmetric shape has several good maps.
 
-They come from extremities that keep their distances, from the signs of the lowest eigenfunctions, and from
-descriptors.
+They come from extremities whose distances are preserved, from the signs of the lowest eigenfunctions, and
+from descriptors.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from shapegoogle_core.correspondence.functional_maps import PointMaps, nearest
 from shapegoogle_core.correspondence.working_surface import WorkingSurface
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["first_maps"]
+__all__ = ["initial_maps"]
 
 Indices = NDArray[np.int64]
 
-# Lengths are in units of √area.
-# How far apart the distances of two pairs of tips may be, and what a tip without counterpart costs.
+# All lengths in this module are in units of √area.
+# Largest difference of the distances of two pairs of tips, and the cost of a tip without counterpart.
 _TIP_TOLERANCE, _UNMATCHED = 0.15, 0.1
 _FEWEST_TIPS = 3
 _BEAM, _TIP_MAPS = 200, 40
-# What descriptors count beside distances to tips, which reach 2 to 3.
+# Weight of descriptors relative to distances to tips, which reach 2 to 3.
 _DESCRIPTOR_WEIGHT = 0.2
-_SIGNED = 5  # lowest eigenfunctions whose signs are tried
-# Scale of the eigenfunctions beside descriptors: about 1 each on a surface of unit area.
+_SIGNED = 5  # lowest eigenfunctions of which all signs are tried
+# Weight of eigenfunctions, which are about 1 on a surface of unit area, relative to descriptors.
 _FUNCTION_WEIGHT = 0.5
 
 
-def first_maps(a: WorkingSurface, b: WorkingSurface) -> list[PointMaps]:
-    """Make first maps between the compared samples of two shapes.
+def initial_maps(a: WorkingSurface, b: WorkingSurface) -> list[PointMaps]:
+    """Make initial maps between the compared samples of two shapes.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def first_maps(a: WorkingSurface, b: WorkingSurface) -> list[PointMaps]:
     Returns
     -------
     maps : list of PointMaps
-        Between the first samples, those with distances. Most are bad.
+        Maps between the samples with known distances. Most of them are bad.
     """
     own = a.descriptors[a.compared]
     other = b.descriptors[b.compared]
@@ -77,7 +77,7 @@ def _both(own: FloatArray, other: FloatArray) -> PointMaps:
 
 
 def tip_matchings(a: WorkingSurface, b: WorkingSurface) -> list[Indices]:
-    """Match extremities so that the distances between them are kept, by a beam search.
+    """Match extremities so that the distances between them are preserved, by a beam search.
 
     Parameters
     ----------
@@ -90,9 +90,9 @@ def tip_matchings(a: WorkingSurface, b: WorkingSurface) -> list[Indices]:
     """
     between_a = a.apart[np.ix_(a.tips, a.tips)]
     between_b = b.apart[np.ix_(b.tips, b.tips)]
-    looks = _look(a)[:, None] - _look(b)[None]
-    alike = np.sqrt((looks**2).sum(axis=2))
-    # Each state: what it costs, and for each tip of a so far its counterpart, −1 for none.
+    differences = _tip_descriptors(a)[:, None] - _tip_descriptors(b)[None]
+    dissimilarity = np.sqrt((differences**2).sum(axis=2))
+    # A state is its cost, and the counterparts of the tips of a so far, −1 for none.
     states: list[tuple[float, tuple[int, ...]]] = [(0.0, ())]
     for tip in range(len(a.tips)):
         grown = []
@@ -106,7 +106,7 @@ def tip_matchings(a: WorkingSurface, b: WorkingSurface) -> list[Indices]:
                 if apart and max(apart) > _TIP_TOLERANCE:
                     continue
                 mean = sum(apart) / len(apart) if apart else 0.0
-                grown.append((cost + mean + 0.05 * float(alike[tip, other]), (*chosen, other)))
+                grown.append((cost + mean + 0.05 * float(dissimilarity[tip, other]), (*chosen, other)))
         states = sorted(grown)[:_BEAM]
     matchings = []
     for _, chosen in states:
@@ -116,5 +116,5 @@ def tip_matchings(a: WorkingSurface, b: WorkingSurface) -> list[Indices]:
     return matchings[:_TIP_MAPS]
 
 
-def _look(surface: WorkingSurface) -> FloatArray:
+def _tip_descriptors(surface: WorkingSurface) -> FloatArray:
     return surface.descriptors[surface.samples[surface.tips]]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""From many first maps to the best one: refinement, figures of merit, and what competes with it."""
+"""Selection of the best map: refinement of many initial maps, their costs, and the runners-up."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from shapegoogle_core.correspondence.functional_maps import (
     project,
     zoom_out,
 )
-from shapegoogle_core.correspondence.initial_maps import first_maps
+from shapegoogle_core.correspondence.initial_maps import initial_maps
 from shapegoogle_core.correspondence.working_surface import WorkingSurface
 from shapegoogle_core.mesh.mesh import FloatArray
 
@@ -24,40 +24,40 @@ __all__ = ["Candidate", "best_maps", "stretches"]
 
 Indices = NDArray[np.int64]
 
-# Sizes of the functional maps: for all candidates, and then for the best of them.
+# Sizes of the functional maps: of all candidates, and then of the best ones.
 _COARSE = (8, 12, 16, 20, 25, 30)
 _FINE_STEP = 5
 _KEPT = 6
-# Of so many of the best, the maps that differ in the sign of one of the eigenfunctions are tried too: back
-# and belly of a flat shape are told apart only by the 20th or so, of which the first maps know nothing.
+# For this number of the best maps, variants with the opposite sign of one eigenfunction are tried too: only
+# the 20th or so distinguishes back and belly of a flat shape, and the initial maps do not include it.
 _VARIED = 4
-_LANDMARKS = 60  # distances to so many points tell how good a refined map is
-# Maps that on average send a point to places closer than this, in units of √area, are the same map, unless
-# their orientations are so much apart: on a slim shape the mirror image of every point is close.
+_LANDMARKS = 60  # points to which distances are compared to judge a refined map
+# Two maps are the same if they send points on average to places closer than this, in units of √area, unless
+# their orientations differ this much: on a slim shape the mirror image of every point is close.
 _SAME, _SAME_ORIENTATION = 0.06, 0.5
-# How much better a map that turns the surface inside out has to fit than one that does not.
+# Extra cost of a map that turns the surface inside out.
 _ORIENTATION_WEIGHT = 1.0
-# Of a mesh with itself both are 0, and then neither decides alone.
-_LEAST_DISTORTION, _LEAST_MISMATCH = 0.001, 0.01
+# For a mesh and itself both are 0; with these offsets neither decides alone.
+_DISTORTION_OFFSET, _MISMATCH_OFFSET = 0.001, 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A map and how good it is.
+    """Candidate for the map between two shapes, with its costs.
 
     Attributes
     ----------
     maps : FunctionalMaps
     compared : PointMaps
-        Between the compared samples.
+        Map between the compared samples.
     distortion : float
-        Mean difference of the distances of two points and of their images, both ways, in units of √area,
-        plus the mean distance after going there and back.
+        Mean difference between the distance of two points and that of their images, in both directions and
+        in units of √area, plus the mean distance of points from their images under both maps in turn.
     orientation : float
         From −1, mirror image, to 1: see `orientation`. 0 where inside and outside are not known.
     mismatch : float
         Root mean square difference of the wave kernel signatures of points and their images, in units of
-        their spread; only known of refined maps.
+        their spread. Only refined maps have it.
     """
 
     maps: FunctionalMaps
@@ -68,13 +68,13 @@ class Candidate:
 
     @property
     def cost(self) -> float:
-        """What the refined candidates are ordered by: distortion · mismatch², twice that for mirror images.
+        """Cost of a refined candidate: distortion · mismatch², twice that for mirror images.
 
-        On limbs that are near to round, what goes wrong with back and belly hardly changes distances, but
-        what waves see of the surroundings.
+        On nearly round limbs an exchange of back and belly hardly changes distances, but it changes wave
+        kernel signatures.
         """
         turned = 1 + _ORIENTATION_WEIGHT * (1 - self.orientation) / 2
-        return (self.distortion + _LEAST_DISTORTION) * (self.mismatch + _LEAST_MISMATCH) ** 2 * turned
+        return (self.distortion + _DISTORTION_OFFSET) * (self.mismatch + _MISMATCH_OFFSET) ** 2 * turned
 
 
 def best_maps(a: WorkingSurface, b: WorkingSurface) -> list[Candidate]:
@@ -87,12 +87,12 @@ def best_maps(a: WorkingSurface, b: WorkingSurface) -> list[Candidate]:
     Returns
     -------
     candidates : list of Candidate
-        Different ones, the best first.
+        Different maps, the best first.
     """
     compared_a = a.spectrum.eigenvectors[a.compared]
     compared_b = b.spectrum.eigenvectors[b.compared]
     coarse = []
-    for maps in first_maps(a, b):
+    for maps in initial_maps(a, b):
         refined = zoom_out(compared_a, compared_b, maps, _COARSE)
         fitted = project(compared_a, compared_b, refined, _largest(a, b, _COARSE[-1]))
         coarse.append(_candidate(a, b, fitted, refined))
@@ -111,7 +111,7 @@ def _distortion(candidate: Candidate) -> float:
 
 
 def _variations(a: WorkingSurface, b: WorkingSurface, candidate: Candidate) -> list[Candidate]:
-    """Make maps that agree with a candidate on the lowest eigenfunctions and then turn one around."""
+    """Make maps that agree with a candidate on low eigenfunctions and reverse the sign of the next one."""
     functions_a = a.spectrum.eigenvectors[a.compared]
     functions_b = b.spectrum.eigenvectors[b.compared]
     varied = []
@@ -136,7 +136,18 @@ def _point_maps(functions_a: FloatArray, functions_b: FloatArray, maps: Function
 
 
 def distortion(a: WorkingSurface, b: WorkingSurface, maps: PointMaps) -> float:
-    """Measure how little maps keep distances; see `Candidate`."""
+    """Measure how much maps change distances; see `Candidate`.
+
+    Parameters
+    ----------
+    a, b : WorkingSurface
+    maps : PointMaps
+        Maps between the compared samples.
+
+    Returns
+    -------
+    distortion : float
+    """
     forth, back = maps.forth, maps.back
     stretched = np.abs(a.apart - b.apart[np.ix_(forth, forth)]).mean()
     stretched += np.abs(b.apart - a.apart[np.ix_(back, back)]).mean()
@@ -148,20 +159,20 @@ def distortion(a: WorkingSurface, b: WorkingSurface, maps: PointMaps) -> float:
 def stretches(
     a: WorkingSurface, b: WorkingSurface, images: Indices, vertices: Indices | slice = slice(None)
 ) -> FloatArray:
-    """Measure how little a map keeps the distances of vertices of a to points all over a.
+    """Measure how much a map changes the distances of vertices of a from points all over a.
 
     Parameters
     ----------
     a, b : WorkingSurface
     images : (n,) array of int
-        For each vertex of a the nearest vertex of b.
-    vertices : array of int, optional
-        Of a; all when left out.
+        Image T(x) of each vertex x of a: the nearest vertex of b.
+    vertices : (k,) array of int, optional
+        Vertices x of a; all by default.
 
     Returns
     -------
-    stretched : array
-        For each of them the mean over the first samples of |d_a(x, s) - d_b(T(x), T(s))|, in units of √area.
+    stretched : (k,) array
+        Mean over the first samples s of |d_a(x, s) - d_b(T(x), T(s))| for each vertex x, in units of √area.
     """
     landmarks = a.compared[:_LANDMARKS]
     there = b.distances_to(images[landmarks])[images[vertices]]
@@ -170,10 +181,10 @@ def stretches(
 
 
 def orientation(a: WorkingSurface, b: WorkingSurface, maps: FunctionalMaps) -> float:
-    """Measure whether a map keeps the sense of rotation.
+    """Measure whether a map preserves orientation.
 
-    The positions and the normals of b are pulled back to a by the functional map, and the normals of the
-    faces that this makes are compared with the normals pulled back.
+    The positions and normals of b are pulled back to a by the functional map. The normals of the faces
+    between these positions are compared with the normals pulled back.
 
     Parameters
     ----------
@@ -183,7 +194,7 @@ def orientation(a: WorkingSurface, b: WorkingSurface, maps: FunctionalMaps) -> f
     Returns
     -------
     orientation : float
-        From −1, all of the surface comes out mirrored, to 1.
+        From −1, where the map mirrors the whole surface, to 1.
     """
     if not (a.outward and b.outward):
         return 0.0
@@ -209,7 +220,7 @@ def _refined(a: WorkingSurface, b: WorkingSurface, candidate: Candidate) -> Cand
     refined = zoom_out(functions_a, functions_b, start, sizes)
     maps = project(functions_a, functions_b, refined, largest)
     compared = _point_maps(a.spectrum.eigenvectors[a.compared], b.spectrum.eigenvectors[b.compared], maps)
-    # Among the compared samples alone an image is half their spacing off: too coarse for the last choice.
+    # The spacing of the compared samples alone is too coarse for the final choice.
     whole = _point_maps(a.spectrum.eigenvectors, b.spectrum.eigenvectors, maps)
     stretched = (
         stretches(a, b, whole.forth, a.compared).mean() + stretches(b, a, whole.back, b.compared).mean()
@@ -230,7 +241,7 @@ def _largest(a: WorkingSurface, b: WorkingSurface, k: int) -> int:
 
 
 def _different(candidates: list[Candidate], distances: FloatArray) -> list[Candidate]:
-    """Keep the first of each group that are the same map."""
+    """Keep the first of each group of candidates that are the same map."""
     kept: list[Candidate] = []
     for candidate in candidates:
         alike = (

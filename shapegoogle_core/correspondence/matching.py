@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Matching two meshes: for every point of one the point of the other, and how far to trust it."""
+"""Matching of two meshes: the point of one for every point of the other, with its confidence."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from shapegoogle_core.correspondence.map_selection import Candidate, best_maps, 
 from shapegoogle_core.correspondence.working_surface import SurfaceSettings, WorkingSurface, working_surface
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
 from shapegoogle_core.mesh.prolongation import nearest_faces
 
 __all__ = [
@@ -29,25 +30,23 @@ __all__ = [
 
 Indices = NDArray[np.int64]
 
-# Another map that distorts at most so much more is as good: the shape is symmetric. A shape meshed anew is
-# distorted a little even by the right map, the very same mesh is not.
+# A shape is symmetric if another map has at most this much more distortion than the best one, or than the
+# right map of a re-meshed shape.
 _AS_GOOD, _REMESHED = 0.012, 0.01
-# Logarithmic odds of the confidence: what speaks against a match, in units of √area. Logistic regression on
-# procedural creatures (seeds 101 and 104): 59 with themselves in another pose, 9 of which a fifth is missing,
-# and 16 with a creature of another kind, where every match is wrong.
+# Logistic regression of the confidence on two errors in units of √area (docs/correspondence.md).
 _CONSTANT, _RETURN_WEIGHT, _STRETCH_WEIGHT = 4.5, 52.0, 56.0
 
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
-    """Points on a mesh.
+    """Points on the faces of a mesh.
 
     Attributes
     ----------
     face : (p,) array of int
-        −1 where there is no point.
+        Face of each point; −1 where there is no point.
     weights : (p, 3) array
-        Barycentric coordinates in the face: ≥ 0, sum to 1; all 0 where there is no point.
+        Barycentric coordinates in the face. They are ≥ 0 and sum to 1; all are 0 where there is no point.
     """
 
     face: Indices
@@ -56,40 +55,52 @@ class SurfacePoints:
 
 @dataclass(frozen=True, eq=False)
 class VertexMatch:
-    """For every vertex of a mesh a the point of a mesh b that it corresponds to.
+    """Correspondence of each vertex of a mesh a with a point of a mesh b.
 
     Attributes
     ----------
     face, weights : (n,), (n, 3) arrays
-        The point: a face of b and the barycentric coordinates in it. −1 and 0 for vertices of a that no
-        face uses.
+        The point of b: a face, and the barycentric coordinates in it. −1 and 0 for vertices of a that no face
+        uses.
     vertex : (n,) array of int
-        The corner of that face that is nearest; −1 as above.
+        Nearest corner of that face; −1 as above.
     confidence : (n,) array
-        From 0 to 1: about the share of vertices with such a confidence whose match is less than 0.05 √area
-        off, judged by how far off one comes back (the map from b to a is found too) and by how well
-        distances to points all over the shape are kept. It cannot know whether a symmetric shape was
-        matched with its mirror image: see `symmetric`. 0 for vertices that no face uses.
+        From 0 to 1: about the share of vertices with this confidence whose match has an error below 0.05
+        √area. It is estimated from the distance between a vertex and its image under the maps to b and back,
+        and from the change of distances to points all over the shape. It does not detect that a symmetric
+        shape was matched with its mirror image: see `symmetric`. 0 for vertices that no face uses.
     orthogonality : float
-        ‖CᵀC − I‖ / √k of the functional map C of size k, Frobenius norm: 0 if areas are kept.
+        ‖CᵀC − I‖ / √k of the functional map C of size k, in the Frobenius norm: 0 if areas are preserved.
     commutativity : float
-        ‖CΛ_b − Λ_a C‖ / ‖Λ_a C‖, with eigenvalues Λ of shapes scaled to unit area: 0 for an isometry.
+        ‖CΛ_b − Λ_a C‖ / ‖Λ_a C‖, with the eigenvalues Λ of the shapes scaled to unit area: 0 for an isometry.
     area_distortion : float
-        Share of the area that faces gain or lose when they are mapped, both surfaces scaled to unit area.
+        Share of the area that faces gain or lose by the map, with both surfaces scaled to unit area.
     distortion : float
-        Mean change of distances, and of a point that goes there and back, in units of √area. About 0.01 to
-        0.06 for a shape in another pose; above 0.1 the two are not the same shape, or were not matched.
+        Mean change of distances, plus the mean distance between points and their images under the maps to b
+        and back, in units of √area. Typically 0.01 to 0.06 for a shape in another pose. Above 0.1 the two are
+        not the same shape, or the match failed.
     orientation : float
-        From −1, b is a mirror image of a or was matched with left and right exchanged, to 1; 0 if one of the
-        two does not enclose a volume, so that inside and outside are not known.
+        From −1, if b is a mirror image of a or was matched with left and right exchanged, to 1. 0 if one of
+        the two does not enclose a volume, so that inside and outside are not known.
     runner_up : float
-        Cost of the next best map, which maps to other places, as a multiple of the chosen one's. The cost
-        grows with the distortion and with the difference of descriptors, and is twice that for a map that
-        turns the surface inside out. Near 1 the choice was a close one; infinity if there is no other map.
+        Cost of the next best map, relative to that of the chosen one. The cost grows with the distortion and
+        the difference of descriptors, and doubles for a map that turns the surface inside out. A value near
+        1 is a close choice; infinity means that there is no other map.
     symmetric : bool
-        Whether another map keeps distances as well (a distortion up to 0.012 higher): the shape is like its
-        mirror image, or otherwise like itself. Where inside and outside are known the mirror image
-        is told apart all the same, and `runner_up` says by how much.
+        Whether another map preserves distances as well (its distortion is at most 0.012 higher): the shape
+        resembles its mirror image, or itself in another way. Where inside and outside are known, the mirror
+        image is nevertheless distinguished, and `runner_up` is the margin.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> box = sg.as_mesh(trimesh.creation.box((1, 2, 3)))
+    >>> larger = sg.as_mesh(trimesh.creation.box((2, 4, 6)))
+    >>> match = sg.match_vertices(box, larger)
+    >>> points = (match.weights[:, :, None] * larger.vertices[larger.faces[match.face]]).sum(axis=1)
+    >>> points.shape, match.symmetric
+    ((8, 3), True)
     """
 
     face: Indices
@@ -107,7 +118,7 @@ class VertexMatch:
 
 @dataclass(frozen=True, eq=False)
 class ShapeMap:
-    """A map from a mesh a to a mesh b.
+    """Map from a mesh a to a mesh b.
 
     Attributes
     ----------
@@ -115,7 +126,7 @@ class ShapeMap:
     candidate : Candidate
         The chosen map, in the bases of both.
     others : tuple of Candidate
-        Maps to other places, the best first.
+        Different maps, the best first.
     """
 
     a: WorkingSurface
@@ -129,7 +140,7 @@ class ShapeMap:
         Returns
         -------
         points : SurfacePoints
-            On b.
+            Points on b.
         """
         placed = np.diff(self.a.prolongation.indptr) > 0
         face = np.full(len(placed), -1)
@@ -143,20 +154,20 @@ class ShapeMap:
         Parameters
         ----------
         corners : (p, 3) array of int
-            Vertices of a, each in a face.
+            Vertices of a, three for each face.
         weights : (p, 3) array
-            Barycentric coordinates between them.
+            Barycentric coordinates of the points in these faces.
 
         Returns
         -------
         points : SurfacePoints
-            On b.
+            Points on b.
         """
         functions = self.a.prolongation @ self.a.spectrum.eigenvectors
         return SurfacePoints(*self._on_b(np.einsum("pi,pik->pk", weights, functions[corners])))
 
     def _on_b(self, functions: FloatArray) -> tuple[Indices, FloatArray]:
-        """Faces of b as given and coordinates there, for points of a by their eigenfunctions."""
+        """Return faces of b as given and coordinates in them, for the eigenfunctions at points of a."""
         b, maps = self.b, self.candidate.maps
         face, weights = nearest_in_faces(
             maps.embed_a(functions), maps.embed_b(b.spectrum.eigenvectors), b.mesh.faces
@@ -166,19 +177,20 @@ class ShapeMap:
         return b.whole_faces[face], weights
 
 
-def find_map(a: Mesh, b: Mesh, settings: SurfaceSettings | None = None) -> ShapeMap:
-    """Find the map between two shapes of which one is the other in another pose, of another mesh, or both.
+def find_map(a: MeshLike, b: MeshLike, settings: SurfaceSettings | None = None) -> ShapeMap:
+    """Find the map between a shape and the same shape in another pose, with another mesh, or both.
 
-    Functional maps (Ovsjanikov et al. 2012) refined by spectral upsampling (ZoomOut, Melzi et al. 2019), in
-    both directions, on clean copies of a few thousand vertices. The refinement starts from many first maps;
-    the one that keeps distances and descriptors best is taken, and of mirror images the one that does not
-    turn the surface inside out.
+    Functional maps (Ovsjanikov et al. 2012) are refined by spectral upsampling (ZoomOut, Melzi et al. 2019)
+    in both directions, on clean copies of a few thousand vertices. The refinement starts from many initial
+    maps. The best result preserves distances and descriptors most, and of mirror images is the one that does
+    not turn the surface inside out.
 
     Parameters
     ----------
-    a, b : Mesh
-        Of any size, position and resolution; whole shapes, also open or in several parts.
+    a, b : MeshLike
+        Whole shapes of any size, position and resolution. They may be open or have several parts.
     settings : SurfaceSettings, optional
+        Resolution of the copies.
 
     Returns
     -------
@@ -190,21 +202,23 @@ def find_map(a: Mesh, b: Mesh, settings: SurfaceSettings | None = None) -> Shape
         If a mesh has no surface, or its eigenproblem cannot be solved.
     """
     settings = settings or SurfaceSettings()
-    # On matrices of this size more threads of BLAS only get in each other's way.
+    a, b = as_mesh(a, "a"), as_mesh(b, "b")
+    # On matrices of this size more BLAS threads only slow each other down.
     with threadpool_limits(1, user_api="blas"):
         surface_a, surface_b = working_surface(a, settings), working_surface(b, settings)
         chosen, *others = best_maps(surface_a, surface_b)
     return ShapeMap(surface_a, surface_b, chosen, tuple(others))
 
 
-def match_vertices(a: Mesh, b: Mesh, settings: SurfaceSettings | None = None) -> VertexMatch:
-    """Find for every vertex of a mesh the point of another mesh that it corresponds to.
+def match_vertices(a: MeshLike, b: MeshLike, settings: SurfaceSettings | None = None) -> VertexMatch:
+    """Find the corresponding point of a mesh b for each vertex of a mesh a.
 
     Parameters
     ----------
-    a, b : Mesh
-        The same shape, nearly: in other poses, of other sizes, of other meshes. See `find_map`.
+    a, b : MeshLike
+        Nearly the same shape: the poses, sizes and meshes may differ. See `find_map` for the method.
     settings : SurfaceSettings, optional
+        Resolution of the copies on which the shapes are matched.
 
     Returns
     -------
@@ -214,28 +228,42 @@ def match_vertices(a: Mesh, b: Mesh, settings: SurfaceSettings | None = None) ->
     ------
     MeshError
         If a mesh has no surface, or its eigenproblem cannot be solved.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> bar = trimesh.creation.capsule(3.0, 0.4)
+    >>> bent = bar.copy()
+    >>> bent.vertices[:, 0] += 0.1 * bar.vertices[:, 2] ** 2
+    >>> match = sg.match_vertices(bar, bent)
+    >>> match.vertex.shape, match.distortion < 0.06
+    ((2050,), True)
     """
+    b = as_mesh(b, "b")
     return vertex_match(find_map(a, b, settings), b)
 
 
 def match_with_points(
     a: Mesh, b: Mesh, faces: Indices, settings: SurfaceSettings | None = None
 ) -> tuple[VertexMatch, SurfacePoints]:
-    """Match vertices and the centres of some faces; a worker process can be asked for it.
+    """Match vertices and the centres of some faces.
 
     Parameters
     ----------
     a, b : Mesh
         As for `match_vertices`.
     faces : (p,) array of int
-        Of a.
+        Faces of a.
     settings : SurfaceSettings, optional
+        As for `match_vertices`.
 
     Returns
     -------
     match : VertexMatch
     centers : SurfacePoints
-        The points of b for the centres of these faces.
+        Points of b that correspond to the centres of these faces.
 
     Raises
     ------
@@ -248,13 +276,13 @@ def match_with_points(
 
 
 def vertex_match(shape_map: ShapeMap, b: Mesh) -> VertexMatch:
-    """Apply a map to the vertices of its first mesh, and say how good it is.
+    """Apply a map to the vertices of its first mesh, and measure its quality.
 
     Parameters
     ----------
     shape_map : ShapeMap
     b : Mesh
-        Its second mesh.
+        Second mesh of the map.
 
     Returns
     -------
@@ -285,20 +313,39 @@ def vertex_match(shape_map: ShapeMap, b: Mesh) -> VertexMatch:
 
 
 def orthogonality(maps: FunctionalMaps) -> float:
-    """‖CᵀC − I‖ / √k; see `VertexMatch`."""
+    """Compute ‖CᵀC − I‖ / √k; see `VertexMatch`.
+
+    Parameters
+    ----------
+    maps : FunctionalMaps
+
+    Returns
+    -------
+    orthogonality : float
+    """
     k = len(maps.to_a)
     return float(np.linalg.norm(maps.to_a.T @ maps.to_a - np.eye(k))) / math.sqrt(k)
 
 
 def commutativity(maps: FunctionalMaps, eigenvalues_a: FloatArray, eigenvalues_b: FloatArray) -> float:
-    """‖CΛ_b − Λ_a C‖ / ‖Λ_a C‖; see `VertexMatch`."""
+    """Compute ‖CΛ_b − Λ_a C‖ / ‖Λ_a C‖; see `VertexMatch`.
+
+    Parameters
+    ----------
+    maps : FunctionalMaps
+    eigenvalues_a, eigenvalues_b : (≥ k,) arrays
+
+    Returns
+    -------
+    commutativity : float
+    """
     c, k = maps.to_a, len(maps.to_a)
     ours = eigenvalues_a[:k, None] * c
     return float(np.linalg.norm(c * eigenvalues_b[:k] - ours)) / max(float(np.linalg.norm(ours)), 1e-12)
 
 
-def evidence(shape_map: ShapeMap) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Find what speaks against the match of each vertex of the copy of a.
+def vertex_errors(shape_map: ShapeMap) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Estimate errors of the match of each vertex of the copy of a.
 
     Parameters
     ----------
@@ -307,11 +354,11 @@ def evidence(shape_map: ShapeMap) -> tuple[FloatArray, FloatArray, FloatArray]:
     Returns
     -------
     returned : (n,) array
-        How far off one comes back, in units of √area.
+        Distance of the vertex from its image under the maps to b and back, in units of √area.
     stretched : (n,) array
         Mean change of the distances to the compared samples, in the same unit.
     images : (n, 3) array
-        Where the vertices are mapped to, on the copy of b.
+        Images of the vertices on the copy of b.
     """
     a, b, maps = shape_map.a, shape_map.b, shape_map.candidate.maps
     places_a = maps.embed_a(a.spectrum.eigenvectors)
@@ -327,8 +374,8 @@ def evidence(shape_map: ShapeMap) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _confidence(shape_map: ShapeMap) -> tuple[FloatArray, float]:
-    """(n,) confidence at the vertices of the copy of a, and the distortion of areas."""
-    returned, stretched, images = evidence(shape_map)
+    """Return the (n,) confidence at the vertices of the copy of a, and the distortion of areas."""
+    returned, stretched, images = vertex_errors(shape_map)
     odds = _CONSTANT - _RETURN_WEIGHT * returned - _STRETCH_WEIGHT * stretched
     before = face_areas(shape_map.a.mesh)
     after = face_areas(Mesh(images, shape_map.a.mesh.faces))
