@@ -15,7 +15,9 @@ seeds = st.integers(0, 2**32 - 1)
 strengths = st.integers(1, 5)
 
 
-def torus(major=3.0, minor=1.0, around=60, along=30, name="torus") -> Mesh:
+def torus(
+    major: float = 3.0, minor: float = 1.0, around: int = 60, along: int = 30, name: str = "torus"
+) -> Mesh:
     u, v = np.meshgrid(
         np.linspace(0, 2 * np.pi, around, endpoint=False),
         np.linspace(0, 2 * np.pi, along, endpoint=False),
@@ -57,7 +59,7 @@ def places(vertices: np.ndarray) -> set[bytes]:
 @pytest.mark.parametrize("kind", TRANSFORMATIONS)
 @settings(deadline=None, max_examples=8)
 @given(seed=seeds, strength=strengths)
-def test_is_pure_and_reproducible(shape, kind, seed, strength):
+def test_is_pure_and_reproducible(shape: str, kind: str, seed: int, strength: int) -> None:
     mesh = SHAPES[shape]
     vertices, faces = mesh.vertices.copy(), mesh.faces.copy()
     one, again = transform(mesh, kind, strength, seed), transform(mesh, kind, strength, seed)
@@ -71,14 +73,14 @@ def test_is_pure_and_reproducible(shape, kind, seed, strength):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in TRANSFORMATIONS if kind not in ("scale", "sampling")])
-def test_another_seed_gives_another_result(kind):
+def test_another_seed_gives_another_result(kind: str) -> None:
     one, other = transform(TORUS, kind, 3, 1), transform(TORUS, kind, 3, 2)
     assert one.vertices.shape != other.vertices.shape or not np.allclose(one.vertices, other.vertices)
 
 
 @pytest.mark.parametrize("kind", TRANSFORMATIONS)
 @pytest.mark.parametrize("unit", [2.0**-10, 2.0**10])
-def test_unit_does_not_matter(kind, unit):
+def test_unit_does_not_matter(kind: str, unit: float) -> None:
     here = transform(TORUS, kind, 4, 5)
     there = transform(Mesh(TORUS.vertices * unit, TORUS.faces), kind, 4, 5)
     if kind == "sampling":
@@ -91,7 +93,7 @@ def test_unit_does_not_matter(kind, unit):
 
 @settings(deadline=None, max_examples=20)
 @given(seed=seeds)
-def test_noise_deviation_is_a_tenth_of_the_edge_per_strength(seed):
+def test_noise_deviation_is_a_tenth_of_the_edge_per_strength(seed: int) -> None:
     shifts = [transform(TORUS, "noise", strength, seed).vertices - TORUS.vertices for strength in range(1, 6)]
     for strength, shift in enumerate(shifts, start=1):
         # 5400 coordinates: the sample's deviation is within 5 % but for once in 10⁶.
@@ -101,7 +103,7 @@ def test_noise_deviation_is_a_tenth_of_the_edge_per_strength(seed):
 
 @settings(deadline=None, max_examples=20)
 @given(seed=seeds, strength=strengths)
-def test_shot_noise_moves_its_share_of_vertices_far(seed, strength):
+def test_shot_noise_moves_its_share_of_vertices_far(seed: int, strength: int) -> None:
     shift = np.linalg.norm(transform(TORUS, "shot_noise", strength, seed).vertices - TORUS.vertices, axis=1)
     assert (shift > 0).sum() == max(1, round(0.002 * strength * len(TORUS.vertices)))
     # The length of three normal numbers is within 6 deviations but for once in 10⁷.
@@ -110,7 +112,7 @@ def test_shot_noise_moves_its_share_of_vertices_far(seed, strength):
 
 @settings(deadline=None, max_examples=20)
 @given(seed=seeds, strength=strengths)
-def test_micro_holes_take_their_share_of_vertices(seed, strength):
+def test_micro_holes_take_their_share_of_vertices(seed: int, strength: int) -> None:
     result = transform(TORUS, "micro_holes", strength, seed)
     taken = round(0.005 * strength * len(TORUS.vertices))
     # Three neighbours taken may leave a vertex without faces.
@@ -120,7 +122,7 @@ def test_micro_holes_take_their_share_of_vertices(seed, strength):
 
 @pytest.mark.parametrize("kind", ["micro_holes", "holes", "partial"])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_holes_leave_the_rest_where_it_was(kind, shape):
+def test_holes_leave_the_rest_where_it_was(kind: str, shape: str) -> None:
     mesh = SHAPES[shape]
     before = places(np.sort(mesh.vertices[mesh.faces].reshape(len(mesh.faces), 9), axis=1))
     for strength in range(1, 6):
@@ -131,7 +133,7 @@ def test_holes_leave_the_rest_where_it_was(kind, shape):
 
 
 @pytest.mark.parametrize("kind", ["micro_holes", "holes"])
-def test_stronger_holes_contain_the_weaker(kind):
+def test_stronger_holes_contain_the_weaker(kind: str) -> None:
     left = [places(transform(TORUS, kind, strength, 4).vertices) for strength in range(1, 6)]
     for weak, strong in pairwise(left):
         assert strong < weak
@@ -139,7 +141,7 @@ def test_stronger_holes_contain_the_weaker(kind):
 
 @settings(deadline=None, max_examples=15)
 @given(seed=seeds, strength=strengths)
-def test_holes_are_balls(seed, strength):
+def test_holes_are_balls(seed: int, strength: int) -> None:
     result = transform(TORUS, "holes", strength, seed)
     radius = 0.03 * diagonal(TORUS)
     left = places(result.vertices)
@@ -156,7 +158,7 @@ def test_holes_are_balls(seed, strength):
 
 @settings(deadline=None, max_examples=15)
 @given(seed=seeds, strength=strengths)
-def test_topology_welds_the_stated_pairs(seed, strength):
+def test_topology_welds_the_stated_pairs(seed: int, strength: int) -> None:
     result = transform(TORUS, "topology", strength, seed)
     welds = 3 * strength
     assert len(result.vertices) == len(TORUS.vertices) - welds
@@ -166,7 +168,7 @@ def test_topology_welds_the_stated_pairs(seed, strength):
     assert len(after & before) == len(TORUS.vertices) - 2 * welds
 
 
-def test_topology_welds_what_is_near_in_space_and_far_along_the_surface():
+def test_topology_welds_what_is_near_in_space_and_far_along_the_surface() -> None:
     # Two long plates, one under the other, joined at one end: the way round is long.
     x = np.linspace(0, 10, 101)
     profile = np.concatenate(
@@ -188,7 +190,7 @@ def test_topology_welds_what_is_near_in_space_and_far_along_the_surface():
     assert (new[:, 0] < 10 - 0.4 * 0.35 * 10).all()
 
 
-def test_topology_of_soup_joins_corners_of_all_faces_there():
+def test_topology_of_soup_joins_corners_of_all_faces_there() -> None:
     result = transform(SOUP, "topology", 2, 1)
     assert len(result.faces) == len(SOUP.faces)
     merged = len(np.unique(SOUP.vertices, axis=0)) - len(np.unique(result.vertices, axis=0))
@@ -197,7 +199,7 @@ def test_topology_of_soup_joins_corners_of_all_faces_there():
 
 @settings(deadline=None, max_examples=10)
 @given(seed=seeds)
-def test_scale_changes_only_the_size(seed):
+def test_scale_changes_only_the_size(seed: int) -> None:
     for strength, factor in enumerate((0.5, 0.875, 1.25, 1.625, 2.0), start=1):
         result = transform(TORUS, "scale", strength, seed)
         np.testing.assert_allclose(result.vertices, factor * TORUS.vertices, rtol=1e-12)
@@ -207,7 +209,7 @@ def test_scale_changes_only_the_size(seed):
 
 @settings(deadline=None, max_examples=15)
 @given(seed=seeds)
-def test_local_scale_pushes_outward_in_proportion_to_strength(seed):
+def test_local_scale_pushes_outward_in_proportion_to_strength(seed: int) -> None:
     shifts = [
         transform(TORUS, "local_scale", strength, seed).vertices - TORUS.vertices for strength in (1, 5)
     ]
@@ -224,7 +226,7 @@ def test_local_scale_pushes_outward_in_proportion_to_strength(seed):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_local_scale_and_noise_do_not_tear_seams(shape):
+def test_local_scale_and_noise_do_not_tear_seams(shape: str) -> None:
     mesh = SHAPES[shape]
     for kind in ("local_scale", "noise", "shot_noise"):
         result = transform(mesh, kind, 5, 2)
@@ -232,7 +234,7 @@ def test_local_scale_and_noise_do_not_tear_seams(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_sampling_reaches_the_share_of_faces(shape):
+def test_sampling_reaches_the_share_of_faces(shape: str) -> None:
     mesh = SHAPES[shape]
     for strength, share in enumerate((0.50, 0.35, 0.25, 0.20, 0.15), start=1):
         result = transform(mesh, "sampling", strength, 0)
@@ -240,7 +242,7 @@ def test_sampling_reaches_the_share_of_faces(shape):
         assert result.area == pytest.approx(mesh.area, rel=0.05)
 
 
-def test_sampling_of_loose_triangles_merges_them_by_place():
+def test_sampling_of_loose_triangles_merges_them_by_place() -> None:
     rng = np.random.default_rng(0)
     corners = TORUS.vertices[TORUS.faces]
     shrunk = corners.mean(axis=1, keepdims=True) + 0.9 * (corners - corners.mean(axis=1, keepdims=True))
@@ -253,7 +255,7 @@ def test_sampling_of_loose_triangles_merges_them_by_place():
 
 @settings(deadline=None, max_examples=15)
 @given(seed=seeds, strength=strengths)
-def test_partial_takes_a_half_space_and_balls(seed, strength):
+def test_partial_takes_a_half_space_and_balls(seed: int, strength: int) -> None:
     result = transform(TORUS, "partial", strength, seed)
     left = len(result.vertices) / len(TORUS.vertices)
     assert left <= 1 - (0.05 + 0.05 * strength) + 0.01
@@ -262,7 +264,7 @@ def test_partial_takes_a_half_space_and_balls(seed, strength):
     assert left >= 1 - (0.05 + 0.05 * strength) - most - 0.05
 
 
-def test_mixed_is_noise_holes_and_scale_of_the_strength_below():
+def test_mixed_is_noise_holes_and_scale_of_the_strength_below() -> None:
     for strength, factor in ((1, 0.5), (2, 0.5), (3, 0.875), (5, 1.625)):
         result = transform(TORUS, "mixed", strength, 8)
         size = np.ptp(result.vertices, axis=0).max() / np.ptp(TORUS.vertices, axis=0).max()
@@ -279,21 +281,21 @@ class TestTinyAndBroken:
     tetrahedron = Mesh(np.eye(4)[:, :3], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], "tetrahedron")
 
     @pytest.mark.parametrize("kind", ["noise", "shot_noise", "scale", "local_scale"])
-    def test_moving_vertices_always_works(self, kind):
+    def test_moving_vertices_always_works(self, kind: str) -> None:
         for strength in range(1, 6):
             assert len(transform(self.tetrahedron, kind, strength, 0).faces) == 4
 
-    def test_one_vertex_less_leaves_one_face(self):
+    def test_one_vertex_less_leaves_one_face(self) -> None:
         assert len(transform(self.tetrahedron, "micro_holes", 1, 0).faces) == 1
 
     @pytest.mark.parametrize(
         ("kind", "strength"), [("holes", 1), ("mixed", 5), ("topology", 1), ("partial", 2)]
     )
-    def test_impossible_is_refused_with_the_name(self, kind, strength):
+    def test_impossible_is_refused_with_the_name(self, kind: str, strength: int) -> None:
         with pytest.raises(MeshError, match="'tetrahedron'"):
             transform(self.tetrahedron, kind, strength, 0)
 
-    def test_what_cannot_be_done_says_why(self):
+    def test_what_cannot_be_done_says_why(self) -> None:
         with pytest.raises(MeshError, match=r"'tetrahedron' has only \d+ places .* topology 5 welds 15"):
             transform(self.tetrahedron, "topology", 5, 0)
         one_face = Mesh(self.tetrahedron.vertices, self.tetrahedron.faces[:1], "corner")
@@ -302,21 +304,21 @@ class TestTinyAndBroken:
         ):
             transform(one_face, "holes", 5, 0)
 
-    def test_point_cloud(self):
+    def test_point_cloud(self) -> None:
         with pytest.raises(MeshError, match="'cloud' has no faces"):
             transform(Mesh(np.eye(3), name="cloud"), "noise", 1, 0)
 
-    def test_no_extent(self):
+    def test_no_extent(self) -> None:
         with pytest.raises(MeshError, match="'dot': all points of its faces coincide"):
             transform(Mesh(np.ones((4, 3)), [[0, 1, 2], [1, 2, 3]], "dot"), "noise", 1, 0)
 
-    def test_unknown_kind_and_strength(self):
+    def test_unknown_kind_and_strength(self) -> None:
         with pytest.raises(ValueError, match="no transformation 'isometry'; there are noise"):
             transform(TORUS, "isometry", 1, 0)
         with pytest.raises(ValueError, match="strength must be 1 … 5, not 6"):
             transform(TORUS, "noise", 6, 0)
 
-    def test_unused_vertices_do_not_count(self):
+    def test_unused_vertices_do_not_count(self) -> None:
         far = Mesh(np.vstack([TORUS.vertices, [[1e6, 0, 0]]]), TORUS.faces)
         assert 0 < len(transform(far, "holes", 3, 0).vertices) < len(TORUS.vertices)
         assert len(transform(far, "holes", 3, 0).faces) > 0.5 * len(TORUS.faces)
@@ -327,7 +329,7 @@ class TestBend:
     @given(seed=seeds, strength=st.floats(0.2, 2))
     @example(seed=1165, strength=0.2)  # the longest tail among 4500 bends
     @example(seed=587, strength=1.0)
-    def test_is_as_nearly_isometric_as_asked(self, seed, strength):
+    def test_is_as_nearly_isometric_as_asked(self, seed: int, strength: int) -> None:
         bent = bend(TORUS, seed, strength)
         np.testing.assert_array_equal(bent.faces, TORUS.faces)
         changes = edge_length_changes(TORUS, bent)
@@ -335,12 +337,12 @@ class TestBend:
         assert np.percentile(changes, 95) < 0.5 * strength, "a wild one; the next test bounds the usual ones"
         np.testing.assert_array_equal(bent.vertices, bend(TORUS, seed, strength).vertices)
 
-    def test_few_bends_stretch_a_part_much(self):
+    def test_few_bends_stretch_a_part_much(self) -> None:
         tails = [np.percentile(edge_length_changes(TORUS, bend(TORUS, seed)), 95) for seed in range(60)]
         assert np.median(tails) < 0.15
         assert np.quantile(tails, 0.95) < 0.22
 
-    def test_a_rod_turns_far(self):
+    def test_a_rod_turns_far(self) -> None:
         rod = trimesh.creation.cylinder(radius=0.02, height=4, sections=12)
         fine = rod.subdivide_to_size(0.2)
         mesh = Mesh(fine.vertices, fine.faces)
@@ -349,11 +351,11 @@ class TestBend:
         for seed in range(5):
             assert bend(mesh, seed).area == pytest.approx(mesh.area, rel=0.1)
 
-    def test_soup_stays_together(self):
+    def test_soup_stays_together(self) -> None:
         bent = bend(SOUP, 3)
         assert len(np.unique(np.round(bent.vertices, 9), axis=0)) == len(np.unique(SOUP.vertices, axis=0))
 
-    def test_flat_sheet(self):
+    def test_flat_sheet(self) -> None:
         x, y = np.meshgrid(np.linspace(0, 3, 30), np.linspace(0, 1, 10), indexing="ij")
         i, j = np.meshgrid(np.arange(29), np.arange(9), indexing="ij")
         a = (i * 10 + j).ravel()
@@ -364,7 +366,7 @@ class TestBend:
         assert np.median(edge_length_changes(sheet, bent)) <= 0.03
         assert not np.allclose(bent.vertices, sheet.vertices, atol=0.01)
 
-    def test_refuses_nonsense(self):
+    def test_refuses_nonsense(self) -> None:
         with pytest.raises(ValueError, match="strength must be positive, not 0"):
             bend(TORUS, 0, 0)
         with pytest.raises(MeshError, match="has no faces"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,8 +19,9 @@ from shapegoogle_core.model.shape_bags import ChannelWords, shape_bags
 from shapegoogle_core.model.working_shape import Placement, WorkingShape
 from shapegoogle_core.spectral import compute_spectrum
 from shapegoogle_core.words import bag_of_features, soft_words
+from tests.core.conftest import Shapes
 
-PARAMETERS = {
+PARAMETERS: dict[str, dict[str, Any]] = {
     "hks": {"times": (0.01, 0.1)},
     "log-hks": {"times": (0.01, 0.1)},
     "si-hks": {"alpha": 2.0, "tau_start": -8.0, "tau_end": 0.0, "tau_step": 0.25, "frequencies": 3},
@@ -33,14 +35,14 @@ def as_working_shape(mesh: Mesh, eigenpairs: int = 40) -> WorkingShape:
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
-def test_presets_survive_json(name):
+def test_presets_survive_json(name: str) -> None:
     settings = PRESETS[name]
     rebuilt = ModelSettings.from_dict(json.loads(json.dumps(asdict(settings))))
     assert json.dumps(asdict(rebuilt)) == json.dumps(asdict(settings))
     assert rebuilt.bag_size == settings.bag_size
 
 
-def test_paper_preset_has_the_authors_parameters():
+def test_paper_preset_has_the_authors_parameters() -> None:
     """Facts of the authors' scripts: 200 eigenpairs, cotangent weights, six times, 48 words."""
     paper = PRESETS["paper"]
     (channel,) = paper.channels
@@ -64,12 +66,12 @@ def test_paper_preset_has_the_authors_parameters():
         ({"channels": ()}, "at least one channel"),
     ],
 )
-def test_refuses_unknown_choices(change, message):
+def test_refuses_unknown_choices(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ModelError, match=message):
         replace(PRESETS["default"], **change)
 
 
-def test_other_descriptors_can_be_chosen_by_name():
+def test_other_descriptors_can_be_chosen_by_name() -> None:
     preset = PRESETS["default"]
     settings = preset.with_descriptors(["spin-images", "si-hks"])
     assert settings.channels[1] is preset.channels[2]
@@ -82,7 +84,7 @@ def test_other_descriptors_can_be_chosen_by_name():
         preset.with_descriptors(["wks"])
 
 
-def test_refuses_unknown_channels_and_settings():
+def test_refuses_unknown_channels_and_settings() -> None:
     with pytest.raises(ModelError, match="descriptor must be one of"):
         ChannelSettings("curvature", {})
     with pytest.raises(ModelError, match="bags must be some of"):
@@ -108,7 +110,7 @@ def test_refuses_unknown_channels_and_settings():
 @pytest.mark.parametrize("descriptor", sorted(DESCRIPTORS))
 @pytest.mark.parametrize("square_root", [True, False])
 @pytest.mark.parametrize("soft", [True, False])
-def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
+def test_every_descriptor_and_bag_works(descriptor: str, square_root: bool, soft: bool, bumpy: Mesh) -> None:
     channel = ChannelSettings(
         descriptor, PARAMETERS.get(descriptor, {}), words=4, soft=soft, bags=BAGS, pair_time=0.05
     )
@@ -126,7 +128,7 @@ def test_every_descriptor_and_bag_works(descriptor, square_root, soft, bumpy):
 
 
 @pytest.mark.parametrize("detector", DETECTORS)
-def test_bags_of_detected_points_are_sums_over_them(detector, bumpy):
+def test_bags_of_detected_points_are_sums_over_them(detector: str, bumpy: Mesh) -> None:
     """Equations 13 and 15 written out, over the points X' of algorithm 2."""
     channel = ChannelSettings(
         "hks", PARAMETERS["hks"], words=4, bags=("plain", "plain-pairs"), pair_time=0.05, detector=detector
@@ -152,7 +154,7 @@ def test_bags_of_detected_points_are_sums_over_them(detector, bumpy):
     assert pairs == pytest.approx(expected[np.triu_indices(4)], abs=1e-6)
 
 
-def test_where_nothing_stands_out_all_vertices_count(shapes):
+def test_where_nothing_stands_out_all_vertices_count(shapes: type[Shapes]) -> None:
     channel = ChannelSettings(
         "hks", PARAMETERS["hks"], words=2, bags=("plain",), pair_time=0.05, detector="hks-maxima"
     )
@@ -164,7 +166,7 @@ def test_where_nothing_stands_out_all_vertices_count(shapes):
     assert shape_bags(settings, (words,), shape) == pytest.approx(expected)
 
 
-def test_a_detector_is_kept_and_none_leaves_no_trace():
+def test_a_detector_is_kept_and_none_leaves_no_trace() -> None:
     paper = PRESETS["paper"]
     assert all("detector" not in channel for channel in paper.to_dict()["channels"])
     (channel,) = paper.channels

@@ -4,18 +4,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ChannelSettings, ModelSettings, row_distances
 from shapegoogle_core.model.metric import calibrate, choose_pairs, learn_projection, rival_pairs
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.model.training import TrainingShape, train_model
+from tests.core.conftest import Shapes
 
 
-def versions_of_shapes(seed: int = 0, shapes: int = 60, versions: int = 8, size: int = 30):
+def versions_of_shapes(
+    seed: int = 0, shapes: int = 60, versions: int = 8, size: int = 30
+) -> tuple[FloatBags, NDArray[np.int64]]:
     """Bags that differ between shapes everywhere, and between versions mostly along a third of the axes."""
     random = np.random.default_rng(seed)
     mixing, _ = np.linalg.qr(np.random.default_rng(99).standard_normal((size, size)))
@@ -25,7 +32,7 @@ def versions_of_shapes(seed: int = 0, shapes: int = 60, versions: int = 8, size:
     return bags.reshape(-1, size).astype(np.float32), np.repeat(np.arange(shapes), versions)
 
 
-def first_share(vectors: np.ndarray, labels: np.ndarray) -> float:
+def first_share(vectors: FloatArray | FloatBags, labels: NDArray[np.int64]) -> float:
     """Share of versions whose nearest other version is of the same shape."""
     unit = (vectors / np.linalg.norm(vectors, axis=1, keepdims=True)).astype(np.float32)
     distances = np.array([row_distances("cosine", row[None], unit) for row in unit])
@@ -33,8 +40,9 @@ def first_share(vectors: np.ndarray, labels: np.ndarray) -> float:
     return float((labels[distances.argmin(axis=1)] == labels).mean())
 
 
-def test_projection_learns_what_transformations_change():
-    mean, projection = learn_projection(*versions_of_shapes(), dimensions=30, shrinkage=0.05)
+def test_projection_learns_what_transformations_change() -> None:
+    bags, labels = versions_of_shapes()
+    mean, projection = learn_projection(bags, labels, dimensions=30, shrinkage=0.05)
     bags, labels = versions_of_shapes(seed=1)  # other shapes, the same transformations
     plain = first_share(bags - mean, labels)
     learnt = first_share((bags - mean) @ projection, labels)
@@ -42,7 +50,7 @@ def test_projection_learns_what_transformations_change():
     assert learnt > 0.95
 
 
-def test_full_shrinkage_is_principal_components():
+def test_full_shrinkage_is_principal_components() -> None:
     bags, labels = versions_of_shapes()
     mean, projection = learn_projection(bags, labels, dimensions=30, shrinkage=1.0)
     projected = (bags - mean) @ projection
@@ -53,7 +61,7 @@ def test_full_shrinkage_is_principal_components():
 
 
 @pytest.mark.parametrize("count", [20, 480])
-def test_fewer_bags_than_entries(count):
+def test_fewer_bags_than_entries(count: int) -> None:
     """Both sides of the Gram matrix lead to the same distances."""
     bags, labels = versions_of_shapes(size=60)
     _, projection = learn_projection(bags[:count], labels[:count], dimensions=100, shrinkage=0.5)
@@ -62,7 +70,7 @@ def test_fewer_bags_than_entries(count):
     assert np.isfinite(projection).all()
 
 
-def test_pairs_are_labelled_right():
+def test_pairs_are_labelled_right() -> None:
     labels = np.repeat(np.arange(5), [1, 2, 3, 4, 5])
     first, second, similar = choose_pairs(labels, np.random.default_rng(0), count=100)
     np.testing.assert_array_equal(labels[first] == labels[second], similar)
@@ -70,7 +78,7 @@ def test_pairs_are_labelled_right():
     assert similar.sum() == 100
 
 
-def test_rivals_are_the_nearest_of_many():
+def test_rivals_are_the_nearest_of_many() -> None:
     bags, labels = versions_of_shapes()
     first, second, similar = rival_pairs("l1", bags, labels, np.random.default_rng(0), count=300)
     np.testing.assert_array_equal(labels[first] == labels[second], similar)
@@ -81,7 +89,7 @@ def test_rivals_are_the_nearest_of_many():
     assert np.median(distances[~similar]) < np.quantile(any_other, 0.1)
 
 
-def test_calibration_recovers_the_probability():
+def test_calibration_recovers_the_probability() -> None:
     random = np.random.default_rng(0)
     distances = random.uniform(0.01, 1.0, 20_000)
     similar = random.uniform(size=20_000) < 1 / (1 + (distances / 0.3) ** 4)
@@ -93,7 +101,7 @@ def test_calibration_recovers_the_probability():
     assert found.gain == 0
 
 
-def test_calibration_recovers_what_an_agreement_says():
+def test_calibration_recovers_what_an_agreement_says() -> None:
     random = np.random.default_rng(0)
     distances, agreements = random.uniform(0.01, 1.0, 20_000), random.uniform(0, 0.8, 20_000)
     verified = distances * np.exp(-2 * agreements)
@@ -103,7 +111,7 @@ def test_calibration_recovers_what_an_agreement_says():
     assert found.gain == pytest.approx(2, rel=0.1)
 
 
-def test_calibration_refuses_what_cannot_be_told_apart():
+def test_calibration_refuses_what_cannot_be_told_apart() -> None:
     distances = np.random.default_rng(0).uniform(0.1, 1.0, 1000)
     with pytest.raises(ModelError, match="more varied"):
         calibrate(distances, distances > 0.5)
@@ -118,11 +126,13 @@ SMALL = ModelSettings(
 
 
 @pytest.fixture(scope="module")
-def training_shapes(shapes) -> list[TrainingShape]:
+def training_shapes(shapes: type[Shapes]) -> list[TrainingShape]:
     return [TrainingShape(f"bumpy-{seed}", (shapes.bumpy(3, seed),)) for seed in range(8)]
 
 
-def test_training_finds_shapes_it_was_not_trained_on(training_shapes, shapes):
+def test_training_finds_shapes_it_was_not_trained_on(
+    training_shapes: list[TrainingShape], shapes: type[Shapes]
+) -> None:
     model = train_model(training_shapes, SMALL, versions=4, jobs=2, trained_on="eight bumpy spheres")
     assert model.trained_on == "eight bumpy spheres"
     unseen = [shapes.bumpy(3, seed) for seed in range(100, 106)]
@@ -133,21 +143,21 @@ def test_training_finds_shapes_it_was_not_trained_on(training_shapes, shapes):
         assert model.distances(query, library).argmin() == index
 
 
-def test_training_is_reproducible(training_shapes):
+def test_training_is_reproducible(training_shapes: list[TrainingShape]) -> None:
     first, second = (train_model(training_shapes, SMALL, versions=2, jobs=jobs, seed=3) for jobs in (1, 2))
     assert first.identifier == second.identifier
     other = train_model(training_shapes, SMALL, versions=2, seed=4)
     assert other.identifier != first.identifier
 
 
-def test_idf_weighs_every_bag(training_shapes):
+def test_idf_weighs_every_bag(training_shapes: list[TrainingShape]) -> None:
     model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=4)
     for weights in np.split(model.weights, np.cumsum(SMALL.channels[0].bag_sizes())[:-1]):
         assert (weights > 0).mean() > 0.9
         assert len(np.unique(weights)) > 1
 
 
-def test_versions_that_cannot_be_made_are_left_out(training_shapes):
+def test_versions_that_cannot_be_made_are_left_out(training_shapes: list[TrainingShape]) -> None:
     """A shape of two faces: no sampling, no holes; the others still make a model."""
     flat = TrainingShape(
         "flat", (Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),)
@@ -160,7 +170,9 @@ def test_versions_that_cannot_be_made_are_left_out(training_shapes):
 
 
 @pytest.mark.parametrize("change", [{"metric": "l1"}, {"inverse_document_frequency": True}])
-def test_training_with_the_papers_distances(training_shapes, change):
+def test_training_with_the_papers_distances(
+    training_shapes: list[TrainingShape], change: dict[str, Any]
+) -> None:
     model = train_model(training_shapes, replace(SMALL, **change), versions=2)
     bags = np.array([model.describe(shape.meshes[0]).bags for shape in training_shapes[:3]])
     distances = model.distances(bags[0], bags)
@@ -168,7 +180,7 @@ def test_training_with_the_papers_distances(training_shapes, change):
     assert (distances[1:] > 0).all()
 
 
-def test_too_few_shapes(training_shapes):
+def test_too_few_shapes(training_shapes: list[TrainingShape]) -> None:
     with pytest.raises(ModelError, match="at least 8 different usable shapes"):
         train_model(training_shapes[:7], SMALL)
     with pytest.raises(ModelError, match="not 1"):

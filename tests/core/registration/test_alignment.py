@@ -7,8 +7,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from threadpoolctl import threadpool_limits
 
@@ -16,7 +14,7 @@ from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import PreprocessingSettings, preprocess
 from shapegoogle_core.registration import PreparedSample, SampleSettings, SurfaceSample, align, sample_surface
-from shapegoogle_core.registration.frames import similarity_transformations
+from tests.core.conftest import Shapes
 
 
 @pytest.fixture(autouse=True)
@@ -32,32 +30,12 @@ def sampled(mesh: Mesh) -> PreparedSample:
 
 
 @pytest.fixture(scope="module")
-def bumpy(shapes) -> Mesh:
+def bumpy(shapes: type[Shapes]) -> Mesh:
     mesh = shapes.bumpy(4, seed=3)
     return Mesh(mesh.vertices * [1.0, 1.3, 2.0], mesh.faces)
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.floats(0.2, 5))
-def test_similarity_transformation_is_found_again(seed, scale):
-    random = np.random.default_rng(seed)
-    points, weights = random.standard_normal((2, 9, 3)), random.uniform(0.1, 1, (2, 9))
-    turns = Rotation.random(2, random_state=seed % 2**31).as_matrix()
-    shift = random.standard_normal((2, 1, 3))
-    moved = scale * points @ turns.transpose(0, 2, 1) + shift
-    scales, rotations, translations = similarity_transformations(points, moved, weights)
-    np.testing.assert_allclose(scales, scale)
-    np.testing.assert_allclose(rotations, turns, atol=1e-9)
-    np.testing.assert_allclose(translations, shift[:, 0], atol=1e-9)
-
-
-def test_a_mirror_image_gives_no_reflection():
-    points = np.random.default_rng(0).standard_normal((1, 20, 3))
-    _, rotations, _ = similarity_transformations(points, points * [1, 1, -1], np.ones((1, 20)))
-    assert np.linalg.det(rotations[0]) == pytest.approx(1)
-
-
-def test_a_moved_surface_is_laid_back(bumpy):
+def test_a_moved_surface_is_laid_back(bumpy: Mesh) -> None:
     turn = Rotation.from_euler("xyz", [0.5, 1.2, -2.0]).as_matrix()
     moved = Mesh(3 * bumpy.vertices @ turn.T + 4, bumpy.faces)
     alignment = align(sampled(moved), sampled(bumpy))
@@ -68,7 +46,7 @@ def test_a_moved_surface_is_laid_back(bumpy):
 
 
 @pytest.mark.parametrize("kind", ["partial", "noise", "holes", "topology", "sampling"])
-def test_a_damaged_surface_still_fits(bumpy, kind):
+def test_a_damaged_surface_still_fits(bumpy: Mesh, kind: str) -> None:
     damaged = transform(bumpy, kind, 2, seed=1)
     turn = Rotation.from_euler("zyx", [1.0, 0.3, -0.7]).as_matrix()
     alignment = align(sampled(Mesh(damaged.vertices @ turn.T, damaged.faces)), sampled(bumpy))
@@ -76,7 +54,7 @@ def test_a_damaged_surface_still_fits(bumpy, kind):
     assert alignment.agreement > 0.6
 
 
-def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy):
+def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy: Mesh) -> None:
     keep = bumpy.vertices[bumpy.faces].mean(axis=1)[:, 2] < 0.7
     part = Mesh(bumpy.vertices, bumpy.faces[keep])
     used, corners = np.unique(part.faces, return_inverse=True)
@@ -89,7 +67,7 @@ def test_a_part_lies_on_its_whole_and_not_the_reverse(bumpy):
     assert alignment.candidate_covered[1] == pytest.approx(share * alignment.query_covered[1], abs=0.12)
 
 
-def test_a_swollen_limb_keeps_its_axis(shapes):
+def test_a_swollen_limb_keeps_its_axis(shapes: type[Shapes]) -> None:
     """A rod, one half blown up: its surface leaves the other one's, its axis does not."""
     rod = shapes.sphere(4)
     along = rod.vertices[:, 2:]
@@ -99,13 +77,13 @@ def test_a_swollen_limb_keeps_its_axis(shapes):
     assert alignment.query_axis_covered.mean() > alignment.query_covered.mean() + 0.1
 
 
-def test_other_surfaces_agree_less(bumpy, shapes):
+def test_other_surfaces_agree_less(bumpy: Mesh, shapes: type[Shapes]) -> None:
     others = [sampled(shapes.bumpy(4, seed=seed)) for seed in range(20, 24)]
     itself = align(sampled(transform(bumpy, "noise", 3, seed=0)), sampled(bumpy)).agreement
     assert max(align(sampled(bumpy), other).agreement for other in others) < 0.8 * itself
 
 
-def test_a_handful_of_points_in_one_place():
+def test_a_handful_of_points_in_one_place() -> None:
     """Nothing to lay over: no agreement, and no error."""
     normals, zeros = np.tile([0.0, 0, 1], (8, 1)), np.zeros((8, 3))
     looks, modes = np.zeros((8, 29), np.float32), np.zeros((8, 0), np.float32)
@@ -116,7 +94,7 @@ def test_a_handful_of_points_in_one_place():
 
 
 @pytest.mark.parametrize("points", [8, 100, 240])
-def test_samples_of_any_size_can_be_aligned(bumpy, points):
+def test_samples_of_any_size_can_be_aligned(bumpy: Mesh, points: int) -> None:
     sample = sample_surface(bumpy, compute_spectrum(bumpy, k=30), SampleSettings(points, 8))
     alignment = align(PreparedSample(sample), PreparedSample(sample))
     assert 0 <= alignment.agreement <= 1

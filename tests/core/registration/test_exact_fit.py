@@ -29,7 +29,7 @@ def prepared(mesh: Mesh) -> PreparedSample:
 
 
 @pytest.fixture(scope="module", params=KINDS)
-def shapes(request):
+def shapes(request: pytest.FixtureRequest) -> tuple[PreparedSample, PreparedSample, PreparedSample]:
     """A half, turned and of another mesh; its whole; a relative."""
     mesh = make_creature(request.param, 201, vertex_count=3000).rest
     half = cut(mesh, np.array([0.3, 1.0, 0.5]), 0.5)
@@ -39,7 +39,9 @@ def shapes(request):
     return prepared(Mesh(half.vertices @ turn.T, half.faces)), prepared(mesh), prepared(relative)
 
 
-def test_a_half_lies_exactly_on_its_whole_alone(shapes):
+def test_a_half_lies_exactly_on_its_whole_alone(
+    shapes: tuple[PreparedSample, PreparedSample, PreparedSample],
+) -> None:
     half, whole, relative = shapes
     pose, other = rough_pose(half, whole), rough_pose(half, relative)
     assert pose.frame is not None
@@ -51,7 +53,7 @@ def test_a_half_lies_exactly_on_its_whole_alone(shapes):
         assert fit_exactly(half, relative, other.frame)[0] < exact - 0.15
 
 
-def test_spheres_of_other_points_fit_to_a_thousandth():
+def test_spheres_of_other_points_fit_to_a_thousandth() -> None:
     """Tangent planes would be 0.003 apart and more; the scale comes right from 5 % away."""
     random = np.random.default_rng(0)
     spheres = []
@@ -71,7 +73,7 @@ def test_spheres_of_other_points_fit_to_a_thousandth():
     assert np.abs(frame.translation).max() < 2e-3
 
 
-def test_what_has_nothing_in_common():
+def test_what_has_nothing_in_common() -> None:
     base = prepared(make_creature("dog", 201, vertex_count=1000).rest)
     exact, frame = fit_exactly(base, base, Frame(1.0, np.eye(3), np.array([50.0, 0, 0])))
     assert exact == 0

@@ -19,14 +19,14 @@ def sphere(count: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("outward", [1, -1])
-def test_the_ball_in_a_sphere_is_the_sphere(outward):
+def test_the_ball_in_a_sphere_is_the_sphere(outward: int) -> None:
     points, normals = sphere(3000, 0.3)
     radii = medial_radii(points[::30], outward * normals[::30], points, largest=1.0)
     np.testing.assert_allclose(points[::30] - radii[:, None] * outward * normals[::30], 0, atol=0.02)
     np.testing.assert_allclose(radii, outward * 0.3, rtol=0.05)
 
 
-def test_a_shell_has_half_its_thickness():
+def test_a_shell_has_half_its_thickness() -> None:
     """Of two concentric spheres the balls between them touch both."""
     outer, normals = sphere(6000, 1.0)
     inner, _ = sphere(4000, 0.8)
@@ -34,7 +34,7 @@ def test_a_shell_has_half_its_thickness():
     np.testing.assert_allclose(radii, 0.1, rtol=0.2)
 
 
-def test_a_flat_sheet_has_the_largest_ball():
+def test_a_flat_sheet_has_the_largest_ball() -> None:
     points = np.random.default_rng(0).uniform(size=(500, 3)) * [1, 1, 0]
     radii = medial_radii(points[:20], np.tile([0.0, 0, 1], (20, 1)), points, largest=0.5)
     np.testing.assert_allclose(np.abs(radii), 0.5)

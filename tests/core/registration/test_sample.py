@@ -11,17 +11,19 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.descriptors import spin_images
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
 from shapegoogle_core.registration.sample import farthest_points
+from tests.core.conftest import Shapes
 
 
 @pytest.fixture(scope="module")
-def sample(shapes) -> SurfaceSample:
+def sample(shapes: type[Shapes]) -> SurfaceSample:
     mesh = shapes.bumpy(3)
     return sample_surface(mesh, compute_spectrum(mesh, k=40), SampleSettings(200, 64))
 
 
-def test_a_sphere_is_sampled_at_its_radius(shapes):
+def test_a_sphere_is_sampled_at_its_radius(shapes: type[Shapes]) -> None:
     mesh = shapes.sphere(4)
     sample = sample_surface(mesh, compute_spectrum(mesh, k=30), SampleSettings(300, 50))
     radius = 1 / np.sqrt(4 * np.pi)  # of unit area
@@ -37,7 +39,7 @@ def test_a_sphere_is_sampled_at_its_radius(shapes):
     assert distances.min() > 0.5 * np.sqrt(2 / (np.sqrt(3) * 300))
 
 
-def test_samples_forget_place_and_size(shapes, sample):
+def test_samples_forget_place_and_size(shapes: type[Shapes], sample: SurfaceSample) -> None:
     mesh = shapes.bumpy(3)
     turn = Rotation.from_euler("xyz", [0.4, -1.1, 2.0]).as_matrix()
     moved = Mesh(7 * mesh.vertices @ turn.T + [10, -3, 5], mesh.faces)
@@ -51,7 +53,7 @@ def test_samples_forget_place_and_size(shapes, sample):
     np.testing.assert_allclose(back, sample.center + sample.unit * sample.points, atol=1e-5)
 
 
-def test_bytes_and_back(sample):
+def test_bytes_and_back(sample: SurfaceSample) -> None:
     content = sample.to_bytes()
     assert len(content) == 44 + 10 * 200 + sample.descriptors.size + sample.modes.size + 4 * 24
     back = SurfaceSample.from_bytes(content)
@@ -67,7 +69,7 @@ def test_bytes_and_back(sample):
     assert back.to_bytes() == content
 
 
-def test_descriptors_at_another_scale_are_those_of_a_larger_surface(shapes):
+def test_descriptors_at_another_scale_are_those_of_a_larger_surface(shapes: type[Shapes]) -> None:
     """A part of a surface and the whole: told how much larger the whole is, the part looks more like it."""
     whole = shapes.bumpy(4, seed=3)
     whole = Mesh(whole.vertices * [1.0, 1.0, 3.0], whole.faces)
@@ -82,15 +84,15 @@ def test_descriptors_at_another_scale_are_those_of_a_larger_surface(shapes):
     assert len(first.descriptors_at(scale, 10)) == 10
     middle = first.points[:300, 2] < np.quantile(first.points[:, 2], 0.4)
 
-    def unlikeness(descriptors):
+    def unlikeness(descriptors: FloatBags) -> float:
         gaps = np.linalg.norm(descriptors[middle, None] - second.descriptors[None], axis=2)
-        return np.median(gaps.min(axis=1))
+        return float(np.median(gaps.min(axis=1)))
 
     assert unlikeness(first.descriptors_at(scale, 300)) < 0.85 * unlikeness(first.descriptors)
 
 
 @pytest.mark.parametrize("damage", [b"", b"abc", bytes(10), b"\x01\x00\x01\x00\x01\x00\x00\x00\x80\x3f"])
-def test_damaged_bytes_are_refused(damage, sample):
+def test_damaged_bytes_are_refused(damage: bytes, sample: SurfaceSample) -> None:
     with pytest.raises(ValueError, match="surface sample"):
         SurfaceSample.from_bytes(damage)
     with pytest.raises(ValueError, match="surface sample"):
@@ -98,12 +100,12 @@ def test_damaged_bytes_are_refused(damage, sample):
 
 
 @pytest.mark.parametrize(("points", "keypoints"), [(100, 7), (50, 51), (70_000, 100)])
-def test_settings_out_of_range(points, keypoints):
+def test_settings_out_of_range(points: int, keypoints: int) -> None:
     with pytest.raises(ValueError, match="keypoints"):
         SampleSettings(points, keypoints)
 
 
-def test_farthest_points_are_those_of_the_definition():
+def test_farthest_points_are_those_of_the_definition() -> None:
     points = np.random.default_rng(0).standard_normal((60, 3))
     chosen = farthest_points(points, 20)
     assert chosen[0] == np.linalg.norm(points, axis=1).argmax()
@@ -114,7 +116,7 @@ def test_farthest_points_are_those_of_the_definition():
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_spin_images_count_as_the_definition_says(seed):
+def test_spin_images_count_as_the_definition_says(seed: int) -> None:
     random = np.random.default_rng(seed)
     points, cloud = random.standard_normal((4, 3)), random.standard_normal((200, 3))
     normals, weights = random.standard_normal((4, 3)), random.uniform(0, 1, 200)
@@ -127,7 +129,7 @@ def test_spin_images_count_as_the_definition_says(seed):
         np.testing.assert_allclose(image, expected)
 
 
-def test_parts_far_apart_are_stored_as_well(shapes):
+def test_parts_far_apart_are_stored_as_well(shapes: type[Shapes]) -> None:
     sphere, box = shapes.sphere(3), shapes.sphere(2)
     far = Mesh(
         np.concatenate([sphere.vertices, box.vertices + np.array([400, 0, 0])]),
