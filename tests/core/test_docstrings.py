@@ -28,8 +28,6 @@ PENDING = frozenset(
     {
         "LibraryError",
         "ModelError",
-        "VertexMatch",
-        "match_vertices",
     }
 )
 """Public names whose docstrings are not complete yet. Take a name out when its docstring is."""
