@@ -157,6 +157,11 @@ def _assets(objects: list[Any]) -> list[Any]:
     return [item for item in objects if item in marked]
 
 
+def _tags(item: Any) -> list[str]:
+    """Return the tags of an asset; none for an object that is not marked as one."""
+    return [] if item.asset_data is None else [tag.name for tag in item.asset_data.tags]
+
+
 def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
     shapes: list[dict[str, Any]] = []
     problems: list[str] = []
@@ -186,6 +191,7 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
                 "faces": face_count,
                 "matrix": [number for row in matrix for number in row],
                 "twin_of": twin_of,
+                "tags": _tags(item),
             }
         )
     return {"shapes": shapes, "problems": problems}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from .. import jobs
-from ..scene.selection import shape_objects, split_evaluated
+from ..scene.selection import asset_tags, shape_objects, split_evaluated
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -152,7 +152,7 @@ class SceneIndexing:
             if mesh.is_point_cloud and (item.type == "MESH" or not len(mesh.vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
                 continue
-            shape = NewShape(mesh, name, name, up_axis=UP_AXIS)
+            shape = NewShape(mesh, name, name, up_axis=UP_AXIS, tags=asset_tags(item))
             self._tasks[jobs.worker().submit(describe, self._library, shape)] = name
 
     def _take_finished(self) -> list[dict[str, Any]]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["joined_name", "mesh_objects", "shape_objects", "split_evaluated"]
+__all__ = ["asset_tags", "joined_name", "mesh_objects", "shape_objects", "split_evaluated"]
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
@@ -48,6 +48,11 @@ def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], li
         seen = item in enabled and own.is_evaluated and not own.hide_viewport
         (evaluated if seen else others).append(item)
     return evaluated, others
+
+
+def asset_tags(item: Any) -> tuple[str, ...]:
+    """Return the tags of an object that is marked as an asset; none for others."""
+    return () if item.asset_data is None else tuple(tag.name for tag in item.asset_data.tags)
 
 
 def joined_name(names: Sequence[str]) -> str:

@@ -10,11 +10,11 @@ The limit is in megabytes, on top of what the program holds before its first req
 
 It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
 triangles (int32), little-endian, and answers with one line on its standard output that begins with
-`ANSWER`; all other lines are ignored. With "joined", all shapes are parts of one::
+`ANSWER`; all other lines are ignored. "tags" may be left out. With "joined", all shapes are parts of one::
 
     shapegoogle-answer {"ready": true}
     shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
-    row], "twin_of": null}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
+    row], "twin_of": null, "tags": ["prop"]}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
     shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
 """
 
@@ -262,7 +262,8 @@ def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[New
                 continue
             twin_of = positions.get(record["twin_of"])
             positions[index] = len(positions)
-            yield NewShape(mesh, name, name, twin_of=twin_of, up_axis=up_axis)
+            tags = tuple(map(str, record.get("tags", ())))
+            yield NewShape(mesh, name, name, tags=tags, twin_of=twin_of, up_axis=up_axis)
     if parts:
         yield NewShape(_joined(parts, path.name), path.name, up_axis=up_axis)
 

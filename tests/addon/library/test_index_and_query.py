@@ -477,12 +477,16 @@ def test_the_scene_and_its_file_are_two_sources(
 ) -> None:
     (folder / "broken.blend").unlink()
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pear.blend"), load_ui=False)
-    lumpy("Unsaved", 5)
+    item = lumpy("Unsaved", 5)
+    item.asset_mark()
+    item.asset_data.tags.new("lump")
     add_folder(preferences, folder)
     preferences.use_scene = True
     bpy.ops.shape_google.index_library()
     session = bpy.context.window_manager.shape_google
     assert session.summary == "4 added; 2 shapes of this scene"
+    with Library.open(preferences.library) as library:
+        assert {shape.name: shape.tags for shape in library.shapes() if shape.tags} == {"Unsaved": ("lump",)}
     bpy.ops.shape_google.index_library()
     assert session.summary == "4 unchanged; 2 shapes of this scene"
     bpy.ops.shape_google.find_similar()

@@ -137,6 +137,19 @@ def test_objects_that_their_parents_deform_are_no_twins(read: Any, tmp_path: Pat
     assert not math.isclose(*extents, rel_tol=0.05)
 
 
+def test_tags_of_assets(read: Any, tmp_path: Path) -> None:
+    item = add("Asset")
+    item.asset_mark()
+    item.asset_data.tags.new("prop")
+    item.asset_data.tags.new("monkey")
+    twin = add("Twin")
+    twin.data = item.data
+    path = save(tmp_path / "scene.blend")
+    shapes = {shape.object_name: shape for shape in read(path).shapes}
+    assert {name: shape.tags for name, shape in shapes.items()} == {"Asset": ("prop", "monkey"), "Twin": ()}
+    assert shapes["Twin"].twin_of == 0
+
+
 def test_assets_first(read: Any, tmp_path: Path) -> None:
     add("Plain")
     add("Asset").asset_mark()
