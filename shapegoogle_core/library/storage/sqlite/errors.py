@@ -12,8 +12,44 @@ from shapegoogle_core.library.storage.errors import damaged
 
 __all__ = ["library_error", "read_only_error"]
 
-# An extended result code carries its primary code in the lowest byte.
-_PRIMARY = 0xFF
+_IN_USE = (
+    "is in use by another program that is writing to it (waited {timeout:g} s); "
+    "try again when it has finished"
+)
+_READ_ONLY = (
+    "or its folder is read-only: it can be searched, not changed; copy it to a place that can be written to "
+    "add or remove shapes"
+)
+_REFUSED = (
+    "cannot be read or written ({symbol}): the disk, its quota or the network drive refused; make room or "
+    "copy the library to a local disk (everything added before is safe)"
+)
+# The file is there: it may not be read, or the journal beside it cannot be made.
+_NOT_OPENED = (
+    "cannot be opened: you may not read the file, or not write into its folder; change the permissions, or "
+    "copy it to a folder of yours"
+)
+# By primary or extended result code; each sentence goes on after the path of the library.
+_SENTENCES = {
+    sqlite3.SQLITE_BUSY: _IN_USE,
+    sqlite3.SQLITE_LOCKED: _IN_USE,
+    sqlite3.SQLITE_FULL: (
+        "cannot grow: the disk is full; make room and run the same again (everything added before is safe)"
+    ),
+    sqlite3.SQLITE_READONLY: _READ_ONLY,
+    sqlite3.SQLITE_PERM: _READ_ONLY,
+    sqlite3.SQLITE_AUTH: _READ_ONLY,
+    sqlite3.SQLITE_READONLY_ROLLBACK: (
+        "was interrupted while it was written and its place is read-only, so the interrupted part cannot be "
+        "undone; copy it together with '{file}-journal' to a folder that can be written and open it there"
+    ),
+    sqlite3.SQLITE_CANTOPEN: "cannot be made: its folder is read-only or not yours; choose another place",
+    sqlite3.SQLITE_NOTADB: "is not a Shape Google library (not an SQLite database); choose another file",
+    sqlite3.SQLITE_IOERR: _REFUSED,
+    sqlite3.SQLITE_PROTOCOL: _REFUSED,
+    sqlite3.SQLITE_NOLFS: _REFUSED,
+    sqlite3.SQLITE_TOOBIG: "cannot store a name, picture or bag of over a gigabyte; leave it out",
+}
 
 
 def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryError:
@@ -34,53 +70,14 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
     code = getattr(error, "sqlite_errorcode", None)
     if code is None:
         return _misuse(error, path)
-    if code == sqlite3.SQLITE_READONLY_ROLLBACK:
-        return LibraryError(
-            f"'{path}' was interrupted while it was written and its place is read-only, so the interrupted "
-            f"part cannot be undone; copy it together with '{path.name}-journal' to a folder that can be "
-            "written and open it there"
-        )
-    match code & _PRIMARY:
-        case sqlite3.SQLITE_BUSY | sqlite3.SQLITE_LOCKED:
-            return LibraryError(
-                f"'{path}' is in use by another program that is writing to it (waited {timeout:g} s); "
-                "try again when that has finished"
-            )
-        case sqlite3.SQLITE_FULL:
-            return LibraryError(
-                f"'{path}' cannot grow: the disk is full; make room and run the same again (all that was "
-                "added before is safe)"
-            )
-        case sqlite3.SQLITE_READONLY | sqlite3.SQLITE_PERM | sqlite3.SQLITE_AUTH:
-            return read_only_error(path)
-        case sqlite3.SQLITE_CANTOPEN if os.path.lexists(path):
-            # The file is there: it may not be read, or the journal beside it cannot be made.
-            return LibraryError(
-                f"'{path}' cannot be opened: you may not read the file, or not write into its folder; "
-                "change the permissions, or copy it to a folder of yours"
-            )
-        case sqlite3.SQLITE_CANTOPEN:
-            return LibraryError(
-                f"'{path}' cannot be made: its folder is read-only or not yours; choose another place"
-            )
-        case sqlite3.SQLITE_NOTADB:
-            return LibraryError(
-                f"'{path}' is not a Shape Google library (not an SQLite database); choose another file"
-            )
-        case sqlite3.SQLITE_CORRUPT:
-            return damaged(str(path), str(error))
-        case sqlite3.SQLITE_IOERR | sqlite3.SQLITE_PROTOCOL | sqlite3.SQLITE_NOLFS:
-            return LibraryError(
-                f"'{path}' cannot be read or written ({_name(error)}): the disk, its quota or the network "
-                "drive refused; make room or copy the library to a local disk (all that was added before is "
-                "safe)"
-            )
-        case sqlite3.SQLITE_TOOBIG:
-            return LibraryError(
-                f"'{path}' cannot take it: a name, picture or bag is over a gigabyte; leave it out"
-            )
-        case _:
-            return damaged(str(path), f"{_name(error)}: {error}")
+    symbol = getattr(error, "sqlite_errorname", type(error).__name__)
+    primary = code & 0xFF  # an extended result code carries its primary code in the lowest byte
+    if primary == sqlite3.SQLITE_CANTOPEN and os.path.lexists(path):
+        return LibraryError(f"'{path}' {_NOT_OPENED}")
+    sentence = _SENTENCES.get(code) or _SENTENCES.get(primary)
+    if sentence is None:
+        return damaged(str(path), str(error) if primary == sqlite3.SQLITE_CORRUPT else f"{symbol}: {error}")
+    return LibraryError(f"'{path}' " + sentence.format(timeout=timeout, symbol=symbol, file=path.name))
 
 
 def read_only_error(path: Path) -> LibraryError:
@@ -95,10 +92,7 @@ def read_only_error(path: Path) -> LibraryError:
     -------
     error : LibraryError
     """
-    return LibraryError(
-        f"'{path}' or its folder is read-only: it can be searched, not changed; copy it to a place that can "
-        "be written to add or remove shapes"
-    )
+    return LibraryError(f"'{path}' {_READ_ONLY}")
 
 
 def _misuse(error: sqlite3.Error, path: Path) -> LibraryError:
@@ -108,7 +102,3 @@ def _misuse(error: sqlite3.Error, path: Path) -> LibraryError:
     if "thread" in str(error):
         return LibraryError(f"'{path}' was opened in another thread; open the library again in each thread")
     return LibraryError(f"'{path}' cannot take this value ({error})")
-
-
-def _name(error: sqlite3.Error) -> str:
-    return getattr(error, "sqlite_errorname", type(error).__name__)
