@@ -111,6 +111,6 @@ class _OneSurface:
         self._sample = sample
 
     def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
-        """Yield the id and the sample, if asked for."""
+        """Yield the id and the sample, if requested."""
         if self._shape_id in shape_ids:
             yield self._shape_id, self._sample

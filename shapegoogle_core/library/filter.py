@@ -90,7 +90,7 @@ class Filter:
 
 
 def _check_range(field: str, limits: Range) -> None:
-    """Raise ValueError if a range is none or is empty."""
+    """Raise ValueError if a range has not two limits or contains no number."""
     if len(limits) != 2:
         raise ValueError(f"{field} must have a low and a high limit, not {limits!r}")
     low, high = (

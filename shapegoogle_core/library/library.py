@@ -95,7 +95,7 @@ class Library(LibraryContents):
         exact : bool, optional
             Compare the full bags of all shapes: no shape can be missed, but the time grows with the library.
         unlike : MeshLike, ShapeSignature, or sequence of them, optional
-            Examples of what is not meant: shapes near to one of them fall behind, its copies to the end.
+            Negative examples: shapes near to one of them fall behind, its copies to the end.
         where : Filter, optional
             Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
             matches that meet the other conditions are explained, until `top` have the kind.
@@ -110,7 +110,7 @@ class Library(LibraryContents):
         MeshError
             If one of the shapes is no mesh, or the model cannot describe it.
         LibraryError
-            If another model made one of the signatures, or if a kind of evidence is asked for and the model
+            If another model made one of the signatures, or if a kind of evidence is requested and the model
             takes no samples of surfaces.
         ValueError
             If there is no shape, or if `top` is below 1 or `explain` below 0.

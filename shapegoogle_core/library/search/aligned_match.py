@@ -37,7 +37,7 @@ class AlignedMatch(Match):
 
 
 def sample_key(sample: SurfaceSample) -> int:
-    """Compute a number that tells samples apart, the same in every process."""
+    """Compute a checksum that identifies a sample, the same in every process."""
     return zlib.crc32(sample.points.tobytes())
 
 

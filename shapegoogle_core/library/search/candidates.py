@@ -54,7 +54,7 @@ class NearestCodes:
         ----------
         query : Query
         top : int
-            Number of matches that are asked for.
+            Number of matches requested.
         among : (m,) array of int64, optional
             Ids of the shapes to choose from; all shapes by default.
 

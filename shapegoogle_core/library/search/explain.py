@@ -62,8 +62,8 @@ class MatchExplainer:
         query = self._queries[example]
         assert query.sample is not None  # see `queries`
         if example not in self._explainers:
-            asked = Compared(query.sample, query.vertex_count, query.face_count, query.area)
-            self._explainers[example] = Explainer(asked, query.surface, self._settings)
+            compared = Compared(query.sample, query.vertex_count, query.face_count, query.area)
+            self._explainers[example] = Explainer(compared, query.surface, self._settings)
         compared = Compared(sample, match.vertex_count, match.face_count, match.area)
         alignment = known_alignment(match, query.sample)
         return self._explainers[example].explain(compared, match.similarity, distance, alignment)

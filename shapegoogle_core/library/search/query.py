@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Prepared query: examples of shapes that are searched for, and of shapes that are not meant.
+"""Prepared query: examples of shapes that are searched for, and negative examples.
 
 Each example has its own distance to a shape of the library; two rules combine them to one:
 
@@ -7,15 +7,14 @@ Each example has its own distance to a shape of the library; two rules combine t
   `ShapeModel.similarity`), so that this averages the log odds of the examples: a shape that all of them find
   near comes before one that is nearer to one of them and far from another. A copy of an example keeps
   distance 0.
-- **Examples that are not meant.** A shape is what the examples mean, with odds o = (h/d)^p; or what the
-nearest
-  example that is not meant is, with odds w o⁻, o⁻ likewise; or neither, with odds 1. The probability of the
-  first is o / (1 + o + w o⁻), and d (1 + w o⁻)^(1/p) is the distance that has this similarity. A shape far
-  from all that is not meant keeps its place, one near to it falls, and its copies come last.
+- **Negative examples.** A shape is what the examples show, with odds o = (h/d)^p; or what the nearest
+  negative example shows, with odds w o⁻, o⁻ likewise; or neither, with odds 1. The probability of the first
+  is o / (1 + o + w o⁻), and d (1 + w o⁻)^(1/p) is the distance that has this similarity. A shape far from all
+  negative examples keeps its place, one near to one of them falls, and its copies come last.
 
-With one example, and none that is not meant, both rules change nothing. ``docs/measurements/search.md``
-compares the rules with others. Geometric verification then lowers distances as in any other search: each
-match is aligned with the nearest example.
+With one example and no negative ones, both rules change nothing. ``docs/measurements/search.md`` compares the
+rules with others. Geometric verification then lowers distances as in any other search: each match is aligned
+with the nearest example.
 """
 
 from __future__ import annotations
@@ -36,11 +35,11 @@ from shapegoogle_core.registration import SurfaceSample
 __all__ = ["FARTHEST", "Query", "pool_distances"]
 
 FARTHEST = 2.0
-"""Cosine distance of opposite bags, shown instead of infinity for copies of what is not meant."""
+"""Cosine distance of opposite bags, shown instead of infinity for copies of negative examples."""
 
 
 class Query:
-    """Examples of shapes that are searched for and of shapes that are not, prepared to be compared with bags.
+    """Examples of shapes that are searched for, and negative examples, prepared to be compared with bags.
 
     Parameters
     ----------
@@ -49,6 +48,7 @@ class Query:
     like : sequence of ShapeSignature
         At least one.
     unlike : sequence of ShapeSignature, optional
+        Negative examples.
     unlike_weight : float, optional
         w above.
     """
@@ -78,12 +78,12 @@ class Query:
 
     @property
     def several(self) -> bool:
-        """Whether it has several examples of what is searched for."""
+        """Whether it has several positive examples."""
         return len(self._like) > 1
 
     @property
     def has_unlike(self) -> bool:
-        """Whether it has examples of what is not meant."""
+        """Whether it has negative examples."""
         return bool(self._unlike)
 
     def distances(self, bags: NDArray[np.float32]) -> FloatArray:
@@ -96,7 +96,7 @@ class Query:
         Returns
         -------
         distances : (n,) array
-            ≥ 0, rounded; infinite for copies of what is not meant.
+            ≥ 0, rounded; infinite for copies of negative examples.
         """
         vectors = self._model.comparable(bags)
         distances = pool_distances(self._to(self._like, vectors))
@@ -105,7 +105,7 @@ class Query:
             copies = likeness == 1
             odds = likeness / np.where(copies, 1, 1 - likeness)
             distances = distances * (1 + self._unlike_weight * odds) ** (1 / self._model.similarity_slope)
-            # Copies of both kinds of examples too: the user said that they are not meant.
+            # Copies of both kinds of examples too: the user does not want them.
             distances[copies] = np.inf
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 

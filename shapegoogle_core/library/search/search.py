@@ -59,7 +59,7 @@ class Search:
         ----------
         query : Query
         top : int
-            Number of matches that are asked for.
+            Number of matches requested.
         among : (m,) array of int64, optional
             Ids of the shapes to search; all by default.
 

@@ -26,7 +26,7 @@ class CandidateSettings:
     count : int
         Number of shapes with the nearest codes that are compared by their full bags.
     per_match : int
-        Least number of candidates for each match asked for: codes order shapes only roughly.
+        Least number of candidates for each requested match: codes order shapes only roughly.
     oversampling : int
         Oversampling factor before the codes are ordered by asymmetric distance.
     sharing : int
@@ -60,9 +60,9 @@ class RerankSettings:
     entries_at_once : int
         Bag entries in memory at once; 8 million are 32 MB as float32.
     unlike_weight : float
-        Weight w of examples the user is not looking for; see `Query`. Below 1, for such an example stands
-        among the best matches and is similar to what is meant: with w = 1 a right match that was described
-        worse than the example would fall with it.
+        Weight w of negative examples, see `Query`. Below 1, because a negative example is usually picked from
+        the best matches and is similar to the query: with w = 1 a right match that was described worse than
+        the example would fall with it.
     """
 
     entries_at_once: int = 8_000_000
@@ -128,7 +128,7 @@ class EvidenceSettings:
     explained : int
         Number of best matches that `Library.explain` and the command line explain by default.
     max_filtered : int
-        Largest number of matches that are explained to find those of the kind that a `Filter` asks for.
+        Largest number of matches that are explained to find those of the kind in a `Filter`.
     exact : float
         Largest deviation of a copy: preprocessing rounds no better.
     close : float

@@ -2,7 +2,7 @@
 """Third stage of a search: geometric verification, the alignment of the best candidates with the query.
 
 Bags know which words a shape has and which of them lie close together. A part cut off or a swollen limb
-changes them as much as another shape would; in space the rest still fits to a hair. How exactly it fits tells
+changes them as much as another shape would; in space the rest still fits exactly. How exactly it fits tells
 the whole of a part from its relatives, which have much in common with the part too.
 
 Verification is used only where bags are not certain. They know more about a shape in another pose: geometry
@@ -133,7 +133,7 @@ class Verifier:
                 rest += relatives
                 near = matches[settings.first : settings.candidates]
                 pairs |= self._fitted(samples, [*near, *relatives], sharing)
-                # What the query fits exactly would come before all that is aligned now.
+                # A shape that the query fits exactly would come before all that are aligned now.
                 if max(pair.exact for pair in pairs.values()) < settings.surely_exact:
                     chosen = self._promising(samples, near)[: settings.next]
                     # The bags of shapes that only words propose are far away: they would not be among the

@@ -72,10 +72,21 @@ def test_add_describes_the_mesh_and_remembers_what_it_was(
         assert library.thumbnail(shape_id) == PNG
 
 
-def test_a_shape_without_a_name_takes_the_mesh_s(path: Path, model: ShapeModel, meshes: list[Mesh]) -> None:
+def test_a_shape_without_a_name_takes_that_of_its_source_or_mesh(
+    path: Path, model: ShapeModel, meshes: list[Mesh]
+) -> None:
+    mesh = meshes[0]
     with Library.open(path, model) as library:
-        library.add(meshes[0])
-        assert names(library) == [meshes[0].name]
+        library.add(mesh)
+        library.add(mesh, source="models/horse.ply")
+        library.add(mesh, source=Path("models") / "cow.ply", name="cow")
+        library.add((mesh.vertices, mesh.faces))
+        assert names(library) == [mesh.name, "horse.ply", "cow", "mesh"]
+        assert {shape.source for shape in library.shapes()} == {
+            "",
+            "models/horse.ply",
+            str(Path("models") / "cow.ply"),
+        }
 
 
 def test_signature_round_trip(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Hamming search over binary codes: how many bits differ, for a million codes in milliseconds (algorithm 2).
+"""Hamming search over binary codes, a million of them in milliseconds (algorithm 2 of the paper).
 
 Codes are kept as columns of 64-bit words, so that each pass over the collection reads memory in order.
 """
@@ -27,7 +27,8 @@ __all__ = [
 Words = NDArray[np.uint64]
 BitCounter = Callable[[Words], NDArray[np.uint8]]
 
-# Codes compared at once: half a megabyte for each word of the code, which stays in the processor's cache.
+# Codes compared at once: half a megabyte for each word of the code, which stays in the cache of the
+# processor.
 BLOCK = 65_536
 
 _PAIRS = np.uint64(0x5555555555555555)
@@ -50,7 +51,7 @@ def count_bits_portable(words: Words) -> NDArray[np.uint8]:
     counts : array of uint8
         Of the same shape; 0 to 64.
     """
-    # In two arrays, over and over: making new ones for each step takes as long as the steps.
+    # Two arrays are used again and again: allocating one for each step takes as long as the steps.
     shifted: Words = words >> np.uint64(1)
     shifted &= _PAIRS
     counts: Words = words - shifted
@@ -67,22 +68,22 @@ def count_bits_portable(words: Words) -> NDArray[np.uint8]:
     return totals
 
 
-# numpy 2 has the processor's own instruction for it, about three times as fast.
+# numpy 2 uses the instruction of the processor, about three times as fast.
 count_bits: BitCounter = getattr(np, "bitwise_count", count_bits_portable)
 
 
 def pack_words(codes: NDArray[np.uint8]) -> Words:
-    """Turn codes of bytes into columns of 64-bit words.
+    """Convert codes of bytes to columns of 64-bit words.
 
     Parameters
     ----------
     codes : (n, bytes) array of uint8
-        Packed bits; the last word is filled up with zeros, which differ from no other zeros.
+        Packed bits; the last word is filled up with zeros, the same in all codes.
 
     Returns
     -------
     words : (ceil(bytes / 8), n) array of uint64
-        Word i of all codes lies side by side in row i.
+        Row i holds word i of all codes.
     """
     count, code_bytes = codes.shape
     word_count = -(-code_bytes // 8)
@@ -92,16 +93,16 @@ def pack_words(codes: NDArray[np.uint8]) -> Words:
 
 
 def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits) -> NDArray[np.uint16]:
-    """Hamming distance of one code to each of many (equation 19).
+    """Compute the Hamming distance of one code to each of many (equation 19).
 
     Parameters
     ----------
     words : (w, n) array of uint64
         As `pack_words` returns them.
     query : (w,) array of uint64
-        The code that is looked for.
+        The code of the query.
     count : callable, optional
-        What counts the set bits of an array of words.
+        Function that counts the set bits of an array of words.
 
     Returns
     -------
@@ -117,7 +118,7 @@ def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits
 
 
 def asymmetric_distances(codes: NDArray[np.uint8], projection: NDArray[np.float32]) -> NDArray[np.float32]:
-    """How far a query is on the wrong side of the thresholds of codes (Gordo et al. 2014).
+    """Compute asymmetric distances of codes from a query (Gordo et al. 2014).
 
     d = Σ |p_i| over the bits i in which the signs of the query's projections p differ from the code; with
     |p_i| = 1 it is the Hamming distance.
@@ -127,7 +128,7 @@ def asymmetric_distances(codes: NDArray[np.uint8], projection: NDArray[np.float3
     codes : (n, bytes) array of uint8
         Packed bits.
     projection : (s,) array
-        p = A f + b of the query (equation 19), not yet cut to bits.
+        p = A f + b of the query (equation 19), before taking signs.
 
     Returns
     -------
@@ -139,25 +140,25 @@ def asymmetric_distances(codes: NDArray[np.uint8], projection: NDArray[np.float3
     Transactions on Pattern Analysis and Machine Intelligence 36(1), 2014.
     """
     bits = np.unpackbits(codes, axis=1, count=len(projection)).astype(np.float32)
-    # All positive p_i, less those where the bit is set too, and what p_i < 0 adds where it is set.
+    # The sum of all positive p_i, minus Σ p_i over the bits that are set.
     return np.asarray(np.maximum(projection, 0).sum() - bits @ projection, np.float32)
 
 
 def nearest_codes(
     words: Words, query: Words, count: int, counter: BitCounter = count_bits
 ) -> NDArray[np.intp]:
-    """Positions of the codes nearest to a query, nearest first; among equals the one that comes first.
+    """Find the codes nearest to a query, nearest first; among equals the one that comes first.
 
     Parameters
     ----------
     words : (w, n) array of uint64
         As `pack_words` returns them.
     query : (w,) array of uint64
-        The code that is looked for.
+        The code of the query.
     count : int
-        How many are wanted; fewer come back when there are fewer codes.
+        Number of codes to find; fewer are returned if there are fewer.
     counter : callable, optional
-        What counts the set bits of an array of words.
+        Function that counts the set bits of an array of words.
 
     Returns
     -------
@@ -170,12 +171,12 @@ def nearest_codes(
 def nearest_in_blocks(
     blocks: Iterable[Words], query: Words, count: int, counter: BitCounter = count_bits
 ) -> NDArray[np.intp]:
-    """Positions of the nearest of codes that lie in several arrays, counted through all of them.
+    """Find the codes nearest to a query in several arrays, with positions counted through all of them.
 
     Parameters
     ----------
     blocks : iterable of (w, n_i) array of uint64
-        As `pack_words` returns them; best `BLOCK` codes in each.
+        As `pack_words` returns them, ideally of `BLOCK` codes each.
     query, count, counter
         As for `nearest_codes`.
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Several examples of what is searched for, and examples of what is not meant."""
+"""Several examples of what is searched for, and negative examples."""
 
 from __future__ import annotations
 
