@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -12,17 +15,20 @@ import trimesh
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import compute_spectrum, eigensolver
-from shapegoogle_core.spectral.eigensolver import smallest_pairs
+from shapegoogle_core.spectral.eigensolver import _Factor, _Pairs, _Pencil, smallest_pairs
+from tests.core.conftest import Shapes
 
 
-def dense_eigenvalues(operator: Operator, k: int) -> np.ndarray:
-    return scipy.linalg.eigh(
+def dense_eigenvalues(operator: Operator, k: int) -> FloatArray:
+    values: FloatArray = scipy.linalg.eigh(
         operator.stiffness.toarray(),
         operator.mass.toarray(),
         eigvals_only=True,
         subset_by_index=[0, k - 1],
     )
+    return values
 
 
 def check(operator: Operator, k: int, constant: bool = False) -> None:
@@ -56,13 +62,13 @@ def box(subdivisions: int) -> Mesh:
 
 @pytest.mark.parametrize("laplacian", ["cotangent", "fem1"])
 @pytest.mark.parametrize("k", [1, 2, 5, 100, 200])
-def test_agrees_with_a_dense_solver(laplacian, k, bumpy):
+def test_agrees_with_a_dense_solver(laplacian: str, k: int, bumpy: Mesh) -> None:
     check(build_operator(bumpy, laplacian), k)
 
 
 @pytest.mark.parametrize("laplacian", ["cotangent", "fem1"])
 @pytest.mark.parametrize("k", [1, 2, 30, 150])
-def test_the_constant_is_exact_where_the_kernel_has_it(laplacian, k, bumpy):
+def test_the_constant_is_exact_where_the_kernel_has_it(laplacian: str, k: int, bumpy: Mesh) -> None:
     operator = build_operator(bumpy, laplacian)
     check(operator, k, constant=True)
     values, vectors = smallest_pairs(operator.stiffness, operator.mass, k, constant=True)
@@ -71,18 +77,18 @@ def test_the_constant_is_exact_where_the_kernel_has_it(laplacian, k, bumpy):
 
 
 @pytest.mark.parametrize("k", [16, 17, 49, 50, 120])
-def test_multiple_eigenvalues_wherever_the_count_ends(k, shapes):
+def test_multiple_eigenvalues_wherever_the_count_ends(k: int, shapes: type[Shapes]) -> None:
     check(build_operator(shapes.sphere(3), "cotangent"), k)
     check(build_operator(box(3), "fem1"), k)
 
 
 @pytest.mark.parametrize("laplacian", ["cotangent", "fem1", "robust"])
-def test_a_strip_has_fewer_eigenvalues_than_weyl_promises(laplacian, shapes):
+def test_a_strip_has_fewer_eigenvalues_than_weyl_promises(laplacian: str, shapes: type[Shapes]) -> None:
     check(build_operator(shapes.rectangle(60.0, 0.2, 300), laplacian), 60)
 
 
 @pytest.mark.parametrize("laplacian", ["cotangent", "fem1"])
-def test_the_constant_need_not_be_in_the_kernel(laplacian, shapes):
+def test_the_constant_need_not_be_in_the_kernel(laplacian: str, shapes: type[Shapes]) -> None:
     rectangle = shapes.rectangle(1.7, 1.0, 34)
     x, y = rectangle.vertices[:, :2].T
     edge = np.flatnonzero((x < 1e-9) | (y < 1e-9) | (x > 1.7 - 1e-9) | (y > y.max() - 1e-9))
@@ -92,7 +98,7 @@ def test_the_constant_need_not_be_in_the_kernel(laplacian, shapes):
 
 
 @pytest.mark.parametrize("k", [5, 30, 60])
-def test_more_equal_eigenvalues_than_a_block_has_vectors(k, shapes):
+def test_more_equal_eigenvalues_than_a_block_has_vectors(k: int, shapes: type[Shapes]) -> None:
     one = build_operator(shapes.sphere(2), "cotangent")
     copies = 2 * eigensolver.BLOCK
     check(
@@ -107,11 +113,11 @@ def test_more_equal_eigenvalues_than_a_block_has_vectors(k, shapes):
 class Blind:
     """A random generator whose blocks lack the given directions."""
 
-    def __init__(self, directions: np.ndarray):
+    def __init__(self, directions: FloatArray) -> None:
         self.directions = directions
         self.random = np.random.default_rng(1)
 
-    def standard_normal(self, shape: tuple[int, int]) -> np.ndarray:
+    def standard_normal(self, shape: tuple[int, int]) -> FloatArray:
         block = self.random.standard_normal(shape)
         for _ in range(2):
             block -= self.directions @ (self.directions.T @ block)
@@ -121,12 +127,14 @@ class Blind:
 class Searches:
     """Stands in for `_block_lanczos`; the first search starts without a share of the missed eigenvectors."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.search = eigensolver._block_lanczos
         self.missed: list[int] = []
         self.known: list[int] = []  # how many pairs each search was to keep away from
 
-    def __call__(self, pencil, factor, below, above, known, random):
+    def __call__(
+        self, pencil: _Pencil, factor: _Factor, below: int, above: int, known: FloatArray, random: Any
+    ) -> tuple[_Pairs, float]:
         if not self.known and self.missed:
             random = Blind(np.linalg.eigh(pencil.stiffness.toarray())[1][:, self.missed])
         self.known.append(known.shape[1])
@@ -134,50 +142,53 @@ class Searches:
 
 
 @pytest.fixture
-def searches(monkeypatch) -> Searches:
+def searches(monkeypatch: pytest.MonkeyPatch) -> Searches:
     spy = Searches()
     monkeypatch.setattr(eigensolver, "_block_lanczos", spy)
     return spy
 
 
-def test_one_search_is_enough(searches, bumpy):
+def test_one_search_is_enough(searches: Searches, bumpy: Mesh) -> None:
     check(build_operator(bumpy, "cotangent"), 60)
     assert searches.known == [0]
 
 
 @pytest.mark.parametrize("missed", [[57], [56, 59], [3], [0, 20, 58]])
-def test_what_the_start_is_blind_to_is_found_all_the_same(missed, searches, bumpy):
+def test_what_the_start_is_blind_to_is_found_all_the_same(
+    missed: list[int], searches: Searches, bumpy: Mesh
+) -> None:
     searches.missed = missed
     check(build_operator(bumpy, "cotangent"), 60)
     if min(missed) > 55:  # above the shift nothing but the count can tell
         assert searches.known == [0, 60]
 
 
-def test_a_start_of_one_direction(monkeypatch, bumpy):
+def test_a_start_of_one_direction(monkeypatch: pytest.MonkeyPatch, bumpy: Mesh) -> None:
     class Narrow:
-        def standard_normal(self, shape):
-            return np.random.default_rng(2).standard_normal((shape[0], 1)) * np.ones(shape)
+        def standard_normal(self, shape: tuple[int, int]) -> FloatArray:
+            values: FloatArray = np.random.default_rng(2).standard_normal((shape[0], 1)) * np.ones(shape)
+            return values
 
-    search = eigensolver._block_lanczos
+    search: Callable[..., tuple[_Pairs, float]] = eigensolver._block_lanczos
     monkeypatch.setattr(eigensolver, "_block_lanczos", lambda *given: search(*given[:-1], Narrow()))
     check(build_operator(bumpy, "cotangent"), 40)
 
 
-def test_a_shift_at_an_eigenvalue_is_moved(monkeypatch, bumpy):
+def test_a_shift_at_an_eigenvalue_is_moved(monkeypatch: pytest.MonkeyPatch, bumpy: Mesh) -> None:
     operator = build_operator(bumpy, "cotangent")
     value = dense_eigenvalues(operator, 40)[24]
     monkeypatch.setattr(eigensolver, "SHARE_BELOW", value / (40 * 4 * np.pi / operator.mass.sum()))
     check(operator, 40)
 
 
-def test_the_same_input_gives_the_same_output(bumpy):
+def test_the_same_input_gives_the_same_output(bumpy: Mesh) -> None:
     operator = build_operator(bumpy, "fem1")
     first, second = (smallest_pairs(operator.stiffness, operator.mass, 50) for _ in range(2))
     np.testing.assert_array_equal(first[0], second[0])
     np.testing.assert_array_equal(first[1], second[1])
 
 
-def test_a_count_that_never_agrees_is_an_error(monkeypatch, shapes):
+def test_a_count_that_never_agrees_is_an_error(monkeypatch: pytest.MonkeyPatch, shapes: type[Shapes]) -> None:
     bumpy = shapes.bumpy()
     monkeypatch.setattr(eigensolver, "_gap", lambda values, *_: (values[-1] * 1.0001, len(values) + 1))
     with pytest.raises(
@@ -186,7 +197,7 @@ def test_a_count_that_never_agrees_is_an_error(monkeypatch, shapes):
         compute_spectrum(Mesh(bumpy.vertices, bumpy.faces, name="Ada"), 30)
 
 
-def test_says_what_k_may_be(bumpy):
+def test_says_what_k_may_be(bumpy: Mesh) -> None:
     operator = build_operator(bumpy)
     for k in (0, len(bumpy.vertices) // 3 + 1):
         with pytest.raises(ValueError, match="between 1 and a third of the 642 unknowns"):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from shapegoogle_core.laplacian import build_operator
 from shapegoogle_core.spectral.selected_inverse import inverse_diagonal, level_structure
+from tests.core.conftest import Shapes
 
 
 def random_matrix(size: int, entries: int, seed: int) -> sparse.csr_array:
@@ -27,7 +28,7 @@ def random_matrix(size: int, entries: int, seed: int) -> sparse.csr_array:
 
 @given(size=st.integers(1, 400), density=st.floats(0, 3), seed=st.integers(0, 99))
 @settings(max_examples=40, deadline=None)
-def test_any_graph(size, density, seed):
+def test_any_graph(size: int, density: float, seed: int) -> None:
     matrix = random_matrix(size, int(density * size), seed)
     levels = level_structure(matrix)
     assert sorted(levels.order) == list(range(size))
@@ -35,7 +36,7 @@ def test_any_graph(size, density, seed):
     np.testing.assert_allclose(inverse_diagonal(matrix, levels), expected, rtol=1e-10)
 
 
-def test_levels_join_only_neighbours(shapes):
+def test_levels_join_only_neighbours(shapes: type[Shapes]) -> None:
     graph = build_operator(shapes.sphere(4)).stiffness.tocsr()
     levels = level_structure(graph)
     block = np.empty(len(levels.order), int)
@@ -45,7 +46,7 @@ def test_levels_join_only_neighbours(shapes):
     assert len(levels.bounds) > 20
 
 
-def test_says_when_the_matrix_is_not_positive_definite(shapes):
+def test_says_when_the_matrix_is_not_positive_definite(shapes: type[Shapes]) -> None:
     stiffness = build_operator(shapes.sphere(2)).stiffness.tocsr()
     with pytest.raises(np.linalg.LinAlgError, match="positive definite"):
         inverse_diagonal(-stiffness, level_structure(stiffness))

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 import trimesh
@@ -14,8 +17,9 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import BOUNDARIES, LAPLACIANS, build_operator
 from shapegoogle_core.mesh import Mesh, read_mesh
-from shapegoogle_core.spectral import compute_spectrum
+from shapegoogle_core.spectral import compute_spectrum, eigensolver
 from shapegoogle_core.spectral import spectrum as spectrum_module
+from tests.core.conftest import Shapes
 
 ON_FACES = sorted(set(LAPLACIANS) - {"point-cloud"})
 # What needs only as many degrees of freedom as there are vertices.
@@ -37,7 +41,7 @@ def relative_error(values: np.ndarray, expected: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("laplacian", OPERATORS)
-def test_sphere_converges_with_its_multiplicities(laplacian, shapes):
+def test_sphere_converges_with_its_multiplicities(laplacian: str, shapes: type[Shapes]) -> None:
     k = 25
     expected = sphere_eigenvalues(k)
     meshes = [shapes.sphere(subdivisions) for subdivisions in (2, 3, 4)]
@@ -49,7 +53,7 @@ def test_sphere_converges_with_its_multiplicities(laplacian, shapes):
 
 
 @pytest.mark.parametrize("laplacian", OPERATORS)
-def test_flat_torus_converges(laplacian, shapes):
+def test_flat_torus_converges(laplacian: str, shapes: type[Shapes]) -> None:
     k = 13
     expected = flat_eigenvalues(2.0, 1.2, k, 2 * np.pi, range(-4, 5))
     errors = [
@@ -64,7 +68,7 @@ def test_flat_torus_converges(laplacian, shapes):
 
 
 @pytest.mark.parametrize("laplacian", OPERATORS)
-def test_open_rectangle_has_natural_boundary_conditions(laplacian, shapes):
+def test_open_rectangle_has_natural_boundary_conditions(laplacian: str, shapes: type[Shapes]) -> None:
     k = 12
     expected = flat_eigenvalues(1.7, 1.0, k, np.pi, range(8))
     errors = [
@@ -79,7 +83,7 @@ def test_open_rectangle_has_natural_boundary_conditions(laplacian, shapes):
 
 
 @pytest.mark.parametrize("laplacian", OPERATORS)
-def test_pairs_are_sorted_orthonormal_and_of_fixed_sign(laplacian, bumpy):
+def test_pairs_are_sorted_orthonormal_and_of_fixed_sign(laplacian: str, bumpy: Mesh) -> None:
     spectrum = compute_spectrum(bumpy, 40, laplacian)
     operator = build_operator(bumpy, laplacian)
     vectors = spectrum.eigenvectors
@@ -87,7 +91,7 @@ def test_pairs_are_sorted_orthonormal_and_of_fixed_sign(laplacian, bumpy):
     assert (spectrum.eigenvalues >= 0).all()
     np.testing.assert_allclose(vectors.T @ (operator.mass @ vectors), np.eye(40), atol=1e-9)
     residual = operator.stiffness @ vectors - (operator.mass @ vectors) * spectrum.eigenvalues
-    assert np.abs(residual).max() < 1e-9 * np.abs(operator.stiffness).max() * np.abs(vectors).max()
+    assert np.abs(residual).max() < 1e-9 * abs(operator.stiffness).max() * np.abs(vectors).max()
     largest = np.abs(vectors).argmax(axis=0)
     assert (vectors[largest, np.arange(40)] > 0).all()
     np.testing.assert_allclose(spectrum.mass.sum(), bumpy.area, rtol=1e-9)
@@ -99,7 +103,7 @@ def lapy_eigenvalues(mesh: Mesh, k: int, lump: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("laplacian", "lump"), [("cotangent", True), ("fem1", False)])
-def test_agrees_with_lapy(laplacian, lump, bumpy):
+def test_agrees_with_lapy(laplacian: str, lump: bool, bumpy: Mesh) -> None:
     expected = lapy_eigenvalues(bumpy, 30, lump)
     values = compute_spectrum(bumpy, 30, laplacian).eigenvalues
     # LaPy stores single precision.
@@ -108,7 +112,7 @@ def test_agrees_with_lapy(laplacian, lump, bumpy):
 
 @pytest.mark.real_data
 @pytest.mark.parametrize("name", ["tosca/cat0.ply", "tosca/gorilla5.ply", "tosca_remeshed/8_gorilla_01.ply"])
-def test_agrees_with_lapy_on_real_meshes(name, data_folder):
+def test_agrees_with_lapy_on_real_meshes(name: str, data_folder: Path) -> None:
     mesh = read_mesh(data_folder / name)
     for laplacian, lump in (("fem1", False), ("cotangent", True)):
         expected = lapy_eigenvalues(mesh, 50, lump)
@@ -119,7 +123,7 @@ def test_agrees_with_lapy_on_real_meshes(name, data_folder):
     np.testing.assert_allclose(robust, values, rtol=0.12, atol=1e-6 * values[-1])
 
 
-def test_components_have_a_zero_each_and_the_union_of_their_spectra(shapes):
+def test_components_have_a_zero_each_and_the_union_of_their_spectra(shapes: type[Shapes]) -> None:
     bumpy, sphere = shapes.bumpy(3), shapes.sphere(2)
     n = len(bumpy.vertices)
     both = Mesh(
@@ -133,7 +137,7 @@ def test_components_have_a_zero_each_and_the_union_of_their_spectra(shapes):
     assert (supports[:n].any(axis=0) ^ supports[n:].any(axis=0)).all()
 
 
-def test_one_large_component_of_few_vertices_beside_a_small_one_of_many(shapes):
+def test_one_large_component_of_few_vertices_beside_a_small_one_of_many(shapes: type[Shapes]) -> None:
     """Weyl's law promises the coarse component more pairs than it has vertices; the other makes up for it."""
     box, ball = trimesh.creation.box((10, 10, 10)), shapes.sphere(3)
     both = Mesh(
@@ -144,7 +148,7 @@ def test_one_large_component_of_few_vertices_beside_a_small_one_of_many(shapes):
     assert (np.abs(spectrum.eigenvectors[:8]) > 0).any(axis=0).sum() == 8
 
 
-def test_more_components_than_eigenpairs():
+def test_more_components_than_eigenpairs() -> None:
     triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
     vertices = np.concatenate([triangle * (1 + i) + 10 * i for i in range(30)])
     spectrum = compute_spectrum(Mesh(vertices, np.arange(90).reshape(30, 3)), 12)
@@ -154,7 +158,7 @@ def test_more_components_than_eigenpairs():
     )
 
 
-def test_of_too_many_components_the_largest_are_kept(shapes):
+def test_of_too_many_components_the_largest_are_kept(shapes: type[Shapes]) -> None:
     """Which parts get heat must not hang on rounding: a rotation changes nothing."""
     triangle = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]])
     sizes = np.random.default_rng(0).permutation(30) + 1
@@ -169,7 +173,9 @@ def test_of_too_many_components_the_largest_are_kept(shapes):
 
 
 @pytest.mark.parametrize(("mesh", "k"), [("sphere", 200), ("torus", 120)])
-def test_iterative_solver_agrees_with_the_dense_one(mesh, k, shapes, monkeypatch):
+def test_iterative_solver_agrees_with_the_dense_one(
+    mesh: str, k: int, shapes: type[Shapes], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Multiple eigenvalues are where a Krylov method could miss some."""
     surface = shapes.sphere(3) if mesh == "sphere" else shapes.flat_torus(2.0, 1.2, 30)
     iterative = compute_spectrum(surface, k)
@@ -180,7 +186,7 @@ def test_iterative_solver_agrees_with_the_dense_one(mesh, k, shapes, monkeypatch
 
 @settings(max_examples=10, deadline=None)
 @given(exponent=st.floats(-6, 6), laplacian=st.sampled_from(OPERATORS), seed=st.integers(0, 1000))
-def test_eigenvalues_scale_with_the_inverse_area(exponent, laplacian, seed):
+def test_eigenvalues_scale_with_the_inverse_area(exponent: float, laplacian: str, seed: int) -> None:
     mesh = trimesh.creation.icosphere(2)
     vertices = mesh.vertices * np.random.default_rng(seed).uniform(0.8, 1.2, (len(mesh.vertices), 1))
     scale = 10.0**exponent
@@ -189,14 +195,14 @@ def test_eigenvalues_scale_with_the_inverse_area(exponent, laplacian, seed):
     np.testing.assert_allclose(large[1:] * scale**2, small[1:], rtol=1e-6)
 
 
-def test_asks_for_no_more_pairs_than_vertices():
+def test_asks_for_no_more_pairs_than_vertices() -> None:
     box = trimesh.creation.box()
     spectrum = compute_spectrum(Mesh(box.vertices, box.faces), 100)
     assert spectrum.eigenvalues.shape == (8,)
     assert spectrum.eigenvectors.shape == (8, 8)
 
 
-def test_refuses_what_has_no_operator(bumpy):
+def test_refuses_what_has_no_operator(bumpy: Mesh) -> None:
     with pytest.raises(ValueError, match="laplacian must be one of"):
         compute_spectrum(bumpy, 10, "graph")
     with pytest.raises(ValueError, match="at least 1"):
@@ -209,14 +215,16 @@ def test_refuses_what_has_no_operator(bumpy):
 
 
 @pytest.mark.parametrize("laplacian", OPERATORS)
-def test_long_strip(laplacian, shapes):
+def test_long_strip(laplacian: str, shapes: type[Shapes]) -> None:
     spectrum = compute_spectrum(shapes.rectangle(100.0, 1.0, 600), 20, laplacian)
     expected = (np.pi * np.arange(20) / 100) ** 2
     np.testing.assert_allclose(spectrum.eigenvalues[1:], expected[1:], rtol=0.01)
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)
-def test_blas_has_one_thread_meanwhile_and_its_own_number_afterwards(boundary, monkeypatch, shapes):
+def test_blas_has_one_thread_meanwhile_and_its_own_number_afterwards(
+    boundary: str, monkeypatch: pytest.MonkeyPatch, shapes: type[Shapes]
+) -> None:
     def blas_threads() -> set[int]:
         # Of what spectra are computed with; others, such as faiss, bring a BLAS of their own when loaded.
         return {
@@ -226,10 +234,10 @@ def test_blas_has_one_thread_meanwhile_and_its_own_number_afterwards(boundary, m
             and any(name in library["filepath"] for name in ("numpy", "scipy"))
         }
 
-    seen = []
-    solve = spectrum_module.smallest_pairs
+    seen: list[set[int]] = []
+    solve = eigensolver.smallest_pairs
 
-    def watched(*arguments, **options):
+    def watched(*arguments: Any, **options: Any) -> Any:
         seen.append(blas_threads())
         return solve(*arguments, **options)
 
