@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Measuring the product; not shipped with it."""
+"""Measurements of Shape Google, figures of its documentation and training of its models; not shipped."""

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""Measurements of single parts of the search, each a command."""
+"""Measurements of single parts of the search, each a subcommand of `python -m benchmarks`."""

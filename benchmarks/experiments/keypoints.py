@@ -87,7 +87,7 @@ class Null:
 
 def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
     """Detect the keypoints of a shape and all its versions; one row for each version and detector."""
-    settings = PRESETS["default" if options.preparation == "mended" else "paper"]
+    settings = PRESETS["default" if options.preparation == "preprocessed" else "paper"]
     rows = []
     try:
         versions = null.versions(options.strengths)
@@ -177,7 +177,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--strengths", type=int, nargs="+", choices=range(1, 6), default=STRENGTHS, metavar="N"
     )
     parser.add_argument(
-        "--preparation", choices=("mended", "paper"), default="mended", help="of the meshes (%(default)s)"
+        "--preparation",
+        choices=("preprocessed", "paper"),
+        default="preprocessed",
+        help="of the meshes (%(default)s)",
     )
     parser.add_argument(
         "--jobs", type=number_from(1), default=1, metavar="N", help="worker processes (%(default)s)"

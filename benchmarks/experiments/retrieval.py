@@ -25,8 +25,8 @@ cumulative gain.
 --variants    models: only the models of --model, which takes minutes for hundreds of shapes;
               all: also the paper's descriptors, bags, vocabularies and codes, other descriptors and
               baselines, learnt from procedural creatures (and from --train), which takes hours at first;
-              or names of rows with * and ?, such as "HKS*48 words". "*, by area · 48 words · mended" has all
-              local descriptors in the same bag of words on preprocessed meshes.
+              or names of rows with * and ?, such as "HKS*48 words"; all local descriptors in the same bag of
+              words on preprocessed meshes are "*, by area · 48 words · preprocessed".
 
 Intermediate results are kept in --cache: an interrupted run continues where it stopped, and a second one is
 quick. A thousand shapes take some megabytes for the models and 8 GB for all variants; the folder can be

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a benchmark asks, and among what: null shapes, unrelated ones, queries (paper, section 6.1)."""
+"""Collections of a benchmark: null shapes, unrelated shapes and queries (paper, section 6.1)."""
 
 from __future__ import annotations
 
@@ -33,35 +33,35 @@ __all__ = [
 NULL, NEGATIVE, ISOMETRY = "null", "negative", "isometry"
 STRENGTHS = (1, 2, 3, 4, 5)
 
-# Names of null shapes in the original data end so; here it is left away.
+# Suffix of the names of null shapes in the original data, which is removed here.
 _NULL_ENDING = re.compile(r"\.null(\.0)?$")
-# So many wrong names are told.
-_TOLD = 10
+# Largest number of wrong names in a message.
+_REPORTED = 10
 
 
 class NotMakeableError(MeshError):
-    """A query cannot be made of its null shape: it is left out of the benchmark, nobody failed."""
+    """A query cannot be generated from its null shape; it is left out and does not count as a failure."""
 
 
 @dataclass(frozen=True)
 class BenchmarkShape:
-    """One mesh of a benchmark, made where it is needed: in a worker process.
+    """One mesh of a benchmark, read or generated in the worker process that needs it.
 
     Attributes
     ----------
     name : str
-        In the database the stem of the file, such as "cat0"; of a query "<null>.<transformation>.<strength>",
-        as in the original data: "cat0.noise.3".
+        For a shape of the database the stem of the file, such as "cat0"; for a query
+        "<null>.<transformation>.<strength>" as in the original data, such as "cat0.noise.3".
     path : Path
-        The file that the mesh is read, or made, from.
+        File of the mesh, or of the null shape it is generated from.
     relevant : str
-        Of a query: name of its null shape. Of a database shape: its own name.
+        For a query the name of its null shape, for a shape of the database its own name.
     transformation : str
         "null" (a null shape), "negative" (unrelated), "isometry" or one of `TRANSFORMATIONS`.
     strength : int
         0 in the database, 1 … 5 for queries.
     seed : int or None
-        None: the file is the shape. Else it is made of it: see `transform`.
+        Seed of the transformation, see `transform`; None if the file is the shape.
     """
 
     name: str
@@ -96,13 +96,13 @@ class BenchmarkShape:
 
 @dataclass(frozen=True)
 class Collection:
-    """Ranked retrieval: find the null shape that the query is a version of.
+    """Collection for ranked retrieval: each query is a version of one null shape.
 
     Attributes
     ----------
     name : str
     database : tuple of BenchmarkShape
-        Null shapes and unrelated ones; names are unique.
+        Null shapes and unrelated shapes; names are unique.
     queries : tuple of BenchmarkShape
         Each has its null shape in the database; names are unique.
 
@@ -120,14 +120,14 @@ class Collection:
         problems = _repeated(self.database, "the database") + _repeated(self.queries, "the queries")
         nulls = {shape.name for shape in self.database if shape.transformation == NULL}
         problems += [
-            f"the query '{query.path.name}' asks for {query.relevant!r}, which is none of the null shapes"
+            f"the query '{query.path.name}' is a version of {query.relevant!r}, which is not a null shape"
             for query in self.queries
             if query.relevant not in nulls
         ]
         _refuse(self.name, problems)
 
     def counts(self) -> dict[str, int]:
-        """How many shapes there are: "database", of them "nulls" and "negatives", and "queries"."""
+        """Return the numbers of shapes: "database", consisting of "nulls" and "negatives", and "queries"."""
         nulls = sum(shape.transformation == NULL for shape in self.database)
         return {
             "database": len(self.database),
@@ -139,7 +139,7 @@ class Collection:
 
 @dataclass(frozen=True)
 class LabelledCollection:
-    """Every shape asks for the others of its class.
+    """Collection in which every shape queries for the others of its class.
 
     Attributes
     ----------
@@ -179,9 +179,11 @@ def _repeated(shapes: Sequence[BenchmarkShape], where: str) -> list[str]:
 
 def _refuse(name: str, problems: list[str]) -> None:
     if problems:
-        told = problems[:_TOLD] + ([f"… and {len(problems) - _TOLD} more"] if len(problems) > _TOLD else [])
+        shown = problems[:_REPORTED] + (
+            [f"… and {len(problems) - _REPORTED} more"] if len(problems) > _REPORTED else []
+        )
         raise BenchmarkError(
-            f"{name!r} is no benchmark:\n  " + "\n  ".join(told) + "\nRename or move the files"
+            f"{name!r} is not a valid collection:\n  " + "\n  ".join(shown) + "\nRename or move the files"
         )
 
 
@@ -193,7 +195,7 @@ def database_shape(path: Path, transformation: str, name: str = "") -> Benchmark
     path : Path
     transformation : {"null", "negative"}
     name : str, optional
-        Left out, the stem of the file, without the ".null.0" of the original data.
+        Default: the stem of the file, without the ".null.0" of the original data.
 
     Returns
     -------
@@ -206,7 +208,7 @@ def database_shape(path: Path, transformation: str, name: str = "") -> Benchmark
 def generated_queries(
     nulls: Iterable[BenchmarkShape], transformations: Iterable[str] = TRANSFORMATIONS, seed: int = 0
 ) -> tuple[BenchmarkShape, ...]:
-    """Plan queries of all strengths that are made of the null shapes.
+    """List queries of all strengths to generate from the null shapes.
 
     Parameters
     ----------
@@ -237,7 +239,7 @@ def read_collection(
     seed: int = 0,
     generate: bool = True,
 ) -> Collection:
-    """Make a benchmark of folders of mesh files.
+    """Make a collection from folders of mesh files.
 
     Parameters
     ----------
@@ -250,9 +252,9 @@ def read_collection(
         Folder of queries, named "<null>.<transformation>.<strength>.<suffix>", such as
         "0001.isometry.3.off". Names of transformations may be written without their underscore.
     seed : int
-        Of what is generated.
+        Seed of the generated queries.
     generate : bool
-        Make queries of the null shapes for each of `TRANSFORMATIONS` that the folder has none of.
+        Whether to generate queries for each of `TRANSFORMATIONS` that the folder of queries lacks.
 
     Returns
     -------
@@ -264,7 +266,7 @@ def read_collection(
     MeshError
         If a folder is missing or holds no meshes.
     BenchmarkError
-        If names do not fit, all of them told, or there is no query.
+        If names do not fit, all of which are named, or there are no queries.
     """
     name = Path(nulls).resolve().name
     wanted = [database_shape(path, NULL) for path in find_meshes([nulls])]
@@ -289,7 +291,7 @@ def _read_queries(paths: Sequence[Path], name: str) -> list[BenchmarkShape]:
         if len(parts) != 3:
             problems.append(f"'{path.name}' is not named <null>.<transformation>.<strength>{path.suffix}")
         elif kind is None:
-            problems.append(f"'{path.name}': {parts[1]!r} is none of {', '.join(spelt.values())}")
+            problems.append(f"'{path.name}': {parts[1]!r} is not one of {', '.join(spelt.values())}")
         elif not re.fullmatch("[1-5]", parts[2]):
             problems.append(f"'{path.name}': the strength must be 1 … 5, not {parts[2]!r}")
         else:
@@ -300,7 +302,7 @@ def _read_queries(paths: Sequence[Path], name: str) -> list[BenchmarkShape]:
 
 
 def read_labelled(folder: str | Path) -> LabelledCollection:
-    """Make a labelled collection of a folder with one sub-folder for each class.
+    """Make a labelled collection from a folder with one sub-folder for each class.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What the benchmark's own variants are learnt from: procedural creatures, and a folder of meshes if given.
+"""Training shapes of the variants: procedural creatures and, if given, a folder of meshes.
 
-Never the shapes that are measured with.
+Shapes that are evaluated are never among them.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
 __all__ = ["INDIVIDUALS", "VERSIONS", "CreatureVersion", "FileVersion", "training_versions"]
 
 INDIVIDUALS = 4
-"""Of each kind of creature."""
+"""Individuals of each kind of creature."""
 
 VERSIONS = 3
-"""Transformed ones of each shape, besides itself."""
+"""Transformed versions of each shape, besides the shape itself."""
 
-# All descriptions forget the size.
+# All descriptions are independent of scale.
 _KINDS = tuple(kind for kind in TRANSFORMATIONS if kind != "scale")
 
 
 @dataclass(frozen=True)
 class CreatureVersion:
-    """One version of a creature, made where it is needed.
+    """One version of a creature, generated in the worker process that needs it.
 
     Attributes
     ----------
     creature : str
-        Its kind.
+        Kind of the creature.
     individual : int
     pose : int
     transformation : str
@@ -67,11 +67,11 @@ class CreatureVersion:
 
     @property
     def key(self) -> str:
-        """Digest of all that the mesh is made from."""
+        """Digest of everything the mesh is made from."""
         return digest(self.name, self.seed, code_digest(("benchmarks/creatures",)))
 
     def mesh(self) -> Mesh:
-        """Make the mesh; raises `MeshError` if it cannot be."""
+        """Make the mesh; raise `MeshError` if it cannot be made."""
         mesh = _creature(self.creature, self.individual).pose(self.pose)
         if self.transformation in (NULL, ISOMETRY):
             return mesh
@@ -85,7 +85,7 @@ def _creature(kind: str, individual: int) -> Creature:
 
 @dataclass(frozen=True)
 class FileVersion:
-    """One version of the shape of a mesh file, made where it is needed.
+    """One version of the shape of a mesh file, generated in the worker process that needs it.
 
     Attributes
     ----------
@@ -114,11 +114,11 @@ class FileVersion:
 
     @property
     def key(self) -> str:
-        """Digest of all that the mesh is made from."""
+        """Digest of everything the mesh is made from."""
         return digest(self.content, self.transformation, self.strength, self.seed)
 
     def mesh(self) -> Mesh:
-        """Make the mesh; raises `MeshError` if it cannot be."""
+        """Make the mesh; raise `MeshError` if it cannot be made."""
         mesh = read_mesh(self.path)
         if self.transformation == NULL:
             return mesh
@@ -130,13 +130,13 @@ class FileVersion:
 def training_versions(
     train: str | Path | None = None, seed: int = 0, individuals: int = INDIVIDUALS
 ) -> tuple[CreatureVersion | FileVersion, ...]:
-    """Plan what to learn from.
+    """List the training shapes.
 
     Parameters
     ----------
     train : str or Path, optional
-        Folder of meshes to learn from too. The files of a sub-folder are one shape, and so are files that
-        differ in "-pose3" at the end of their names alone.
+        Folder of additional meshes. The files of a sub-folder are one shape, and so are files whose names
+        differ only in an ending such as "-pose3".
     seed : int
         Of the transformations.
     individuals : int
@@ -145,8 +145,8 @@ def training_versions(
     Returns
     -------
     versions : tuple of CreatureVersion and FileVersion
-        Each shape as it is and in `VERSIONS` transformed ones: creatures in other poses, files bent now and
-        then in place of that.
+        Each shape as it is and in `VERSIONS` transformed versions: creatures in other poses, and some of the
+        files bent instead.
 
     Raises
     ------

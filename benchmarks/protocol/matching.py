@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a variant of the search is: a name, and distances from queries to a database."""
+"""Variants of the search: their names, and their distances from queries to a database."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class Variant:
     Attributes
     ----------
     name : str
-        Unlike those of all other variants.
+        Unique.
     family : {"baseline", "bags", "codes", "model"}
     parameters : dict of str to str, int or float
-        Columns of the overview.
+        Columns of the table of all variants.
     headline : bool
-        Whether labelled collections are scored with it too.
+        Whether labelled collections are scored too.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """The distances that a variant gives.
+    """Distances of a variant.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class Matched:
     distances : (q, d) array
         Infinite to or from a shape that could not be described.
     seconds : float
-        To match one query with the database, once all are described.
+        Time to match one described query with the described database.
     bytes_per_shape : int
-        What is kept of a database shape to match with.
+        Size of what is stored of a database shape for matching.
     describe_seconds : float
         As in `VariantResult`.
     """
@@ -66,14 +66,14 @@ class Matched:
 
 
 class VariantGroup(Protocol):
-    """Variants that share what they compute of each shape."""
+    """Variants that share a description of each shape."""
 
     @property
     def variants(self) -> tuple[Variant, ...]:
         """In the order of the table."""
 
     def only(self, names: set[str]) -> Self:
-        """Leave the variants with other names out."""
+        """Return the group without the variants of other names."""
 
     def match(
         self, workshop: Workshop, queries: Sequence[BenchmarkShape], database: Sequence[BenchmarkShape]
@@ -95,7 +95,7 @@ def between(
     ----------
     variant : Variant
     distance : callable
-        Of (q, …) and (d, …) rows without NaN, gives (q, d).
+        Takes (q, …) and (d, …) rows without NaN, returns a (q, d) array.
     queries, database : (q, …) and (d, …) arrays
         From `stacked`: rows of NaN are shapes that failed.
     bytes_per_shape : int
@@ -115,7 +115,7 @@ def between(
 
 
 def stacked(descriptions: Sequence[Arrays | None], name: str) -> FloatBags:
-    """One row for each shape.
+    """Stack descriptions, one row for each shape.
 
     Parameters
     ----------
@@ -138,12 +138,12 @@ def stacked(descriptions: Sequence[Arrays | None], name: str) -> FloatBags:
 
 
 def median_seconds(descriptions: Iterable[Arrays | None]) -> float:
-    """Median of the processor time that descriptions took, of those that did not fail.
+    """Compute the median processor time of the descriptions that did not fail.
 
     Parameters
     ----------
     descriptions : iterable of dict of str to array, or None
-        From `Workshop.describe`; "seconds" holds the time, also of those that were found in the cache.
+        From `Workshop.describe`; "seconds" is the time, which the cache keeps too.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""How good an order of answers is: ranks, mean average precision by strength, ROC, and scores of categories.
+"""Measures of retrieval: ranks, mean average precision by strength, ROC, and scores of categories.
 
-Everything here needs distances only in their order: any increasing function of them gives the same scores.
-Equal distances, which binary codes have many of, never count in a query's favour by chance: their places
-are shared.
+Only the order of distances matters: any increasing function of them has the same scores. Shapes at equal
+distances, which are frequent with binary codes, share the mean of their ranks, so that ties do not favour a
+query by chance.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Roc:
     false_positive_rate, true_positive_rate : (t,) array
         From (0, 0) to (1, 1), one point for each distinct distance taken as the threshold.
     equal_error_rate : float
-        Where as many unrelated pairs are accepted as related ones are refused, as shares of their kind.
+        False positive rate where it equals the false negative rate.
     """
 
     false_positive_rate: FloatArray
@@ -74,7 +74,7 @@ class Roc:
         Parameters
         ----------
         most : int
-            How many points at most, spread evenly along the curve as it is seen.
+            Largest number of points, spread evenly along the plotted curve.
 
         Returns
         -------
@@ -99,7 +99,7 @@ class PrecisionRecall:
     precision: FloatArray
 
     def points(self, most: int = 200) -> list[list[float]]:
-        """List [recall, precision] for a plot, at most so many points."""
+        """List [recall, precision] for a plot, with at most `most` points."""
         return _thinned(self.recall, self.precision, self.recall, most)
 
 
@@ -125,20 +125,20 @@ class CategoryScores:
 
 
 def ranks(distances: ArrayLike, relevant: ArrayLike) -> FloatArray:
-    """At which place the relevant shape stands.
+    """Compute the rank of the relevant shape of each query.
 
     Parameters
     ----------
     distances : (q, d) array_like
-        From every query to every database shape; infinite ones stand last.
+        From every query to every database shape; infinite for shapes that are last.
     relevant : (q,) array_like of int
         Column of the shape that each query should find.
 
     Returns
     -------
     ranks : (q,) array
-        1 is the first. Shapes at the same distance share the mean of their places, so a search that gives
-        all shapes the same distance gets the middle rank, (d + 1) / 2.
+        1 is the first. Shapes at the same distance share the mean of their ranks, so a search with equal
+        distances to all shapes has the middle rank, (d + 1) / 2.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def ranks(distances: ArrayLike, relevant: ArrayLike) -> FloatArray:
 def strength_table(
     ranks: ArrayLike, transformations: Sequence[str], strengths: Sequence[int]
 ) -> dict[str, list[float]]:
-    """Mean average precision of each transformation class up to each strength (paper, section 6.1).
+    """Compute the mean average precision of each class up to each strength (paper, section 6.1).
 
     A query has one relevant shape, so its average precision is the reciprocal of its rank.
 
@@ -178,9 +178,9 @@ def strength_table(
     Returns
     -------
     table : dict of str to list of 5 floats
-        Mean reciprocal rank × 100 over the queries of strength ≤ 1 … 5 of each class that was asked, in the
-        order of `CLASSES`; NaN before the least strength that was asked. Last "average", the mean of the
-        classes that were asked up to this strength, however many queries each has.
+        Mean reciprocal rank × 100 over the queries of strength ≤ 1 … 5 of each class with queries, in the
+        order of `CLASSES`; NaN below the least strength with queries. The last row "average" is the mean of
+        the classes with queries up to this strength, all with equal weight.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def strength_table(
 
 
 def roc(distances: ArrayLike, relevant_mask: ArrayLike) -> Roc:
-    """Tell related from unrelated pairs by one threshold for all queries.
+    """Compute the ROC of separating related from unrelated pairs by one threshold for all queries.
 
     Parameters
     ----------
@@ -245,10 +245,10 @@ def roc(distances: ArrayLike, relevant_mask: ArrayLike) -> Roc:
 
 
 def precision_recall(distances: ArrayLike, relevant_mask: ArrayLike) -> PrecisionRecall:
-    """Precision against recall of all pairs together, under one threshold for all queries.
+    """Compute precision against recall of all pairs together, with one threshold for all queries.
 
-    Of a single query with one relevant shape the curve would be a point; together they show how far a
-    distance can be trusted without knowing what was asked.
+    For a single query with one relevant shape the curve would be a point; for all queries together it shows
+    how reliable a distance is without knowledge of the query.
 
     Parameters
     ----------
@@ -269,16 +269,16 @@ def precision_recall(distances: ArrayLike, relevant_mask: ArrayLike) -> Precisio
 
 
 def category_scores(distances: ArrayLike, labels: Sequence[str]) -> CategoryScores:
-    """Score a labelled collection in which every shape asks for the others of its class.
+    """Score a labelled collection in which every shape queries for the others of its class.
 
-    A class of one member asks nothing, but stands among the answers. Scores are means over the queries.
-    Answers at one distance are taken in every order alike: the scores are the expected ones. The gain of a
-    perfect order, by which the discounted gain is divided, is that of the C − 1 others of the class.
+    The only member of a class is no query, but can be a match of others. Scores are means over the queries,
+    and expectations over all orders of matches at equal distances. The discounted gain is divided by that of
+    a perfect order of the C − 1 others of the class.
 
     Parameters
     ----------
     distances : (n, n) array_like
-        From the shape of the row to the shape of the column; what stands on the diagonal does not matter.
+        From the shape of the row to the shape of the column; the diagonal does not matter.
     labels : sequence of n str
         Class of each shape.
 
@@ -333,7 +333,7 @@ def _mean(values: FloatArray) -> float:
 
 
 def _accepted(distances: ArrayLike, relevant_mask: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """How many pairs each threshold accepts, and how many of them are related, (t,) each."""
+    """Count the pairs that each threshold accepts, and the related ones among them, (t,) each."""
     values, related = np.asarray(distances, float), np.asarray(relevant_mask)
     if values.shape != related.shape or related.dtype != bool:
         raise ValueError(
@@ -351,7 +351,7 @@ def _accepted(distances: ArrayLike, relevant_mask: ArrayLike) -> tuple[FloatArra
 
 
 def _thinned(x: FloatArray, y: FloatArray, seen_x: FloatArray, most: int) -> list[list[float]]:
-    """Points of a curve, at even distances along it where it is drawn over `seen_x`; both ends are kept."""
+    """Choose points at even distances along a curve as plotted over `seen_x`; both ends are kept."""
     if len(x) > most:
         wide = max(float(np.ptp(seen_x)), np.finfo(float).tiny)
         steps = np.hypot(np.diff(seen_x) / wide, np.diff(y))
@@ -363,7 +363,7 @@ def _thinned(x: FloatArray, y: FloatArray, seen_x: FloatArray, most: int) -> lis
 
 
 def _expected_gains(distances: FloatArray, right: BoolArray) -> FloatArray:
-    """How likely the answer at each place is right, when answers at one distance are shuffled, (n,)."""
+    """Compute the probability that the match of each rank is right, for random orders of ties, (n,)."""
     order = np.argsort(distances, kind="stable")
     _, group, sizes = np.unique(distances[order], return_inverse=True, return_counts=True)
     gains: FloatArray = (np.bincount(group, right[order]) / sizes)[group]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""From the distances of a variant to its line in the result."""
+"""Scoring of a variant's distances."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ __all__ = ["score_variant"]
 
 
 class Query(Protocol):
-    """What scoring needs to know of a query; a `BenchmarkShape` is one."""
+    """A query, such as a `BenchmarkShape`."""
 
     @property
     def name(self) -> str:
-        """Of the query."""
+        """Name of the query."""
 
     @property
     def relevant(self) -> str:
@@ -30,7 +30,7 @@ class Query(Protocol):
 
     @property
     def transformation(self) -> str:
-        """What was done to it."""
+        """Transformation class."""
 
     @property
     def strength(self) -> int:
@@ -48,15 +48,15 @@ def score_variant(
     bytes_per_shape: int,
     describe_seconds: float = math.nan,
 ) -> VariantResult:
-    """Score distances from queries to a database by every measure of the table.
+    """Score distances from queries to a database with all measures.
 
     Parameters
     ----------
     name, family, parameters, seconds, bytes_per_shape, describe_seconds
         As in `VariantResult`.
     distances : (q, d) array_like
-        Infinite for a shape that could not be described. A query with no finite distance failed: it counts
-        as if the relevant shape stood last.
+        Infinite for a shape that could not be described. A query without finite distances failed and counts
+        as if its relevant shape were last.
     queries : sequence of q BenchmarkShape
     database : sequence of d str
         Names.
@@ -88,7 +88,7 @@ def score_variant(
     outcomes = []
     for row, query in enumerate(queries):
         wanted, first = relevant[row], int(matrix[row].argmin())
-        # A tie for the first place is no mistake; it shows in the rank.
+        # A tie for the first rank is not an error; the rank reflects it.
         first = int(wanted) if matrix[row, wanted] == matrix[row, first] else first
         outcomes.append(
             QueryOutcome(

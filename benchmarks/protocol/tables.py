@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The table of classes as text: for the terminal and for Markdown."""
+"""The table of classes as text, for the terminal and for Markdown."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COLUMN_WIDTH = 12
 
 
 def chosen_variants(result: BenchmarkResult, most: int = 6) -> list[VariantResult]:
-    """Pick the variants that a reader wants to see side by side.
+    """Choose the variants to show side by side.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def chosen_variants(result: BenchmarkResult, most: int = 6) -> list[VariantResul
     Returns
     -------
     variants : list of VariantResult
-        The search as a user gets it first; then the best of the other families and the remaining models, and
-        the rest by their average where there is room. The search apart, the best come first.
+        First the search; then the best variant of each other family, the remaining models and the variants
+        with the highest averages, sorted by their averages.
     """
     ranked = sorted(result.variants, key=_goodness, reverse=True)
     best = {family: _first_of(ranked, family) for family in ("codes", "bags", "baseline")}
@@ -54,7 +54,7 @@ def class_names(result: BenchmarkResult) -> list[str]:
 
 
 def text_table(result: BenchmarkResult) -> str:
-    """Lay out the table of classes for a terminal.
+    """Format the table of classes for a terminal.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def text_table(result: BenchmarkResult) -> str:
 
 
 def _wrapped(name: str) -> list[str]:
-    """Lines of a heading: parts of the name start anew, long ones are broken."""
+    """Break a heading into lines: one for each part of the name, more for long parts."""
     return [
         line
         for part in name.split(" · ")

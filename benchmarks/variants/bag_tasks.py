@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is computed of each shape for the paper's variants: descriptors to learn from, and bags."""
+"""Computations for each shape of the paper's variants: descriptors to learn from, and bags."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _SAMPLED_VERTICES = 100  # of each version, to learn vocabularies from
 
 @dataclass(frozen=True)
 class Preparation:
-    """How meshes become spectra.
+    """Preprocessing and spectrum of meshes.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Descriptor:
 
     @property
     def key(self) -> str:
-        """Digest of what its values depend on."""
+        """Digest of everything its values depend on."""
         return digest(self.kind, self.parameters, code_digest(("shapegoogle_core/descriptors",)))
 
     def values(self, shape: WorkingShape, name: str) -> FloatArray:
@@ -116,7 +116,7 @@ Vocabularies = dict[int, Arrays]
 
 @dataclass(frozen=True)
 class SampleTask:
-    """Take descriptors at some vertices of a shape."""
+    """Computes descriptors at some vertices of a shape."""
 
     preparation: Preparation
     descriptor: Descriptor
@@ -124,18 +124,18 @@ class SampleTask:
 
     @property
     def title(self) -> str:
-        """What progress calls it."""
+        """Description in the progress bar."""
         return f"{self.descriptor.name}, {self.preparation.name}: descriptors to learn from"
 
     @property
     def key(self) -> str:
-        """Digest of what its values depend on, besides the shape."""
+        """Digest of everything its values depend on besides the shape."""
         return digest(preparation_of(self.preparation.settings), self.descriptor.key, _SAMPLED_VERTICES)
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
         """Compute "descriptors" (s, d) of a shape."""
         shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
-        # Every version has its own vertices, independent of the code that makes it.
+        # A seed of the name's own, so that the choice does not depend on the code's digest.
         random = np.random.default_rng(zlib.crc32(source.name.encode()))
         chosen = random.permutation(len(shape.mesh.vertices))[:_SAMPLED_VERTICES]
         return {"descriptors": self.descriptor.values(shape, source.name)[chosen]}
@@ -143,7 +143,7 @@ class SampleTask:
 
 @dataclass(frozen=True)
 class BagsTask:
-    """Compute bags of a shape for several vocabularies, one after the other in one array."""
+    """Computes bags of a shape for several vocabularies, concatenated in one array."""
 
     preparation: Preparation
     descriptor: Descriptor
@@ -154,13 +154,13 @@ class BagsTask:
 
     @property
     def title(self) -> str:
-        """What progress calls it."""
+        """Description in the progress bar."""
         to_learn = " to learn from" if self.hard else ""
         return f"{self.descriptor.name}, {self.preparation.name}: bags{to_learn}"
 
     @property
     def key(self) -> str:
-        """Digest of what its values depend on, besides the shape."""
+        """Digest of everything its values depend on besides the shape."""
         vocabularies = [
             [words, entry["centers"], entry["sigma"]] for words, entry in sorted(self.vocabularies.items())
         ]
@@ -173,7 +173,7 @@ class BagsTask:
         )
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        """Compute "bags", see `slices`, and "hard" ones of a shape; "seconds" are for its descriptor."""
+        """Compute "bags", see `slices`, "hard" bags, and the "seconds" of the descriptor."""
         shape = cached_shape(cache, self.preparation.settings, source.key, source.mesh)
         started = time.process_time()
         values = self.descriptor.values(shape, source.name)
@@ -207,7 +207,7 @@ class BagsTask:
         return {**bags, "seconds": np.array(seconds)}
 
     def _points(self, shape: WorkingShape, source: Source, cache: BenchmarkCache) -> Arrays:
-        """Points that the detectors of the bags find, by detector."""
+        """Detect keypoints with each detector of the bags."""
         detectors = sorted({detector for _, _, detector in self.bags} - {""})
         if not detectors:
             return {}
@@ -222,7 +222,7 @@ class BagsTask:
         )
 
     def slices(self) -> dict[BagKey, slice]:
-        """Where each bag stands in the array."""
+        """Return the slice of each bag in the array."""
         order = [chosen for size in self.vocabularies for chosen in self.bags if chosen[0] == size]
         sizes = [size * (size + 1) // 2 if "pairs" in bag else size for size, bag, _ in order]
         ends = pairwise(accumulate(sizes, initial=0))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The paper's variants as rows of the benchmark: descriptors, bags, vocabulary sizes, tf-idf and codes.
+"""Variants of the paper: descriptors, bags, vocabulary sizes, tf-idf and codes.
 
-All are learnt from `training_versions`, and compared by the L1 distance of their bags, as in the paper, or
-by the Hamming distance of codes made of them.
+They learn from `training_versions`. Bags are compared by their L1 distance, as in the paper, and codes by
+their Hamming distance.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ BAG_NAMES = {
     "area": "bag of features, by area",
     "pairs": "spatially sensitive bag, by area",
 }
-"""What the table calls the kinds of bags of `shapegoogle_core.model.settings.BAGS`."""
+"""Names of the kinds of bags of `shapegoogle_core.model.settings.BAGS` in the table."""
 
 MOST_BITS = 512
 HASHED_DIMENSIONS = 100
-"""Most principal components that bags of pairs are brought to before they are hashed."""
+"""Largest number of principal components of bags of pairs before hashing."""
 
 _PAIRS = 5_000  # of each kind, to learn codes from
 
 
 @dataclass(frozen=True)
 class _Learnt:
-    """What a group learnt: how to compute bags, and the bags of the training versions."""
+    """Result of training: the computation of bags, and the bags of the training shapes."""
 
     task: BagsTask
     labels: NDArray[np.int64]
@@ -64,13 +64,13 @@ class BagGroup:
     preparation : Preparation
     descriptor : Descriptor
     variants : tuple of Variant
-        Their parameters "words" and "bag" (of `BAG_NAMES`, with ", tf-idf" behind it or not), for bags of
-        detected points "detector", and for codes "bits" and "projection", say what is done.
+        Defined by their parameters "words" and "bag" (one of `BAG_NAMES`, optionally with ", tf-idf"), for
+        bags of keypoints "detector", and for codes "bits" and "projection".
     bags : tuple of BagKey
-        Every bag that is computed: those of all variants that there are, not only of the chosen ones, so that
-        any choice finds what another one left in the cache.
+        Bags that are computed: those of all existing variants, not only of the chosen ones, so that every
+        choice uses the same results in the cache.
     train : str, Path or None
-        Folder to learn from, see `training_versions`.
+        Folder of additional training meshes, see `training_versions`.
     seed : int
     individuals : int
         Of each kind of creature to learn from.
@@ -85,7 +85,7 @@ class BagGroup:
     individuals: int = INDIVIDUALS
 
     def only(self, names: set[str]) -> Self:
-        """Leave the variants with other names out."""
+        """Return the group without the variants of other names."""
         return replace(self, variants=tuple(v for v in self.variants if v.name in names))
 
     def match(
@@ -205,10 +205,10 @@ def _hamming(first: FloatBags, second: FloatBags) -> FloatArray:
 
 
 def _document_weights(hard: FloatBags, *, pairs: bool) -> FloatBags:
-    """Weights of tf-idf (paper, equations 17 and 18), from bags of hard words.
+    """Compute the weights of tf-idf (paper, equations 17 and 18) from bags of hard words.
 
-    A word occurs on a shape if it is the nearest of any vertex. Almost every pair of words is a little near
-    each other: it occurs if it has more than the share it would have if all pairs had the same.
+    A word occurs on a shape if it is the nearest word of any vertex. Because almost every pair of words has
+    some weight, a pair occurs if its weight is above the mean of all pairs.
     """
     from shapegoogle_core.words import InverseDocumentFrequency
 
@@ -225,9 +225,9 @@ def _fit_vocabulary(samples: FloatArray, seed: int, words: int) -> Arrays:
 
 
 def _fit_hashing(bags: FloatBags, labels: NDArray[np.int64], seed: int, projection: str) -> Arrays:
-    """Learn principal components and as many bits as are ever asked for.
+    """Learn principal components and `MOST_BITS` bits.
 
-    Bits are learnt one after the other, so that a shorter code is the beginning of a longer one.
+    Bits are learnt one after the other, so that a shorter code is a prefix of a longer one.
     """
     from shapegoogle_core.model.metric import choose_pairs
     from shapegoogle_core.words import SimilaritySensitiveHashing
@@ -247,7 +247,7 @@ def _fit_hashing(bags: FloatBags, labels: NDArray[np.int64], seed: int, projecti
 
 
 def _encode(fitted: Arrays, bits: int, bags: FloatBags) -> FloatBags:
-    """Codes as rows of 0 and 1; NaN where the bags are."""
+    """Compute codes as rows of 0 and 1; NaN for bags with NaN."""
     vectors = (bags - fitted["mean"]) @ fitted["components"].T
     values = vectors @ fitted["directions"][:bits].T + fitted["thresholds"][:bits]
     return np.asarray(np.where(np.isnan(values), np.nan, values > 0), np.float32)

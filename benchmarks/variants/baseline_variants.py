@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What was there before Shape Google, as rows of the benchmark: one description of each whole shape."""
+"""Baselines from before Shape Google: one description of each whole shape."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ __all__ = ["BaselineGroup", "mesh_groups", "spectrum_groups"]
 
 @dataclass(frozen=True)
 class _SpectrumTask:
-    """Describe a shape by its spectrum."""
+    """Describes a shape by its spectrum."""
 
     name: str
     describe: Callable[[Spectrum], FloatArray]
@@ -65,7 +65,7 @@ class _SpectrumTask:
 
 @dataclass(frozen=True)
 class _MeshTask:
-    """Describe a shape by its mesh as it is."""
+    """Describes a shape by its mesh as read."""
 
     name: str
     describe: Callable[[Mesh], FloatArray]
@@ -109,7 +109,7 @@ class BaselineGroup:
     variants: tuple[Variant, ...]
 
     def only(self, names: set[str]) -> Self:
-        """Leave the variants with other names out."""
+        """Return the group without the variants of other names."""
         chosen = tuple(variant for variant in self.variants if variant.name in names)
         return type(self)(self.task, self.metric, chosen)
 
@@ -131,12 +131,12 @@ class BaselineGroup:
 
 
 def spectrum_groups(preparation: Preparation, seed: int) -> list[BaselineGroup]:
-    """Shape-DNA, compared by the Euclidean distance, and histograms of distances, by the L1 distance.
+    """Make Shape-DNA, compared by Euclidean distance, and histograms of distances, compared by L1 distance.
 
     Parameters
     ----------
     preparation : Preparation
-        Of whose spectra they are.
+        Preprocessing and spectra of the shapes.
     seed : int
         Of the pairs of points.
 
@@ -159,7 +159,7 @@ def spectrum_groups(preparation: Preparation, seed: int) -> list[BaselineGroup]:
 
 
 def mesh_groups(seed: int) -> list[BaselineGroup]:
-    """D2 distributions and moments of the meshes as they are, compared by the L1 distance.
+    """Make D2 distributions and moments of the meshes as read, compared by L1 distance.
 
     Parameters
     ----------

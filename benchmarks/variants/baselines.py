@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Descriptions of a whole shape from before Shape Google, to compare with."""
+"""Descriptions of whole shapes from before Shape Google, as baselines."""
 
 from __future__ import annotations
 
@@ -27,38 +27,37 @@ __all__ = [
 ]
 
 D2_SAMPLES = 1 << 17
-"""Pairs of points; Osada et al. take 1024², eight times as many, for a third of the sampling noise."""
+"""Number of pairs of points; Osada et al. take 1024², with a third of the sampling noise."""
 
 D2_BINS = 64
 
 D2_RANGE = 3.0
-"""End of the histogram in mean distances: that of the ends of a rod, the most an even shape has."""
+"""End of the histogram in mean distances: the length of a thin rod."""
 
 _LEAST_DECAY = 1e-4
-"""Eigenfunctions of which less than this is left are not seen in a diffusion distance."""
+"""Least decay of eigenfunctions that contribute to a diffusion distance."""
 
 
 def shape_dna(spectrum: Spectrum, count: int = 49) -> FloatArray:
-    """Shape-DNA: the first eigenvalues of the Laplace–Beltrami operator (Reuter, Wolter, Peinecke 2006).
+    """Compute Shape-DNA: the first Laplace–Beltrami eigenvalues (Reuter, Wolter, Peinecke 2006).
 
-    Eigenvalues are multiplied by the area, so that size does not matter, and the j-th is divided by 4πj,
-    what it is by Weyl's law on any surface for large j. Without the second step the Euclidean distance, by
-    which Shape-DNA is compared, would see the last eigenvalues alone: they grow with j, and their
-    differences with them.
+    Eigenvalues are multiplied by the area, so that size does not matter, and the j-th is divided by 4πj, its
+    value on any surface for large j by Weyl's law. Without this division the last eigenvalues, whose
+    differences grow with j, would dominate the Euclidean distance.
 
     Parameters
     ----------
     spectrum : Spectrum
         Of more than `count` pairs.
     count : int
-        How many eigenvalues; the first, which is 0 on every surface, is left out.
+        Number of eigenvalues; the first, which is 0 on every surface, is left out.
 
     Returns
     -------
     dna : (count,) array
         λ_j A / 4πj for j = 1 … count, without a unit; compare by the Euclidean distance. A shape of c parts
-        that do not touch starts with c − 1 zeros: that it is in parts is something to know it by. A
-        coarse mesh has fewer eigenvalues than `count`; 1, which Weyl's law says, stands for the others.
+        that do not touch starts with c − 1 zeros, which characterise it. A coarse mesh has fewer
+        eigenvalues than `count`; the others are 1, as in Weyl's law.
 
     Raises
     ------
@@ -74,13 +73,14 @@ def shape_dna(spectrum: Spectrum, count: int = 49) -> FloatArray:
 
 
 def d2_distribution(mesh: Mesh, samples: int = D2_SAMPLES, bins: int = D2_BINS, seed: int = 0) -> FloatArray:
-    """D2 shape distribution: how far apart two random points of a surface are (Osada et al. 2002).
+    """Compute the D2 shape distribution: distances of random points of a surface (Osada et al. 2002).
 
     Parameters
     ----------
     mesh : Mesh
     samples : int
-        Pairs of points, each uniform on the surface. The histogram's error falls with their root.
+        Number of pairs of points, uniform on the surface. The error of the histogram decreases with its
+        square root.
     bins : int
     seed : int
         Of the points.
@@ -88,8 +88,8 @@ def d2_distribution(mesh: Mesh, samples: int = D2_SAMPLES, bins: int = D2_BINS, 
     Returns
     -------
     histogram : (bins,) array
-        Share of the pairs whose distance, divided by the mean of all, falls into equal bins of
-        0 … `D2_RANGE`; the last one also holds what is farther. Sums to 1; compare by the L1 distance, as
+        Share of the pairs whose distance, divided by the mean distance, falls into equal bins of
+        0 … `D2_RANGE`; the last bin includes larger distances. Sums to 1; compare by the L1 distance, as
         Osada et al. do.
 
     Raises
@@ -111,10 +111,10 @@ def d2_distribution(mesh: Mesh, samples: int = D2_SAMPLES, bins: int = D2_BINS, 
 def diffusion_distances(
     spectrum: Spectrum, time: float = 0.1, samples: int = D2_SAMPLES, bins: int = D2_BINS, seed: int = 0
 ) -> FloatArray:
-    """Histogram of the diffusion distances between points of a surface (Mahmoudi and Sapiro 2009).
+    """Compute the histogram of diffusion distances on a surface (Mahmoudi and Sapiro 2009).
 
-    d_t(x, y)² = Σ_l exp(-2 λ_l t) (φ_l(x) - φ_l(y))²: how differently heat spreads from the two points, which
-    a shorter way between them through a hole or a bridge changes little.
+    d_t(x, y)² = Σ_l exp(-2 λ_l t) (φ_l(x) - φ_l(y))²: the difference of the heat that
+    spreads from the two points, which a shortcut through a hole or a bridge changes little.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def diffusion_distances(
     time : float
         t > 0, as a share of the area.
     samples : int
-        Pairs of points, each a vertex that is drawn with its area.
+        Number of pairs of vertices, drawn with probabilities proportional to their areas.
     bins : int
     seed : int
         Of the points.
@@ -130,7 +130,7 @@ def diffusion_distances(
     Returns
     -------
     histogram : (bins,) array
-        As of `d2_distribution`, of these distances; compare by the L1 distance.
+        As for `d2_distribution`; compare by the L1 distance.
 
     Raises
     ------
@@ -147,11 +147,11 @@ def diffusion_distances(
 def gps_distances(
     spectrum: Spectrum, count: int = 25, samples: int = D2_SAMPLES, bins: int = D2_BINS, seed: int = 0
 ) -> FloatArray:
-    """Histogram of the distances between points of a surface in its GPS embedding (Rustamov 2007).
+    """Compute the histogram of distances between points of a surface in its GPS embedding (Rustamov 2007).
 
-    The D2 distribution of the surface where every point stands at its global point signature, which a pose
-    does not change: the signs of eigenfunctions, and their order where two have nearly one eigenvalue, turn
-    and mirror the embedding as a whole. Of Rustamov's G2 this is the part without its division into shells.
+    This is the D2 distribution of the embedding by the global point signature, which is independent of the
+    pose: signs of eigenfunctions, and their order for nearly equal eigenvalues, only rotate and reflect the
+    embedding. Unlike Rustamov's G2 it is not divided into shells.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def gps_distances(
     count : int
         Dimensions of the embedding.
     samples : int
-        Pairs of points, each a vertex that is drawn with its area.
+        Number of pairs of vertices, drawn with probabilities proportional to their areas.
     bins : int
     seed : int
         Of the points.
@@ -167,7 +167,7 @@ def gps_distances(
     Returns
     -------
     histogram : (bins,) array
-        As of `d2_distribution`, of these distances; compare by the L1 distance.
+        As for `d2_distribution`; compare by the L1 distance.
 
     Raises
     ------
@@ -178,12 +178,12 @@ def gps_distances(
 
 
 def surface_moments(mesh: Mesh, order: int = 7) -> FloatArray:
-    """Moments of a surface in its principal axes (Elad, Tal, Ar 2001).
+    """Compute moments of a surface in its principal axes (Elad, Tal, Ar 2001).
 
-    m_pqr = ∫ x^p y^q z^r dS / ∫ dS for 2 ≤ p + q + r ≤ order, exact up to rounding: the surface is moved to
-    its centroid, turned into its principal axes, the longest first, and scaled to a mean square of 1 of the
-    distances from the centroid. The sense of an axis is arbitrary, so absolute values are taken; and their
-    (p + q + r)-th root, which makes lengths of all, as otherwise the highest would outweigh the others.
+    m_pqr = ∫ x^p y^q z^r dS / ∫ dS for 2 ≤ p + q + r ≤ order, exact up to rounding. The surface is translated
+    to its centroid, rotated to its principal axes, the longest first, and scaled to a mean squared distance
+    of 1 from the centroid. Because the direction of an axis is arbitrary, absolute values are taken; their
+    (p + q + r)-th roots are lengths, without which the highest moments would dominate.
 
     Parameters
     ----------
@@ -193,8 +193,8 @@ def surface_moments(mesh: Mesh, order: int = 7) -> FloatArray:
     Returns
     -------
     moments : (m,) array
-        116 for order 7, without unit; by p + q + r, then p descending, then q descending. The first ones,
-        of order 2, hold the spread along the axes and zeros. Compare by the L1 distance.
+        116 for order 7, without unit; by p + q + r, then p descending, then q descending. Those of
+        order 2 are the spreads along the axes, and zeros. Compare by the L1 distance.
 
     Raises
     ------
@@ -227,9 +227,9 @@ def surface_moments(mesh: Mesh, order: int = 7) -> FloatArray:
 
 
 def _quadrature(triangles: FloatArray, areas: FloatArray, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Points and weights that integrate polynomials up to a degree exactly over triangles.
+    """Return points and weights that integrate polynomials up to a degree exactly over triangles.
 
-    Gauss's rules on a square that is collapsed to a triangle; the shrinking side is Jacobi's weight.
+    Gauss rules on a square collapsed to a triangle, with a Gauss–Jacobi rule along the collapsing side.
     """
     count = degree // 2 + 1
     along, along_weights = roots_jacobi(count, 1, 0)
@@ -242,7 +242,7 @@ def _quadrature(triangles: FloatArray, areas: FloatArray, degree: int) -> tuple[
 
 
 def _embedded(spectrum: Spectrum, embedding: FloatArray, samples: int, bins: int, seed: int) -> FloatArray:
-    """Distances between vertices that are drawn with their areas, in an embedding of the surface."""
+    """Compute the histogram of distances of random vertices in an embedding of the surface."""
     if samples < 1 or bins < 1:
         raise ValueError(f"a histogram needs at least one sample and one bin, not {samples} and {bins}")
     random = np.random.default_rng(seed)
@@ -251,10 +251,10 @@ def _embedded(spectrum: Spectrum, embedding: FloatArray, samples: int, bins: int
 
 
 def _distance_histogram(points: FloatArray, bins: int) -> FloatArray:
-    """Histogram of the distances from one half of the points to the other, divided by their mean."""
+    """Compute the histogram of distances between the two halves of the points, divided by their mean."""
     samples = len(points) // 2
     distances = np.linalg.norm(points[:samples] - points[samples:], axis=1)
-    # Where all points are one, as in a soup without positive eigenvalues, all distances are 0.
+    # All distances are 0 if all points coincide, as for a polygon soup without positive eigenvalues.
     relative = np.minimum(distances / max(distances.mean(), np.finfo(float).tiny), D2_RANGE)
     counts, _ = np.histogram(relative, bins, (0.0, D2_RANGE))
     histogram: FloatArray = counts / samples

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A trained model as rows of the benchmark: its full bags, its codes, and the search as a user gets it."""
+"""Variants of a trained model: its full bags, its codes, and the complete search."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = ["ModelGroup", "model_group"]
 
 @dataclass(frozen=True)
 class _SignatureTask:
-    """Describe a shape with a model."""
+    """Describes a shape with a model."""
 
     model_file: Path
     key: str
@@ -46,7 +46,7 @@ class _SignatureTask:
     kind: str = "signatures"
 
     def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        del cache  # nothing on the way to a signature is kept
+        del cache  # intermediate results of a signature are not kept
         mesh, model = source.mesh(), _model(self.model_file)
         started = time.process_time()
         signature = model.describe(mesh)
@@ -56,7 +56,7 @@ class _SignatureTask:
 
 @dataclass(frozen=True)
 class _SearchTask:
-    """Ask a library for a shape, as a user does."""
+    """Queries a library with a shape, as a user does."""
 
     library_file: Path
     shapes: int
@@ -73,7 +73,7 @@ class _SearchTask:
         started = time.perf_counter()
         matches = library.query(signature, top=_TOP, explain=0)
         seconds = time.perf_counter() - started
-        # Who asks for ten sees no more. The places behind them are those of who asks for all.
+        # The first ten are those of a query for ten; the others those of a query for all.
         seen = {match.shape_id for match in matches}
         everything = library.query(signature, top=self.shapes, explain=0)
         matches += [match for match in everything if match.shape_id not in seen]
@@ -85,11 +85,11 @@ class _SearchTask:
         }
 
 
-# What `shapegoogle query` asks for unless told otherwise.
+# Default of `shapegoogle query`.
 _TOP = 10
 
 
-# Worker processes ask for the same ones for every shape.
+# Worker processes use the same model and library for every shape.
 @lru_cache(maxsize=2)
 def _model(path: Path) -> ShapeModel:
     return load_model(path)
@@ -102,13 +102,13 @@ def _library(path: Path) -> Library:
 
 @dataclass(frozen=True, eq=False)
 class ModelGroup:
-    """The rows of one model, see `model_group`."""
+    """Variants of one model, see `model_group`."""
 
     model: ShapeModel
     variants: tuple[Variant, ...]
 
     def only(self, names: set[str]) -> Self:
-        """Leave the variants with other names out."""
+        """Return the group without the variants of other names."""
         return replace(self, variants=tuple(v for v in self.variants if v.name in names))
 
     def match(
@@ -147,7 +147,7 @@ class ModelGroup:
                 metric = model.settings.metric
                 return np.array([row_distances(metric, query[None], others) for query in queries])
 
-            # Bags are kept as half floats.
+            # Bags are stored as half floats.
             yield between(stages["full bags"], compare, first, second, 2 * model.bag_size, cost)
         if "codes" in stages:
             first, second = stacked(asked, "code"), stacked(known, "code")
@@ -189,7 +189,7 @@ class ModelGroup:
         return Matched(variant, distances, seconds, bytes_per_shape, median_seconds(answers))
 
     def _index(self, workshop: Workshop, library: Library, shapes: dict[Path, BenchmarkShape]) -> int:
-        """Put the database into a library and return how many bytes it keeps of a shape to match with."""
+        """Index the database; return the bytes that the library stores of a shape for matching."""
         title = f"{self.model.name}: library"
         bar = iter(workshop.progress(range(len(shapes)), title, len(shapes)))
         report = index_files(
@@ -198,7 +198,7 @@ class ModelGroup:
             IndexSettings(jobs=max(workshop.jobs, 1)),
             progress=lambda _: next(bar, None),
         )
-        next(bar, None)  # past the last one, the bar closes
+        next(bar, None)  # closes the bar
         for path, reason in report.failed:
             workshop.failures[shapes[path].name] = reason
         size = int(str(library.info()["bytes"])) - len(self.model.to_bytes())
@@ -207,20 +207,20 @@ class ModelGroup:
 
 
 def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
-    """Make the rows of a model.
+    """Make the variants of a model.
 
     Parameters
     ----------
     model : ShapeModel
     name : str, optional
-        What the rows call it; left out, the model's name.
+        Name in the table; default: the model's name.
 
     Returns
     -------
     group : ModelGroup
         Four variants: "full bags" compares the bags of all shapes, "codes" their codes alone, "asymmetric
-        codes" the same codes with the query's projections, and "search" asks a `Library` in a file for ten
-        matches, as a user does: codes, bags, then geometry in turn.
+        codes" the same codes with the query's projections, and "search" queries a `Library` in a file for
+        ten matches, as a user does.
     """
     name = name or model.name
     bits = model.code_bits
@@ -242,7 +242,7 @@ def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
 
 
 def hamming(first: FloatBags, second: FloatBags) -> FloatArray:
-    """Hamming distances between packed codes.
+    """Compute Hamming distances between packed codes.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def hamming(first: FloatBags, second: FloatBags) -> FloatArray:
 
 
 def _where_finite(function: Callable[[FloatBags], FloatBags], rows: FloatBags) -> FloatBags:
-    """Apply a function of rows to those that are no NaN."""
+    """Apply a function of rows to the rows without NaN."""
     usable = np.isfinite(rows).all(axis=1)
     if not usable.any():
         return rows
@@ -270,9 +270,9 @@ def _where_finite(function: Callable[[FloatBags], FloatBags], rows: FloatBags) -
 
 
 def _in_order(distances: FloatArray) -> FloatArray:
-    """Distances of answers, best first, changed as little as makes them increase.
+    """Change the distances of matches, best first, as little as possible so that they increase.
 
-    The search decides the order, by names where distances are equal; a re-ranking may go against them.
+    The order is that of the search, which sorts equal distances by name.
     """
     steps = np.arange(len(distances)) * 1e-9
     return np.asarray(np.maximum.accumulate(distances) + steps)

@@ -38,8 +38,8 @@ _ENERGIES = 100
 def _preparations() -> tuple[Preparation, Preparation]:
     """Make the preparations: of the paper, and with the default model's preprocessing at the paper's area."""
     paper = PRESETS["paper"]
-    mended = replace(PRESETS["default"], area=paper.area)
-    return Preparation("paper", paper), Preparation("mended", mended)
+    preprocessed = replace(PRESETS["default"], area=paper.area)
+    return Preparation("paper", paper), Preparation("preprocessed", preprocessed)
 
 
 def _descriptors(preparation: Preparation) -> tuple[Descriptor, ...]:
@@ -106,27 +106,27 @@ def paper_variants(
     -------
     groups : list of VariantGroup
         Baselines first; then HKS and SI-HKS with all bags, vocabularies and codes on the paper's preparation;
-        then 48 words of each, and of all other descriptors, on mended meshes; of HKS also at detected points.
+        then 48 words of each, and of all other descriptors, on preprocessed meshes; HKS also at keypoints.
     """
-    paper, mended = _preparations()
+    paper, preprocessed = _preparations()
     groups: list[VariantGroup] = [*mesh_groups(seed)]
-    groups += [*spectrum_groups(paper, seed), *spectrum_groups(mended, seed)]
-    for preparation in (paper, mended):
+    groups += [*spectrum_groups(paper, seed), *spectrum_groups(preprocessed, seed)]
+    for preparation in (paper, preprocessed):
         for descriptor in _descriptors(preparation):
             complete = preparation is paper and descriptor.name in _PAPER_DESCRIPTORS
             variants = _bag_rows(preparation, descriptor, WORDS if complete else (MAIN_WORDS,))
             if complete:
                 variants += _code_rows(preparation, descriptor)
-            if preparation is mended and descriptor.name == "HKS":
+            if preparation is preprocessed and descriptor.name == "HKS":
                 variants += _detector_rows(preparation, descriptor)
             groups.append(
                 bag_group(preparation, descriptor, variants, train=train, seed=seed, individuals=individuals)
             )
     for descriptor in _other_descriptors():
-        variants = _bag_rows(mended, descriptor, (MAIN_WORDS,))
+        variants = _bag_rows(preprocessed, descriptor, (MAIN_WORDS,))
         variants = tuple(variant for variant in variants if variant.headline)
         groups.append(
-            bag_group(mended, descriptor, variants, train=train, seed=seed, individuals=individuals)
+            bag_group(preprocessed, descriptor, variants, train=train, seed=seed, individuals=individuals)
         )
     return groups
 
@@ -145,7 +145,7 @@ def _bag_rows(preparation: Preparation, descriptor: Descriptor, sizes: Sequence[
                     "preparation": preparation.name,
                 }
                 main = words == MAIN_WORDS and not weighting
-                # By category the paper's bags are compared, and all descriptors in one bag on mended meshes.
+                # For categories: the paper's bags, and all descriptors in one bag on preprocessed meshes.
                 main &= not by_area if not place else bag == "area"
                 title = f"{descriptor.name} · {name}{weighting} · {words} words{place}"
                 family = "bags" if descriptor.name in _PAPER_DESCRIPTORS else "baseline"
@@ -198,8 +198,8 @@ def choose_variants(
     Parameters
     ----------
     wanted : str
-        "models": the rows of the models; "all": these after everything else; else names of rows, in which
-        * and ? stand for anything, whatever their case.
+        "models": the rows of the models; "all": all rows, those of the models last; otherwise names of rows,
+        in which * and ? match any text, whatever its case.
     models : sequence of str
         Files or names of shipped models.
     train : str or Path, optional
@@ -222,7 +222,7 @@ def choose_variants(
     loaded = [load_model(name) for name in models]
     names = [model.name for model in loaded]
     for model in loaded:
-        # Two files may hold models of one name.
+        # Two files may contain models of the same name.
         unlike = model.name if names.count(model.name) == 1 else f"{model.name} {model.identifier[:6]}"
         groups.append(model_group(model, unlike))
     if wanted in ("models", "all"):

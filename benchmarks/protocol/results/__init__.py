@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a benchmark found: written to JSON, read again and compared with another run."""
+"""Results of a benchmark: JSON files and comparison of runs."""
 
 from benchmarks.protocol.results.changes import Change, QueryChange, compare, compare_queries
 from benchmarks.protocol.results.run import (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What changed between two runs: figures of the table, and single queries."""
+"""Changes between two runs: figures of the table and ranks of queries."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Change:
 
     @property
     def difference(self) -> float:
-        """How much better it is now."""
+        """Increase of the figure."""
         return self.after - self.before
 
 
@@ -44,7 +44,7 @@ class QueryChange:
     before, after : float
         Ranks.
     first_before, first_after : str
-        What stood first.
+        Names of the first matches.
     """
 
     query: str
@@ -55,12 +55,12 @@ class QueryChange:
 
     @property
     def difference(self) -> float:
-        """How much the reciprocal rank grew, −1 … 1."""
+        """Increase of the reciprocal rank, −1 … 1."""
         return 1 / self.after - 1 / self.before
 
 
 def compare(a: BenchmarkResult, b: BenchmarkResult) -> list[Change]:
-    """Say what changed between two runs.
+    """List the changes of figures between two runs.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def compare(a: BenchmarkResult, b: BenchmarkResult) -> list[Change]:
     Returns
     -------
     changes : list of Change
-        One for each class, and the average, of every variant that both have, in the order of `b`.
+        For every variant of both runs, in the order of `b`: one for each class, and the average.
     """
     changes = []
     for after in b.variants:
@@ -85,7 +85,7 @@ def compare(a: BenchmarkResult, b: BenchmarkResult) -> list[Change]:
 
 
 def compare_queries(a: VariantResult, b: VariantResult) -> list[QueryChange]:
-    """Say which queries fared otherwise in two runs of a variant.
+    """List the queries whose rank changed between two runs of a variant.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def compare_queries(a: VariantResult, b: VariantResult) -> list[QueryChange]:
     Returns
     -------
     changes : list of QueryChange
-        Queries that both asked and whose rank changed, what changed most first.
+        Largest changes first.
     """
     earlier = {outcome.query: outcome for outcome in a.outcomes}
     changes = [

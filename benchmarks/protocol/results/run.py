@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run found, as plain data that is written to JSON and read again."""
+"""Results of a run, as plain data in JSON files."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _FORMAT = 1
 
 
 def _number(value: Any) -> Any:
-    """Seven digits of a float, which are enough to draw and to compare; None if it is not finite."""
+    """Round a float to seven digits, enough for plots and comparisons; None if it is not finite."""
     if not isinstance(value, float):
         return value
     return float(f"{value:.7g}") if math.isfinite(value) else None
@@ -43,7 +43,7 @@ def _or_nan(value: float | None) -> float:
 
 @dataclass(frozen=True)
 class QueryOutcome:
-    """How one query fared.
+    """Outcome of one query.
 
     Attributes
     ----------
@@ -51,12 +51,12 @@ class QueryOutcome:
     transformation : str
     strength : int
     relevant : str
-        The database shape it should have found.
+        Name of its null shape.
     rank : float
-        At which place that shape stands, 1 for the first; places of equal distances are shared.
+        Rank of that shape; 1 is the first, and shapes at equal distances share their ranks.
     first : str
-        The database shape that stands first; the relevant one if it stands there with others. Empty for a
-        query that failed, whose rank is the size of the database.
+        Name of the first match; the null shape if it shares the first rank. Empty for a query that failed,
+        whose rank is the size of the database.
     distance_relevant, distance_first : float
         Not finite for a query that failed.
     """
@@ -72,21 +72,22 @@ class QueryOutcome:
 
     @property
     def failed(self) -> bool:
-        """Whether the query could not be asked at all."""
+        """Whether the query could not be described."""
         return not self.first
 
 
 @dataclass(frozen=True)
 class VariantResult:
-    """How one way of searching fared with all queries.
+    """Result of one variant.
 
     Attributes
     ----------
     name : str
-        Unlike those of the other variants, for example "HKS · spatially sensitive bag · 48 words".
+        Unique, for example "HKS · spatially sensitive bag · 48 words".
     family : {"baseline", "bags", "codes", "model"}
     parameters : dict of str to str, int or float
-        Columns of the overview: "descriptor", "bag", "words", "bits", "projection", "preparation", …
+        Columns of the table of all variants: "descriptor", "bag", "words", "bits", "projection",
+        "preparation", …
     outcomes : tuple of QueryOutcome
     table : dict of str to list of 5 floats
         As from `metrics.strength_table`.
@@ -99,13 +100,13 @@ class VariantResult:
     precision_recall : list of [float, float]
         Recall and precision, at most 200 points.
     seconds : float
-        To match one query with the database, once both are described.
+        Time to match one described query with the described database.
     bytes_per_shape : int
-        What is kept of a database shape to match with.
+        Size of what is stored of a database shape for matching.
     describe_seconds : float
-        Processor time to describe a shape, the median over all: of a local descriptor at all vertices from a
-        prepared mesh and its eigenpairs, of a baseline from what it takes, of a model from the mesh as read.
-        NaN in results from before it was measured.
+        Median processor time to describe a shape: for a local descriptor from a preprocessed mesh and its
+        eigenpairs, for a baseline from its input, for a model from the mesh as read. NaN in results of
+        versions that did not measure it.
     """
 
     name: str
@@ -122,7 +123,7 @@ class VariantResult:
     describe_seconds: float = math.nan
 
     def found_within(self, places: int) -> float:
-        """Share of the queries whose relevant shape stands among the first answers.
+        """Compute the share of the queries whose null shape is among the first matches.
 
         Parameters
         ----------
@@ -136,7 +137,7 @@ class VariantResult:
         return sum(outcome.rank <= places for outcome in self.outcomes) / max(len(self.outcomes), 1)
 
     def to_json(self) -> dict[str, Any]:
-        """Convert to what JSON can hold.
+        """Convert to values of JSON.
 
         Outcomes become one list for each attribute, which saves half the file; infinite distances and
         figures that do not exist become null.
@@ -153,7 +154,7 @@ class VariantResult:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> VariantResult:
-        """Rebuild what `to_json` gave."""
+        """Rebuild the result from `to_json`."""
         known = dict(values)
         outcomes = dict(known["outcomes"])
         for name in ("distance_relevant", "distance_first"):
@@ -169,7 +170,7 @@ class VariantResult:
 
 @dataclass(frozen=True)
 class CategoryResult:
-    """How one variant fared with a labelled collection.
+    """Scores of one variant on a labelled collection.
 
     Attributes
     ----------
@@ -182,26 +183,26 @@ class CategoryResult:
     scores: CategoryScores
 
     def to_json(self) -> dict[str, Any]:
-        """Convert to what JSON can hold."""
+        """Convert to values of JSON."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> CategoryResult:
-        """Rebuild what `to_json` gave."""
+        """Rebuild the result from `to_json`."""
         return cls(**{**values, "scores": CategoryScores(**values["scores"])})
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What went wrong with a shape or a variant.
+    """A problem with a shape or a variant.
 
     Attributes
     ----------
     shape : str
         Name of the shape, query or variant.
     kind : {"left out", "failed", "note"}
-        A query that cannot be made of its null shape is left out of all figures; one that failed counts as
-        if its null shape stood last; a note is anything else.
+        A query that cannot be generated from its null shape is left out of all figures; one that failed
+        counts as if its null shape were last; a note is any other remark.
     reason : str
     """
 
@@ -212,27 +213,27 @@ class Problem:
 
 @dataclass(frozen=True)
 class BenchmarkResult:
-    """What a run of the benchmark found.
+    """Result of a run.
 
     Attributes
     ----------
     collection : str
         Name of the ranked collection.
     counts : dict of str to int
-        What was measured with: ``{"database": 468, "nulls": 12, "negatives": 456, "queries": 652}``.
+        Numbers of shapes: ``{"database": 468, "nulls": 12, "negatives": 456, "queries": 652}``.
     version : str
         Of Shape Google.
     machine : dict of str to str or int
         Cores, versions of Python and numpy, …
     seed : int
-        Of the transformations and of everything learnt.
+        Seed of the transformations and of training.
     variants : tuple of VariantResult
         In the order of the tables.
     categories : tuple of CategoryResult
     date : str
         ISO, to the minute.
     problems : tuple of Problem
-        What went wrong, and what was left out.
+        Failures, omissions and remarks.
     """
 
     collection: str
@@ -247,7 +248,7 @@ class BenchmarkResult:
 
     @property
     def search(self) -> VariantResult | None:
-        """The search as a user gets it: that of the last model, or its last stage that was measured."""
+        """The search of the last model, or the last of its stages that was measured."""
         models = [variant for variant in self.variants if variant.family == "model"]
         searches = [variant for variant in models if variant.parameters.get("stage") == "search"]
         return next(iter(searches[::-1] or models[::-1]), None)
@@ -257,7 +258,7 @@ class BenchmarkResult:
         return next((variant for variant in self.variants if variant.name == name), None)
 
     def to_json(self) -> dict[str, Any]:
-        """Convert to what JSON can hold."""
+        """Convert to values of JSON."""
         values: dict[str, Any] = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         values["variants"] = [variant.to_json() for variant in self.variants]
         values["categories"] = [category.to_json() for category in self.categories]
@@ -266,7 +267,7 @@ class BenchmarkResult:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> BenchmarkResult:
-        """Rebuild what `to_json` gave.
+        """Rebuild the result from `to_json`.
 
         Parameters
         ----------
@@ -297,7 +298,7 @@ class BenchmarkResult:
 
 
 def save_result(result: BenchmarkResult, path: Path) -> None:
-    """Write a result as JSON, whole or not at all.
+    """Write a result as JSON, completely or not at all.
 
     Parameters
     ----------
@@ -323,7 +324,7 @@ def save_result(result: BenchmarkResult, path: Path) -> None:
 
 
 def load_result(path: Path) -> BenchmarkResult:
-    """Read what `save_result` wrote.
+    """Read a file written by `save_result`.
 
     Parameters
     ----------
@@ -345,5 +346,5 @@ def load_result(path: Path) -> BenchmarkResult:
         raise BenchmarkError(f"{str(path)!r} cannot be read ({error.strerror})") from error
     except (ValueError, BenchmarkError) as error:
         raise BenchmarkError(
-            f"{str(path)!r}: {error}; take the benchmark.json that `shapegoogle benchmark` wrote"
+            f"{str(path)!r}: {error}; name a benchmark.json written by `python -m benchmarks retrieval`"
         ) from error

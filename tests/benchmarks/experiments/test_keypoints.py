@@ -52,7 +52,7 @@ def test_table_shows_what_there_is(rows: list[dict[str, Any]]) -> None:
 def test_a_creature_is_measured_in_all_ways(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("skimage")
     monkeypatch.setattr(keypoints, "VERTICES", 1000)
-    options = argparse.Namespace(strengths=(1,), preparation="mended")
+    options = argparse.Namespace(strengths=(1,), preparation="preprocessed")
     rows = keypoints.measure(options, keypoints.Null("fish", 100))
     assert {(row["class"], row["strength"]) for row in rows} >= {
         ("isometry", 1),

@@ -72,14 +72,14 @@ def test_classes_with_files_are_not_generated(nulls: Path, tmp_path: Path) -> No
     assert set(only.queries) == set(files.values())
 
 
-def test_all_wrong_names_are_told(nulls: Path, tmp_path: Path) -> None:
+def test_all_wrong_names_are_reported(nulls: Path, tmp_path: Path) -> None:
     for name in ("0001.off", "0001.melted.1.off", "0001.noise.6.off", "0001.noise.1.off"):
         write(tmp_path / "queries" / name)
     with pytest.raises(BenchmarkError) as caught:
         read_collection(nulls, queries=tmp_path / "queries")
     message = str(caught.value)
     assert "'0001.off' is not named <null>.<transformation>.<strength>.off" in message
-    assert "'melted' is none of isometry, noise" in message
+    assert "'melted' is not one of isometry, noise" in message
     assert "must be 1 … 5, not '6'" in message
     assert "0001.noise.1.off" not in message
 
@@ -89,12 +89,12 @@ def test_names_occur_once_and_null_shapes_exist(nulls: Path, tmp_path: Path) -> 
     write(tmp_path / "queries" / "0003.noise.1.off")
     with pytest.raises(BenchmarkError, match="'0002' occurs 2 times in the database"):
         read_collection(nulls, tmp_path / "others")
-    with pytest.raises(BenchmarkError, match=r"'0003\.noise\.1\.off' asks for '0003'"):
+    with pytest.raises(BenchmarkError, match=r"'0003\.noise\.1\.off' is a version of '0003'"):
         read_collection(nulls, queries=tmp_path / "queries")
     # An unrelated shape is nobody's null shape.
     negative = database_shape(Path("chair.off"), "negative")
     query = BenchmarkShape("chair.noise.1", Path("chair.off"), "chair", "noise", 1)
-    with pytest.raises(BenchmarkError, match="none of the null shapes"):
+    with pytest.raises(BenchmarkError, match="which is not a null shape"):
         Collection("chairs", (negative,), (query,))
 
 

@@ -181,20 +181,20 @@ def test_the_table_is_complete() -> None:
         for bits in (16, 32, 64, 128, 256, 512):
             assert {f"{descriptor} · {bits}-bit codes · {p}" for p in ("eigenvectors", "random")} <= names
     assert {"Shape-DNA", "D2 distribution", "WKS · bag of features · 48 words"} <= names
-    assert "HKS · spatially sensitive bag · 48 words · mended" in names
+    assert "HKS · spatially sensitive bag · 48 words · preprocessed" in names
     for detector in DETECTORS:
         for bag in ("bag of features", "spatially sensitive bag"):
-            assert f"HKS · {bag} at {detector} · 48 words · mended" in names
-    assert {"diffusion distances · mended", "GPS distances", "moments"} <= names
+            assert f"HKS · {bag} at {detector} · 48 words · preprocessed" in names
+    assert {"diffusion distances · preprocessed", "GPS distances", "moments"} <= names
 
 
 def test_every_descriptor_has_its_row() -> None:
     rows = {
         group.descriptor.kind
         for group in paper_variants()
-        if isinstance(group, BagGroup) and group.preparation.name == "mended"
+        if isinstance(group, BagGroup) and group.preparation.name == "preprocessed"
         for variant in group.variants
-        if variant.name == f"{group.descriptor.name} · bag of features, by area · 48 words · mended"
+        if variant.name == f"{group.descriptor.name} · bag of features, by area · 48 words · preprocessed"
         and variant.headline
     }
     assert rows == set(DESCRIPTORS)
