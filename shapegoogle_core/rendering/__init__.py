@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures without a graphics card or a window."""
+"""Pictures of meshes without a graphics card or a window: thumbnails, colours, views."""
 
 from shapegoogle_core.rendering.colors import value_colors, word_palette
 from shapegoogle_core.rendering.raster import render, thumbnail

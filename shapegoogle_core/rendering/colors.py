@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Colours that are even to the eye: for words, for values.
+"""Perceptually uniform colours for words and for values.
 
-Evenness is measured in OKLab (Ottosson 2020), where equal distances look equally large.
+Colours are compared in OKLab (Ottosson 2020), where equal distances look equally large.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _LMS_TO_RGB = np.array(
     ]
 )
 
-# Greys look like no word at all; the strongest colours glare and drown the shading.
-_LEAST_CHROMA, _MOST_CHROMA = 0.04, 0.17
+# Grey means that there is no word; the most saturated colours hide the shading.
+_SMALLEST_CHROMA, _LARGEST_CHROMA = 0.04, 0.17
 
 # From a dark violet blue over teal to a light yellow: lightness, chroma, hue in degrees (OKLCh).
 _VALUE_ANCHORS = np.array(
@@ -46,7 +46,7 @@ _VALUE_ANCHORS = np.array(
 
 
 def _oklab_to_srgb(lab: FloatArray) -> FloatArray:
-    """OKLab (…, 3) to sRGB, not clipped: what lies outside 0…1 cannot be shown."""
+    """Convert OKLab (…, 3) to sRGB without clipping: colours outside 0…1 cannot be shown."""
     linear = (lab @ _LAB_TO_LMS.T) ** 3 @ _LMS_TO_RGB.T
     magnitude = np.abs(linear)
     encoded = np.where(magnitude <= 0.0031308, 12.92 * magnitude, 1.055 * magnitude ** (1 / 2.4) - 0.055)
@@ -55,10 +55,10 @@ def _oklab_to_srgb(lab: FloatArray) -> FloatArray:
 
 
 def word_palette(count: int) -> FloatArray:
-    """One colour per geometric word, as different from each other as the screen allows.
+    """Choose colours for geometric words that differ from each other as much as a screen allows.
 
-    Colours are picked one after the other, each as far as possible from all before it, so word i has the
-    same colour in every palette.
+    Colours are chosen one by one, each as far as possible from all before it, so that word i has the same
+    colour in every palette.
 
     Parameters
     ----------
@@ -68,21 +68,32 @@ def word_palette(count: int) -> FloatArray:
     Returns
     -------
     colors : (count, 3) array
-        sRGB in 0…1.
+        sRGB from 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If the number is negative.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.rendering import word_palette
+    >>> bool((word_palette(3) == word_palette(5)[:3]).all())
+    True
     """
     if count < 0:
         raise ValueError(f"a palette has at least 0 colours, not {count}")
-    # Middle lightness only, so that shading stays visible and no word looks like the background.
+    # Only medium lightness, so that shading stays visible and no word looks like the background.
     lightness, a, b = np.meshgrid(
         np.linspace(0.5, 0.88, 12), np.linspace(-0.2, 0.2, 33), np.linspace(-0.2, 0.2, 33), indexing="ij"
     )
     lab = np.stack([lightness, a, b], axis=-1).reshape(-1, 3)
     rgb = _oklab_to_srgb(lab)
     chroma = np.hypot(lab[:, 1], lab[:, 2])
-    shown = ((rgb >= 0) & (rgb <= 1)).all(axis=1) & (chroma > _LEAST_CHROMA) & (chroma < _MOST_CHROMA)
+    shown = ((rgb >= 0) & (rgb <= 1)).all(axis=1) & (chroma > _SMALLEST_CHROMA) & (chroma < _LARGEST_CHROMA)
     lab, rgb = lab[shown], rgb[shown]
     chosen = np.empty(count, int)
-    # The first colour is a strong blue, which reads well for the most frequent word.
+    # The first colour is a saturated blue, which is easy to see for the most frequent word.
     nearest = np.linalg.norm(lab - [0.6, -0.04, -0.17], axis=1)
     first = int(nearest.argmin())
     distance = np.full(len(lab), np.inf)
@@ -93,20 +104,33 @@ def word_palette(count: int) -> FloatArray:
 
 
 def value_colors(values: ArrayLike, low: float | None = None, high: float | None = None) -> FloatArray:
-    """Colours from dark blue over teal to light yellow, lightness rising evenly with the value.
+    """Map values to colours from dark blue over teal to light yellow, with evenly increasing lightness.
 
     Parameters
     ----------
     values : (n,) array_like
         Finite numbers.
     low, high : float, optional
-        Values of the darkest and the lightest colour; the least and the largest value by default. What lies
-        outside takes the end's colour.
+        Values of the darkest and the lightest colour; by default the smallest and the largest value. Values
+        outside get the colour of the nearer end.
 
     Returns
     -------
     colors : (n, 3) array
-        sRGB in 0…1. All values alike take the middle colour.
+        sRGB from 0 to 1. If all values are equal, they get the middle colour.
+
+    Raises
+    ------
+    ValueError
+        If the values are not one number per vertex, or are not finite.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.rendering import value_colors
+    >>> value_colors([0, 5, 10]).round(2)
+    array([[0.16, 0.09, 0.34],
+           [0.19, 0.59, 0.58],
+           [0.98, 0.93, 0.32]])
     """
     numbers = np.asarray(values, float)
     if numbers.ndim != 1:
@@ -122,7 +146,7 @@ def value_colors(values: ArrayLike, low: float | None = None, high: float | None
     anchors = np.stack(
         [_VALUE_ANCHORS[:, 0], _VALUE_ANCHORS[:, 1] * np.cos(hue), _VALUE_ANCHORS[:, 1] * np.sin(hue)], axis=1
     )
-    # Place the anchors by their distance from one another, so that the path runs at an even speed.
+    # Space the anchors by their distances, so that colours change evenly with the value.
     steps = np.linalg.norm(np.diff(anchors, axis=0), axis=1)
     stops = np.concatenate([[0], np.cumsum(steps)]) / steps.sum()
     lab = np.stack([np.interp(place, stops, anchors[:, channel]) for channel in range(3)], axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of meshes on the processor alone: a depth-buffer rasteriser in numpy."""
+"""A depth-buffer rasteriser in numpy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.rendering.views import canonical_view
 
 __all__ = ["render", "thumbnail"]
@@ -21,33 +21,32 @@ IntArray = NDArray[np.int64]
 _NEUTRAL = np.array([0.74, 0.77, 0.82])
 _SUPERSAMPLING = 2
 _MARGIN = 0.04
-# Towards the light in picture coordinates (right, up, towards the viewer), and from the other side a weaker
-# one.
+# Directions towards the light and a weaker one on the other side, as (right, up, towards the viewer).
 _KEY_LIGHT = np.array([-0.45, 0.65, 0.61])
 _FILL_LIGHT = np.array([0.75, 0.1, 0.65])
-# Corners whose faces meet at more than this angle stay sharp.
+# Corners between faces that meet at a larger angle are shaded sharp.
 _SMOOTH_COSINE = np.cos(np.radians(50))
 _MAX_SAMPLES = 2_000_000
 
 
 def render(
-    mesh: Mesh,
+    mesh: MeshLike,
     colors: ArrayLike | None = None,
     size: tuple[int, int] = (256, 256),
     background: tuple[int, int, int] | None = (255, 255, 255),
     view: ArrayLike | None = None,
 ) -> Image.Image:
-    """Draw a mesh, or a point cloud, in orthographic projection, filling the picture.
+    """Draw a mesh or a point cloud in orthographic projection so that it fills the picture.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
     colors : (3,) or (n, 3) array_like, optional
-        sRGB in 0…1, one for all or one per vertex; a neutral grey by default.
-    size : (width, height)
-        In pixels.
-    background : (red, green, blue) or None
-        0…255 each; None leaves it transparent.
+        sRGB from 0 to 1, one for all vertices or one per vertex; a neutral grey by default.
+    size : (int, int), optional
+        Width and height in pixels.
+    background : (int, int, int) or None, optional
+        Red, green and blue from 0 to 255; None makes it transparent.
     view : (3, 3) array_like, optional
         Rotation whose rows point right, up and towards the viewer; `canonical_view` by default.
 
@@ -61,8 +60,17 @@ def render(
     MeshError
         If the mesh has no vertices.
     ValueError
-        If the size is not positive or the colours do not fit the mesh.
+        If the size is not positive, or the colours do not fit the mesh.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from shapegoogle_core.rendering import render
+    >>> image = render(trimesh.creation.icosphere(), size=(64, 48))
+    >>> image.size, image.mode
+    ((64, 48), 'RGB')
     """
+    mesh = as_mesh(mesh)
     if len(mesh.vertices) == 0:
         raise MeshError(f"{mesh.name!r} has no vertices, so there is nothing to draw")
     if min(size) < 1:
@@ -79,14 +87,14 @@ def render(
 
 
 def thumbnail(
-    mesh: Mesh, size: int = 128, colors: ArrayLike | None = None, up_axis: int | None = None
+    mesh: MeshLike, size: int = 128, colors: ArrayLike | None = None, up_axis: int | None = None
 ) -> bytes:
-    """Small picture of a mesh as PNG, on a transparent background.
+    """Draw a small picture of a mesh as PNG, on a transparent background.
 
     Parameters
     ----------
-    mesh : Mesh
-    size : int
+    mesh : MeshLike
+    size : int, optional
         Width and height in pixels.
     colors : (3,) or (n, 3) array_like, optional
         As for `render`.
@@ -96,8 +104,23 @@ def thumbnail(
     Returns
     -------
     png : bytes
-        A few kilobytes: 64 grey or colour levels are kept.
+        A few kilobytes, because it has only 64 colours.
+
+    Raises
+    ------
+    MeshError
+        If the mesh has no vertices.
+    ValueError
+        If the size is not positive, or the colours do not fit the mesh.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from shapegoogle_core.rendering import thumbnail
+    >>> thumbnail(trimesh.creation.icosphere())[1:4]
+    b'PNG'
     """
+    mesh = as_mesh(mesh)
     picture = render(mesh, colors, (size, size), None, canonical_view(mesh, up_axis))
     with io.BytesIO() as file:
         picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", optimize=True)
@@ -117,10 +140,10 @@ def _vertex_colors(mesh: Mesh, colors: ArrayLike | None) -> FloatArray:
 
 
 def _fit(points: FloatArray, width: int, height: int) -> FloatArray:
-    """Scale and move to pixels: x right, y down, z in pixels towards the viewer."""
+    """Transform points to pixels: x right, y down, z towards the viewer."""
     low, high = points.min(axis=0), points.max(axis=0)
     extent = (high - low)[:2]
-    # A line seen from its end, or a single point, has no extent to fit.
+    # A single point, or a line seen from its end, has no extent.
     wide = extent > 1e-9 * (high - low).max()
     scale = (1 - 2 * _MARGIN) * float(np.min(np.array([width, height])[wide] / extent[wide], initial=np.inf))
     scale = scale if wide.any() else 0.0
@@ -129,7 +152,7 @@ def _fit(points: FloatArray, width: int, height: int) -> FloatArray:
 
 
 def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """Pixel rows that triangles cover: triangle, row, first column and number of columns of every span."""
+    """Return the spans of pixels that triangles cover: triangle, row, first column and number of columns."""
     by_height = np.take_along_axis(tips, tips[:, :, 1].argsort(axis=1)[:, :, None], axis=1)
     top, middle, bottom = by_height[:, 0], by_height[:, 1], by_height[:, 2]
     first = np.clip(np.ceil(top[:, 1] - 0.5), 0, height).astype(np.int64)
@@ -153,14 +176,14 @@ def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArra
 
 
 def _counting(lengths: IntArray) -> IntArray:
-    """0 … length − 1 for every length, one after the other."""
+    """Return 0 … length − 1 for each length, concatenated."""
     ends = np.cumsum(lengths)
     counted: IntArray = np.arange(int(lengths.sum())) - np.repeat(ends - lengths, lengths)
     return counted
 
 
 def _barycentric(tips: FloatArray, column: IntArray, row: IntArray) -> FloatArray:
-    """Barycentric coordinates (s, 3) of pixel centres in their triangles (s, 3, 3)."""
+    """Return barycentric coordinates (s, 3) of pixel centres in their triangles (s, 3, 3)."""
     x, y = column + 0.5, row + 0.5
     a, b, c = (tips[:, corner, :2] for corner in range(3))
     area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
@@ -173,7 +196,7 @@ def _barycentric(tips: FloatArray, column: IntArray, row: IntArray) -> FloatArra
 
 
 def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
-    """Index of the nearest triangle at every pixel, −1 where there is none."""
+    """Return the index of the nearest triangle at every pixel, −1 where there is none."""
     depth = tips[:, :, 2]
     low = float(depth.min())
     scale = 2**30 / float(np.ptp(depth)) if np.ptp(depth) > 0 else 0.0
@@ -199,7 +222,7 @@ def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
             + slope[of_face, 0] * (x + 0.5 - tips[of_face, 0, 0])
             + slope[of_face, 1] * (y + 0.5 - tips[of_face, 0, 1])
         )
-        # Triangles seen edge-on have wild slopes; their corners bound the depth.
+        # The slope of a triangle seen edge-on is unbounded; its corners bound the depth.
         z = np.clip(z, least[of_face], most[of_face])
         keys = (((z - low) * scale).astype(np.int64) << 32) | of_face
         np.maximum.at(buffer, y * width + x, keys)
@@ -241,7 +264,7 @@ def _draw_faces(
 
 
 def _shade(colors: FloatArray, normals: FloatArray) -> FloatArray:
-    """Two lights and a soft rim; both sides of a face are lit, for soup has no inside."""
+    """Shade with two lights and a soft rim; both sides of a face are lit: polygon soup has no inside."""
     normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
     normals = np.where(normals[:, 2:] < 0, -normals, normals)
     key = np.maximum(normals @ (_KEY_LIGHT / np.linalg.norm(_KEY_LIGHT)), 0)
@@ -255,8 +278,8 @@ def _shade(colors: FloatArray, normals: FloatArray) -> FloatArray:
 def _draw_points(
     points: FloatArray, colors: FloatArray, width: int, height: int
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Square splats, nearer ones lighter and in front."""
-    # About as large as the gaps between points: the picture's area shared out among them.
+    """Draw square splats, nearer ones lighter and in front."""
+    # About as large as the gaps between points, if these cover the picture evenly.
     reach = int(np.clip(0.45 * np.sqrt(width * height / len(points)), 1, 8))
     steps = np.arange(-reach, reach + 1)
     depth = points[:, 2]
@@ -269,7 +292,7 @@ def _draw_points(
     row = np.floor(points[order, 1]).astype(np.int64)[:, None, None] + steps[None, None, :]
     column, row = np.broadcast_arrays(column, row)
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    # Assignment in order of depth: the last one, the nearest, stays.
+    # Assigned in order of depth, so that the last and nearest one remains.
     owner = np.broadcast_to(order[:, None, None], inside.shape)[inside]
     picture[row[inside], column[inside]] = shaded[owner]
     covered[row[inside], column[inside]] = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Several pictures with captions on one sheet."""
+"""Contact sheets: several pictures with captions in one."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 def contact_sheet(
     images: Sequence[Image.Image], captions: Sequence[str], columns: int = 5, title: str = ""
 ) -> Image.Image:
-    """Lay pictures out in rows, each over its caption; long captions wrap, cells grow, nothing is cut off.
+    """Arrange pictures in rows, each above its caption.
 
     Parameters
     ----------
     images : sequence of PIL.Image.Image
-        Of any sizes and modes; cells are as large as the largest.
+        Of any sizes and modes. Cells are as large as the largest image.
     captions : sequence of str
-        One per image; line breaks are kept.
-    columns : int
-    title : str
+        One per image. Line breaks are kept, and long lines wrap.
+    columns : int, optional
+        Maximum number of columns.
+    title : str, optional
+        Heading above all pictures.
 
     Returns
     -------
@@ -39,7 +41,14 @@ def contact_sheet(
     Raises
     ------
     ValueError
-        If there is no image, or not one caption per image, or fewer than one column.
+        If there are no images, not one caption per image, or no columns.
+
+    Examples
+    --------
+    >>> from PIL import Image
+    >>> from shapegoogle_core.rendering import contact_sheet
+    >>> contact_sheet([Image.new("RGB", (50, 40))] * 3, ["one", "two", "three"], columns=2).size
+    (142, 172)
     """
     if not images:
         raise ValueError("a contact sheet needs at least one image")
@@ -80,7 +89,7 @@ def contact_sheet(
 
 
 def _wrap(text: str, font: Font, width: int) -> list[str]:
-    """Lines no wider than `width` pixels; words that are too long alone are broken."""
+    """Split a text into lines no wider than `width` pixels, and words that are too long for a line."""
     lines = []
     for paragraph in text.splitlines():
         line = ""

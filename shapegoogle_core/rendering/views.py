@@ -1,42 +1,56 @@
 # SPDX-License-Identifier: MIT
-"""From where to look at a shape so that one knows what it is."""
+"""Views of a shape from which people recognise it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shapegoogle_core.mesh import Mesh, face_areas
+from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh, face_areas
 
 __all__ = ["canonical_view", "look_from"]
 
 FloatArray = NDArray[np.float64]
 
 _AXES = np.eye(3)
-# In front of a shape: +z where y is up (glTF and most files), −y where z is up (Blender).
+# Direction to the front of a shape by its up axis: +z where y is up (glTF and most files), −y where z is up
+# (Blender).
 _FRONT_OF_UP = {1: np.array([0.0, 0.0, 1.0]), 2: np.array([0.0, -1.0, 0.0])}
 _TURN, _RAISE = np.radians(28), np.radians(18)
-# Cosine to the front below which a view counts as one from the side.
+# Largest cosine between a side view and the front.
 _SIDEWAYS = 0.3
-# An extent below this share of the next larger one is clearly the thinnest.
+# A shape is clearly thinnest along an axis if its extent is below this share of the next larger one.
 _THIN = 0.75
 _LEAN_TO_Z = 1.2
 
 
 def look_from(direction: ArrayLike, up: ArrayLike) -> FloatArray:
-    """View from a direction.
+    """Return the view from a direction.
 
     Parameters
     ----------
     direction : (3,) array_like
-        From the shape towards the viewer.
+        Direction from the shape towards the viewer.
     up : (3,) array_like
-        What points up in the picture; must not be parallel to `direction`.
+        Direction that points up in the picture, not parallel to `direction`.
 
     Returns
     -------
     view : (3, 3) array
-        A rotation: its rows are what points right, up and towards the viewer.
+        Rotation whose rows point right, up and towards the viewer.
+
+    Raises
+    ------
+    ValueError
+        If the directions are parallel.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.rendering import look_from
+    >>> look_from([0, 0, 5], up=[0, 1, 0])
+    array([[1., 0., 0.],
+           [0., 1., 0.],
+           [0., 0., 1.]])
     """
     toward = np.asarray(direction, float)
     right = np.cross(np.asarray(up, float), toward)
@@ -47,25 +61,33 @@ def look_from(direction: ArrayLike, up: ArrayLike) -> FloatArray:
     return np.stack([right, np.cross(toward, right), toward])
 
 
-def canonical_view(mesh: Mesh, up_axis: int | None = None) -> FloatArray:
-    """Three-quarter view that shows most of a shape, upright if it can be told what is up.
+def canonical_view(mesh: MeshLike, up_axis: int | None = None) -> FloatArray:
+    """Choose a three-quarter view that shows most of a shape, upright if the up axis can be guessed.
 
-    Files have y or z up and rarely say which. An axis along which the shape is clearly thinnest is not up: a
-    standing figure is seen from the front, a flat thing from above. Otherwise up is whichever of the two has
-    the wider base, z if they are much alike. The view is then from where the shape is broadest, turned and
-    raised a little.
+    Files have y or z up and rarely say which. An axis along which the shape is clearly thinnest is not up.
+    Otherwise the axis with the wider base is up, and z if the bases are similar. The view shows the broadest
+    side, turned and raised a little.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : MeshLike
     up_axis : {1, 2}, optional
-        Where it is known: y (1), or z (2) as in Blender.
+        Up axis where it is known: y (1), or z (2) as in Blender.
 
     Returns
     -------
     view : (3, 3) array
         As from `look_from`.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from shapegoogle_core.rendering import canonical_view
+    >>> view = canonical_view(trimesh.creation.box((0.4, 0.2, 1.8)))
+    >>> bool(view[1, 2] > 0.9)  # z is up
+    True
     """
+    mesh = as_mesh(mesh)
     points, weights = _surface_samples(mesh)
     centred = points - np.average(points, axis=0, weights=weights)
     covariance = (centred * weights[:, None]).T @ centred / weights.sum()
@@ -83,7 +105,7 @@ def canonical_view(mesh: Mesh, up_axis: int | None = None) -> FloatArray:
     _, flat_directions = np.linalg.eigh(ground @ covariance @ ground.T)
     side = flat_directions[:, 0] @ ground
     toward_front = float(side @ front)
-    # Stay on the front side; where that is open, on the right, so that like shapes look the same way.
+    # Prefer the front, and otherwise the right side, so that similar shapes face the same way.
     if toward_front < -_SIDEWAYS or (abs(toward_front) <= _SIDEWAYS and side @ np.cross(up, front) < 0):
         side = -side
     across = np.cross(up, side)
@@ -93,7 +115,7 @@ def canonical_view(mesh: Mesh, up_axis: int | None = None) -> FloatArray:
 
 
 def _surface_samples(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
-    """Points and weights that stand for the surface, not for where its vertices happen to be dense."""
+    """Return points and weights that represent the surface, whatever the density of its vertices."""
     areas = face_areas(mesh)
     if areas.sum() > 0:
         return mesh.vertices[mesh.faces].mean(axis=1), areas
@@ -101,7 +123,7 @@ def _surface_samples(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
 
 
 def _base_width(centred: FloatArray, axis: int) -> float:
-    """How wide the lowest twentieth of a shape is along an axis, as a share of the whole shape's width."""
+    """Return the width of the lowest twentieth of a shape along an axis, relative to that of the whole."""
     heights = centred[:, axis]
     base = centred[heights <= heights.min() + 0.05 * np.ptp(heights)]
     others = [other for other in range(3) if other != axis]
