@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Waiting for what runs in other processes."""
+"""Waiting for other processes, and interrupting them."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import time
+from collections.abc import Iterator
+
+import pytest
 
 from shapegoogle_core.library import Library
 
@@ -25,3 +29,11 @@ def wait_until_gone(group: int) -> None:
         except ProcessLookupError:
             return
         time.sleep(0.05)
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Let processes receive Ctrl-C: shells start background jobs with the signal ignored, as it stays."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.core.cli.running import Shapegoogle, StartShapegoogle, start
+from tests.core.cli.running import Shapegoogle, StartShapegoogle, start, without_progress
 from tests.core.number_reader import reader  # noqa: F401
 from tests.core.small_libraries import folder, indexed, library, library_file, model, model_file  # noqa: F401
 
@@ -20,7 +20,7 @@ def shapegoogle() -> Shapegoogle:
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
         process = start(*arguments)
         stdout, stderr = process.communicate()
-        return subprocess.CompletedProcess(process.args, process.returncode, stdout, stderr)
+        return subprocess.CompletedProcess(process.args, process.returncode, stdout, without_progress(stderr))
 
     return run
 

@@ -14,7 +14,7 @@ import pytest
 
 from shapegoogle_core.cli import main
 from shapegoogle_core.library import Library
-from tests.core.cli.running import Shapegoogle, StartShapegoogle
+from tests.core.cli.running import Shapegoogle, StartShapegoogle, without_progress
 
 Command = Callable[..., tuple[int, str, str]]
 """Runs the command in this process: exit code, stdout, stderr."""
@@ -30,7 +30,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Command:
         except SystemExit as exit:  # argparse
             code = exit.code if isinstance(exit.code, int) else 1
         printed = capsys.readouterr()
-        return code, printed.out, printed.err
+        return code, printed.out, without_progress(printed.err)
 
     return call
 

@@ -12,10 +12,13 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.library import Library
-from tests.core.cli.running import Shapegoogle, StartShapegoogle
-from tests.core.waiting import wait_for_sources, wait_until_gone
+from tests.core.cli.running import Shapegoogle, StartShapegoogle, without_progress
+from tests.core.waiting import interruptible, wait_for_sources, wait_until_gone  # noqa: F401
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals and process groups as on Unix")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="signals and process groups as on Unix"),
+    pytest.mark.usefixtures("interruptible"),
+]
 
 FILES = 16
 
@@ -67,7 +70,8 @@ def test_control_c(
     wait_for_sources(library, 3, process)
     # As a terminal does: to the command and its workers.
     os.killpg(process.pid, signal.SIGINT)
-    stdout, stderr = process.communicate()
+    stdout, printed = process.communicate()
+    stderr = without_progress(printed)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("shapegoogle: interrupted after ")
     assert stderr.endswith(
@@ -94,7 +98,8 @@ def test_sigterm_leaves_nothing_behind(
     wait_for_sources(library, 3, process)
     assert list(place.iterdir())
     process.terminate()
-    stdout, stderr = process.communicate()
+    stdout, printed = process.communicate()
+    stderr = without_progress(printed)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("shapegoogle: interrupted after ")
     wait_until_gone(process.pid)

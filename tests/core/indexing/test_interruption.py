@@ -14,9 +14,12 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.library import Library
-from tests.core.waiting import wait_for_sources, wait_until_gone
+from tests.core.waiting import interruptible, wait_for_sources, wait_until_gone  # noqa: F401
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals and process groups as on Unix")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="signals and process groups as on Unix"),
+    pytest.mark.usefixtures("interruptible"),
+]
 
 SCRIPT = """
 import sys
