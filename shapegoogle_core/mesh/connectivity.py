@@ -40,7 +40,16 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
 
 
 def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
-    """Mask, (n,), of the vertices on open boundaries."""
+    """Find the vertices on open boundaries.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    mask : (n,) array of bool
+    """
     edges, face_counts = unique_edges(mesh)
     mask = np.zeros(len(mesh.vertices), bool)
     mask[edges[face_counts == 1]] = True

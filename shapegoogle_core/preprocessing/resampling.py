@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
+from shapegoogle_core.preprocessing.grid import cell_numbers, finest_cell
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.thinning import thin
 
@@ -120,14 +121,11 @@ def _part_count(mesh: Mesh) -> int:
 def _merge_on_grid(mesh: Mesh, budget: int) -> Mesh:
     """Merge the vertices in each cell of the finest grid that leaves no more than `budget` of them."""
     position = mesh.vertices - mesh.vertices.min(axis=0)
-    too_small, cell = 0.0, 2 * float(position.max())  # the larger holds everything
-    for _ in range(GRID_STEPS):
-        middle = (too_small + cell) / 2
-        _, faces = _cells(position, mesh.faces, middle)
-        if np.count_nonzero(np.bincount(faces.ravel())) <= budget:
-            cell = middle
-        else:
-            too_small = middle
+
+    def count_at(cell: float) -> int:
+        return int(np.count_nonzero(np.bincount(_cells(position, mesh.faces, cell)[1].ravel())))
+
+    cell = finest_cell(float(position.max()), count_at, budget, GRID_STEPS)
     cell_of_vertex, faces = _cells(position, mesh.faces, cell)
     # Each cell is represented by its vertex with the most area around it: the mean would shrink the surface.
     area = np.bincount(mesh.faces.ravel(), np.repeat(face_areas(mesh), 3), len(position))
@@ -138,9 +136,7 @@ def _merge_on_grid(mesh: Mesh, budget: int) -> Mesh:
 
 def _cells(position: FloatArray, faces: IntArray, cell: float) -> tuple[Indices, Indices]:
     """Cell of each vertex, numbered without gaps, (n,), and the faces that reach three cells, (k, 3)."""
-    x, y, z = (position / cell).astype(np.int64).T
-    side = 2 << GRID_STEPS
-    _, cell_of_vertex = np.unique((x * side + y) * side + z, return_inverse=True)
+    _, cell_of_vertex = np.unique(cell_numbers(position, cell), return_inverse=True)
     corners = cell_of_vertex[faces]
     return cell_of_vertex, corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
 

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.preprocessing.grid import cell_numbers, finest_cell
 
 __all__ = ["thin"]
 
@@ -32,19 +32,11 @@ def thin(points: FloatArray, count: int) -> FloatArray:
     if len(points) <= count:
         return points
     position = points - points.min(axis=0)
-    too_small, cell = 0.0, 2 * float(position.max())  # the larger holds everything
-    for _ in range(_GRID_STEPS):
-        middle = (too_small + cell) / 2
-        if len(np.unique(_cells(position, middle))) <= count:
-            cell = middle
-        else:
-            too_small = middle
-    _, group, sizes = np.unique(_cells(position, cell), return_inverse=True, return_counts=True)
+    cell = finest_cell(
+        float(position.max()),
+        lambda cell: len(np.unique(cell_numbers(position, cell))),
+        count,
+        _GRID_STEPS,
+    )
+    _, group, sizes = np.unique(cell_numbers(position, cell), return_inverse=True, return_counts=True)
     return np.stack([np.bincount(group, axis) / sizes for axis in points.T], axis=1)
-
-
-def _cells(position: FloatArray, cell: float) -> NDArray[np.int64]:
-    """Cell of each point of a grid that begins at 0, as one number."""
-    x, y, z = (position / cell).astype(np.int64).T
-    side = 1 << _GRID_STEPS
-    return np.asarray((x * side + y) * side + z)

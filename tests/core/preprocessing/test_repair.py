@@ -37,11 +37,11 @@ def test_soup_becomes_the_surface_it_was(unit: float, offset: float) -> None:
     rng = np.random.default_rng(0)
     scattered = soup(ball)
     noise = rng.uniform(-3e-7, 3e-7, scattered.vertices.shape) * unit
-    mended = repair(Mesh(scattered.vertices + noise, scattered.faces))
-    assert len(mended.vertices) == len(ball.vertices)
-    assert len(mended.faces) == len(ball.faces)
-    assert is_closed_manifold(mended)
-    assert mended.area == pytest.approx(ball.area, rel=1e-5)
+    repaired = repair(Mesh(scattered.vertices + noise, scattered.faces))
+    assert len(repaired.vertices) == len(ball.vertices)
+    assert len(repaired.faces) == len(ball.faces)
+    assert is_closed_manifold(repaired)
+    assert repaired.area == pytest.approx(ball.area, rel=1e-5)
 
 
 def test_vertices_are_welded_across_any_grid_wall() -> None:
@@ -71,8 +71,8 @@ def test_crowd_in_one_place() -> None:
     """A hundred thousand coincident vertices take no quadratic time or memory."""
     vertices = np.concatenate([BALL.vertices, np.zeros((100_000, 3))])
     extra = len(BALL.vertices) + np.arange(99_999).reshape(-1, 3)
-    mended = repair(Mesh(vertices, np.concatenate([BALL.faces, extra])))
-    assert len(mended.faces) == len(BALL.faces)
+    repaired = repair(Mesh(vertices, np.concatenate([BALL.faces, extra])))
+    assert len(repaired.faces) == len(BALL.faces)
 
 
 def test_drops_what_is_no_part_of_the_surface() -> None:
@@ -81,9 +81,9 @@ def test_drops_what_is_no_part_of_the_surface() -> None:
     middle = len(BALL.vertices)
     vertices = np.concatenate([BALL.vertices, [(BALL.vertices[a] + BALL.vertices[b]) / 2], [[0.1, 0.2, 0.3]]])
     junk = [[a, a, b], [a, b, middle], [b, c, a], [c, b, a]]
-    mended = repair(Mesh(vertices, junk[:2] + faces + junk[2:]))
-    assert np.array_equal(mended.faces, BALL.faces)
-    assert np.array_equal(mended.vertices, BALL.vertices)
+    repaired = repair(Mesh(vertices, junk[:2] + faces + junk[2:]))
+    assert np.array_equal(repaired.faces, BALL.faces)
+    assert np.array_equal(repaired.vertices, BALL.vertices)
 
 
 def test_minus_zero_is_zero() -> None:
@@ -128,12 +128,12 @@ def test_repairing_twice_changes_nothing(mesh: Mesh) -> None:
 @settings(max_examples=100, deadline=None)
 @given(meshes())
 def test_result_is_clean(mesh: Mesh) -> None:
-    mended = repair(mesh)
+    repaired = repair(mesh)
     originals = {tuple(vertex) for vertex in mesh.vertices}
-    assert {tuple(vertex) for vertex in mended.vertices} <= originals
-    if not mended.is_point_cloud:
-        assert np.array_equal(np.unique(mended.faces), np.arange(len(mended.vertices)))
-        corners = np.sort(mended.faces, axis=1)
+    assert {tuple(vertex) for vertex in repaired.vertices} <= originals
+    if not repaired.is_point_cloud:
+        assert np.array_equal(np.unique(repaired.faces), np.arange(len(repaired.vertices)))
+        corners = np.sort(repaired.faces, axis=1)
         assert (np.diff(corners, axis=1) > 0).all()
         assert len(np.unique(corners, axis=0)) == len(corners)
 
