@@ -11,6 +11,8 @@ from typing import Any
 import bpy
 import pytest
 
+from tests.addon.shapes import add_folder, lumpy
+
 
 def addon_name() -> str:
     """Module of the add-on: the extension where it is installed, the repository's folder elsewhere."""
@@ -74,3 +76,35 @@ def blender(addon: ModuleType, tmp_path: Path) -> Any:
     ):
         session.property_unset(name)
     return bpy
+
+
+@pytest.fixture
+def preferences(addon: ModuleType) -> Any:
+    return bpy.context.preferences.addons[addon.__name__].preferences
+
+
+@pytest.fixture
+def session() -> Any:
+    return bpy.context.window_manager.shape_google
+
+
+@pytest.fixture
+def folder(blender: Any, tmp_path: Path) -> Path:
+    """A folder of three .blend files with a shape each, a mesh file, and one that is broken."""
+    folder = tmp_path / "assets"
+    folder.mkdir()
+    for seed, name in enumerate(["apple", "pear", "plum"]):
+        item = lumpy(name.title(), seed)
+        bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{name}.blend"), copy=True)
+        if name == "plum":
+            bpy.ops.wm.obj_export(filepath=str(folder / "nut.obj"))
+        bpy.data.objects.remove(item)
+    (folder / "broken.blend").write_bytes(b"no Blender file")
+    return folder
+
+
+@pytest.fixture
+def indexed(folder: Path, preferences: Any, session: Any) -> Path:
+    add_folder(preferences, folder)
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    return folder

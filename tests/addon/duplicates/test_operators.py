@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""Selecting groups, and the duplicates of a library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+import pytest
+
+from tests.addon.duplicates.objects import add, find, lump, module, motion
+
+
+@pytest.fixture
+def preferences(addon: ModuleType) -> Iterator[Any]:
+    """The add-on's preferences; the library is put back afterwards."""
+    chosen = bpy.context.preferences.addons[addon.__name__].preferences
+    before = chosen.library
+    yield chosen
+    chosen.library = before
+
+
+def test_select_takes_the_group_and_nothing_else(shown: Any) -> None:
+    data = lump()
+    a, b, other = add("a", data), add("b", data.copy(), motion(1)), add("other", lump(seed=3))
+    other.select_set(True)
+    find(shown)
+    assert bpy.ops.shape_google.select_duplicates(index=0) == {"FINISHED"}
+    assert set(bpy.context.selected_objects) == {a, b}
+    assert bpy.context.view_layer.objects.active.name == shown.groups[0].name
+    with pytest.raises(RuntimeError, match="no group 7"):
+        bpy.ops.shape_google.select_duplicates(index=7)
+
+
+def test_a_library_is_listed_and_its_shapes_here_can_be_selected(
+    addon: ModuleType, shown: Any, tmp_path: Path, preferences: Any
+) -> None:
+    from shapegoogle_core import Library
+
+    scene = module(addon, "scene.meshes")
+    blend = tmp_path / "scene.blend"
+    first = add("a", lump())
+    second = add("b", lump())
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    path = tmp_path / "shapes.sglib"
+    with Library.open(path) as library:
+        for item in (first, second):
+            library.add(scene.base_mesh(item), source=str(blend), object_name=item.name)
+    preferences.library = str(path)
+    shown.scope = "LIBRARY"
+    assert find(shown) == {"IDENTICAL": ["a", "b"]}
+    assert not shown.groups[0].linkable
+    assert bpy.ops.shape_google.select_duplicates() == {"FINISHED"}
+    assert set(bpy.context.selected_objects) == {first, second}
+
+
+def test_without_a_usable_library_it_says_so(
+    addon: ModuleType, shown: Any, tmp_path: Path, preferences: Any
+) -> None:
+    shown.scope = "LIBRARY"
+    preferences.library = str(tmp_path / "none.sglib")
+    with pytest.raises(RuntimeError, match="Index a library first"):
+        bpy.ops.shape_google.find_duplicates()
+    broken = tmp_path / "broken.sglib"
+    broken.write_text("no library")
+    preferences.library = str(broken)
+    with pytest.raises(RuntimeError, match=r"broken\.sglib"):
+        bpy.ops.shape_google.find_duplicates()

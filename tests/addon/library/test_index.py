@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: MIT
+"""Indexing folders and the open scene."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import bpy
+
+from shapegoogle_core import Library
+from tests.addon.shapes import add_folder, digests, lumpy
+
+
+def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
+    before = digests(folder)
+    add_folder(preferences, folder)
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    assert not session.indexing
+    assert session.summary == "4 added, 1 failed"
+    assert [(error.name, "broken.blend" in error.reason) for error in session.errors] == [
+        ("broken.blend", True)
+    ]
+    with Library.open(preferences.library) as library:
+        assert {(shape.object_name, Path(shape.source).name) for shape in library.shapes()} == {
+            ("Apple", "apple.blend"),
+            ("Pear", "pear.blend"),
+            ("Plum", "plum.blend"),
+            ("", "nut.obj"),
+        }
+        assert all(library.thumbnail(shape.shape_id) for shape in library.shapes())
+    assert digests(folder) == before
+
+    # A second time there is nothing to do; a changed file is read again.
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged, 1 failed"
+    (error,) = session.errors
+    assert error.reason.endswith("Retry Failed Files tries it again)")
+    status = (folder / "pear.blend").stat()
+    os.utime(folder / "pear.blend", ns=(status.st_atime_ns, status.st_mtime_ns + 10**9))
+    (folder / "broken.blend").unlink()
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged"
+
+
+def test_the_scene_itself(preferences: Any, session: Any) -> None:
+    lumpy("First", 0)
+    lumpy("Second", 1)
+    preferences.use_scene = True
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    assert session.summary == "2 shapes of this scene"
+    bpy.context.view_layer.objects.active = bpy.data.objects["First"]
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.shape_google.find_similar()
+    assert [(match.name, match.in_scene) for match in session.matches] == [("First", True), ("Second", True)]
+    assert not bpy.ops.shape_google.append_match.poll()
+    bpy.ops.shape_google.choose_match(index=1)
+    assert bpy.ops.shape_google.select_match() == {"FINISHED"}
+    assert [item.name for item in bpy.context.selected_objects] == ["Second"]
+
+
+def test_the_scene_and_its_file_are_two_sources(
+    addon: ModuleType, folder: Path, preferences: Any, session: Any
+) -> None:
+    (folder / "broken.blend").unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "pear.blend"), load_ui=False)
+    item = lumpy("Unsaved", 5)
+    item.asset_mark()
+    item.asset_data.tags.new("lump")
+    add_folder(preferences, folder)
+    preferences.use_scene = True
+    bpy.ops.shape_google.index_library()
+    session = bpy.context.window_manager.shape_google
+    assert session.summary == "4 added; 2 shapes of this scene"
+    with Library.open(preferences.library) as library:
+        assert {shape.name: shape.tags for shape in library.shapes() if shape.tags} == {"Unsaved": ("lump",)}
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "4 unchanged; 2 shapes of this scene"
+    bpy.ops.shape_google.find_similar()
+    assert session.matches[0].name == "Unsaved"
+    # Pear is in the file and in the scene: what can be selected is shown.
+    shown = importlib.import_module(
+        f"{type(preferences).__module__.rpartition('.')[0]}.gallery.filters"
+    ).shown_matches
+    assert [match.in_scene for _, match in shown(session) if match.name == "Pear"] == [True]
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def test_a_cancelled_scene_stores_nothing(addon: ModuleType, preferences: Any, session: Any) -> None:
+    for seed in range(3):
+        lumpy(f"Shape {seed}", seed)
+    module = importlib.import_module(f"{addon.__name__}.library.scene_source")
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "default")
+    indexing.events()
+    indexing.cancel()
+    indexing.join()
+    assert indexing.events() == []
+    with Library.open(preferences.library) as library:
+        assert len(library) == 0
+    # Objects that are deleted meanwhile are left out; a model that is not there is said.
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "default")
+    bpy.data.objects.remove(bpy.data.objects["Shape 1"])
+    events = []
+    while indexing.exit_code is None:
+        indexing.join()
+        events += indexing.events()
+    assert [event["path"] for event in events[:-1]] == ["Shape 0", "Shape 2"]
+    assert events[-1] == {"scene": 2, "failed": [], "shapes": 2}
+    Path(preferences.library).unlink()
+    indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "/no/model.npz")
+    assert indexing.events() == []
+    assert indexing.exit_code == 2
+    assert "cannot read the model" in indexing.last_words()
+
+
+def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, session: Any) -> None:
+    lumpy("Hidden", 0).hide_viewport = True
+    lumpy("Shown", 1)
+    wire = bpy.data.meshes.new("wire")
+    wire.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Wire", wire))
+    preferences.use_scene = True
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "1 shape of this scene"
+    assert not session.errors
+
+
+def test_forget_missing_files(indexed: Path, preferences: Any, session: Any) -> None:
+    (indexed / "plum.blend").unlink()
+    (indexed / "broken.blend").unlink()
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "3 unchanged"
+    with Library.open(preferences.library) as library:
+        assert len(library) == 4
+    bpy.ops.shape_google.index_library(prune=True)
+    assert session.summary == "3 unchanged, 2 removed"
+    with Library.open(preferences.library) as library:
+        assert len(library) == 3

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: MIT
+"""The script in the manual runs as it is printed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+
+def test_the_manual_s_script(folder: Path, preferences: Any, session: Any, tmp_path: Path) -> None:
+    manual = (Path(__file__).parents[2] / "docs" / "blender.md").read_text(encoding="utf-8")
+    script = manual.partition("```python\n")[2].partition("```")[0]
+    assert "find_similar" in script
+    script = script.replace("/library/studio.sglib", str(tmp_path / "studio.sglib"))
+    script = script.replace("/library/assets", str(folder))
+    # In tests the add-on is a folder of the repository, and nothing is there twice.
+    script = script.replace('endswith("shape_google")', 'endswith(("shape_google", "blender_addon"))')
+    script = script.replace("bpy.ops.shape_google.link_duplicates()", "")
+    exec(compile(script, "manual", "exec"), {})
+    assert len(session.matches) == 4
+    assert "sg_word" in bpy.context.active_object.data.attributes
