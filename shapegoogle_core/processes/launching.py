@@ -21,6 +21,7 @@ from types import FrameType
 
 __all__ = [
     "NO_WINDOW",
+    "block_broken_pipe_signal",
     "cause_of_death",
     "default_jobs",
     "divert_output",
@@ -188,6 +189,15 @@ def interrupts_blocked() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, previous)
+
+
+def block_broken_pipe_signal() -> None:
+    """Have writes of this thread to a program that has ended raise BrokenPipeError, as Python usually does.
+
+    Python ignores SIGPIPE, but not inside Blender: there the signal would end Blender.
+    """
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
 
 
 def end_with_parent() -> None:

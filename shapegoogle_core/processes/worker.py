@@ -22,7 +22,12 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.processes.launching import divert_output, launch, single_threaded
+from shapegoogle_core.processes.launching import (
+    block_broken_pipe_signal,
+    divert_output,
+    launch,
+    single_threaded,
+)
 
 __all__ = ["Task", "Worker", "serve"]
 
@@ -158,6 +163,7 @@ class Worker:
         self._thread = None
 
     def _work(self) -> None:
+        block_broken_pipe_signal()
         while (entry := self._tasks.get()) is not None:
             task, function, arguments = entry
             with self._lock:

@@ -45,6 +45,33 @@ def test_results_and_errors(worker: Worker, tmp_path: Path) -> None:
     assert worker.submit(abs, -3).result() == 3
 
 
+# As in Blender, whose Python does not ignore SIGPIPE. The worker is stopped, so that the task is still being
+# written to it when it is killed.
+CANCEL_WHILE_WRITING = """
+import os, signal, time
+from shapegoogle_core.processes.worker import Worker
+
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+worker = Worker()
+os.kill(worker.submit(os.getpid).result(), signal.SIGSTOP)
+task = worker.submit(len, bytes(10**7))
+while not task.running():
+    time.sleep(0.01)
+time.sleep(0.5)
+assert task.cancel()
+assert worker.submit(abs, -3).result() == 3
+worker.stop()
+print("alive")
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_cancelling_while_a_task_is_written_does_not_end_this_process() -> None:
+    command = [sys.executable, "-c", CANCEL_WHILE_WRITING]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+
+
 def test_cancelling(worker: Worker) -> None:
     running = worker.submit(time.sleep, 3600)
     waiting = worker.submit(abs, -1)
