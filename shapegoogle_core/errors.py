@@ -38,8 +38,28 @@ class MeshError(ShapeGoogleError, ValueError):
 
 
 class LibraryError(ShapeGoogleError):
-    """A library file cannot be opened, read or written."""
+    """A library cannot be opened, read or written.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> try:
+    ...     sg.Library.open("missing.sglib", read_only=True)
+    ... except sg.LibraryError as error:
+    ...     print(error)
+    there is no library 'missing.sglib'; check the name, or index a folder into it first
+    """
 
 
 class ModelError(ShapeGoogleError):
-    """A model cannot be loaded, or does not fit what it is asked to do."""
+    """A model cannot be loaded or trained, or does not fit the shapes or the library it is used with.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> try:
+    ...     sg.load_model("missing.npz")
+    ... except sg.ModelError as error:
+    ...     print(error)
+    cannot read the model 'missing.npz': ...; give a file made by `shapegoogle train`, or one of ...
+    """

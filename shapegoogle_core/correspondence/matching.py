@@ -93,14 +93,26 @@ class VertexMatch:
 
     Examples
     --------
+    The point of b that corresponds to each vertex of a, here of a single one:
+
+    >>> import numpy as np
     >>> import shapegoogle_core as sg
-    >>> import trimesh
-    >>> box = sg.as_mesh(trimesh.creation.box((1, 2, 3)))
-    >>> larger = sg.as_mesh(trimesh.creation.box((2, 4, 6)))
-    >>> match = sg.match_vertices(box, larger)
-    >>> points = (match.weights[:, :, None] * larger.vertices[larger.faces[match.face]]).sum(axis=1)
-    >>> points.shape, match.symmetric
-    ((8, 3), True)
+    >>> b = sg.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> match = sg.VertexMatch(
+    ...     face=np.array([0]),
+    ...     weights=np.array([[0.5, 0.25, 0.25]]),
+    ...     vertex=np.array([0]),
+    ...     confidence=np.array([0.9]),
+    ...     orthogonality=0.1,
+    ...     commutativity=0.1,
+    ...     area_distortion=0.02,
+    ...     distortion=0.03,
+    ...     orientation=1.0,
+    ...     runner_up=2.0,
+    ...     symmetric=False,
+    ... )
+    >>> (match.weights[:, :, None] * b.vertices[b.faces[match.face]]).sum(axis=1).tolist()
+    [[0.25, 0.25, 0.0]]
     """
 
     face: Indices

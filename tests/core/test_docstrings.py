@@ -24,14 +24,6 @@ MODULES = sorted(
     if not module.name.endswith("__main__")
 )
 
-PENDING = frozenset(
-    {
-        "LibraryError",
-        "ModelError",
-    }
-)
-"""Public names whose docstrings are not complete yet. Take a name out when its docstring is."""
-
 ENTRY = re.compile(r"(?P<names>\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: : (?P<type>.+))?$")
 
 
@@ -62,13 +54,7 @@ def is_method(member: object) -> bool:
     return inspect.isfunction(unwrapped) and not unwrapped.__name__.startswith("_")
 
 
-@pytest.mark.parametrize(
-    ("name", "member"),
-    [
-        pytest.param(name, member, id=name, marks=pytest.mark.xfail() if name in PENDING else ())
-        for name, member in members()
-    ],
-)
+@pytest.mark.parametrize(("name", "member"), [pytest.param(*pair, id=pair[0]) for pair in members()])
 def test_a_docstring_is_complete(name: str, member: object) -> None:
     assert not list(faults(name, member))
 
