@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Procedurally made articulated shapes, seeded: many kinds, any number of individuals and poses."""
+"""Procedural articulated shapes from seeds: many kinds, any number of individuals and poses."""
 
 from benchmarks.creatures.creature import CREATURE_KINDS, Creature, make_creature
 

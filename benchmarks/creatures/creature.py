@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Creatures: individuals of a kind that can take poses."""
+"""Creatures: individuals of a kind, in poses."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ _KINDS: dict[str, Callable[[np.random.Generator], Skeleton]] = {
 CREATURE_KINDS: tuple[str, ...] = tuple(_KINDS)
 """The kinds that `make_creature` knows."""
 
-# Seeded poses: how much of the written pose is taken, how much each chain and each bone departs from it.
+# Random poses: factor of the kind's pose, and deviations of each chain and each bone.
 _POSE_AMOUNT = (0.75, 1.05)
 _CHAIN_FACTOR = (0.8, 1.15)
 _JITTER_DEGREES = 5.0
-# Individuals whose limbs have grown together are drawn again.
+# Attempts until the limbs of an individual are separate.
 _ATTEMPTS = 6
-# Fewer do not show all limbs.
+# Fewer vertices do not represent all limbs.
 _FEWEST_VERTICES = 500
 
 
 @dataclass(frozen=True, eq=False)
 class Creature:
-    """One individual: a skeleton, its skin in rest pose and how the skin follows the bones.
+    """One individual: a skeleton, its skin in rest pose, and skin weights.
 
-    Every pose has the same faces as `rest`, so vertex i is the same point of the body in all of them.
+    All poses have the faces of `rest`, so vertex i is the same point of the body in every pose.
     """
 
     kind: str
@@ -59,7 +59,7 @@ class Creature:
 
     @property
     def pose_names(self) -> tuple[str, ...]:
-        """Names that `pose` takes: "rest" and what is written for the kind."""
+        """Names of poses: "rest" and the poses of the kind."""
         return ("rest", *self.skeleton.poses)
 
     def pose(self, pose: int | str) -> Mesh:
@@ -98,7 +98,7 @@ class Creature:
         angles *= rng.uniform(*_POSE_AMOUNT)
         for bones in self.skeleton.chains().values():
             angles[bones] *= rng.uniform(*_CHAIN_FACTOR)
-            # A chain as a whole departs equally, whether it has two bones or twenty.
+            # The deviation of a whole chain does not depend on its number of bones.
             spread = _JITTER_DEGREES / np.sqrt(len(bones))
             angles[bones] += np.clip(rng.normal(0, spread, (len(bones), 3)), -2 * spread, 2 * spread)
         return angles
@@ -112,9 +112,9 @@ def make_creature(kind: str, seed: int, vertex_count: int = 3000) -> Creature:
     kind : str
         One of `CREATURE_KINDS`.
     seed : int
-        Proportions, thickness and number of parts follow from it; the same seed gives the same creature.
+        Determines proportions, thickness and number of parts.
     vertex_count : int
-        Wanted number of vertices, met within 1 %.
+        Number of vertices, met within 1 %.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def make_creature(kind: str, seed: int, vertex_count: int = 3000) -> Creature:
     ValueError
         If the kind is unknown or `vertex_count` is below 500.
     MeshError
-        If no draw gives a closed surface of so many vertices with all limbs apart, or they are too many.
+        If no attempt results in a closed surface of this size with separate limbs, or it is too large.
     ImportError
         If scikit-image (the optional extra "demo") is not installed.
     """
@@ -150,5 +150,5 @@ def make_creature(kind: str, seed: int, vertex_count: int = 3000) -> Creature:
 
 
 def _handles(mesh: Mesh) -> int:
-    """Genus of a closed surface: V − E + F = 2 − 2g, and E = 3F/2."""
+    """Compute the genus of a closed surface: V − E + F = 2 − 2g, and E = 3F/2."""
     return 1 - (len(mesh.vertices) - len(mesh.faces) // 2) // 2

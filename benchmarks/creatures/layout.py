@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Small words for laying out joints."""
+"""Helpers for the positions of joints."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ FloatArray = NDArray[np.float64]
 
 
 def between(start: ArrayLike, end: ArrayLike, segments: int) -> FloatArray:
-    """Evenly spaced points from start to end, (segments + 1, 3), or evenly spaced numbers."""
+    """Return evenly spaced points from start to end, (segments + 1, 3), or evenly spaced numbers."""
     return np.linspace(np.asarray(start, float), np.asarray(end, float), segments + 1)
 
 
 def offset(point: ArrayLike, x: float, y: float, z: float) -> FloatArray:
-    """Return the point that lies (x, y, z) from `point`."""
+    """Return the point at the offset (x, y, z) from `point`."""
     moved: FloatArray = np.asarray(point, float) + np.array([x, y, z], float)
     return moved

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Creatures as Blender objects: a mesh that follows an armature by an Armature modifier.
+"""Creatures as Blender objects: a mesh with an Armature modifier.
 
 Needs the `bpy` module. A creature's skeleton becomes bones, its skin weights vertex groups, its written poses
 turns of the pose bones; Blender's own skinning then gives the same surface as `Creature.pose`.
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 
 def bone_names(skeleton: Skeleton) -> list[str]:
-    """Name every bone by its chain, its number there, and its side as Blender wants it: "arm.0.L".
+    """Name every bone by chain, number and Blender's suffix for the side: "arm.0.L".
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def bone_names(skeleton: Skeleton) -> list[str]:
     Returns
     -------
     names : list of str
-        One per bone, no two alike.
+        One for each bone; unique.
     """
     names = [""] * len(skeleton.bones)
     for chain, bones in skeleton.chains().items():
@@ -65,13 +65,13 @@ def mesh_data(mesh: Mesh, name: str) -> Any:
 
 
 def add_creature(creature: Creature, name: str, poses: Sequence[str], collection: Any) -> list[Any]:
-    """Add a creature, once for every pose; all share one mesh and one armature datablock.
+    """Add a creature once for every pose; all share one mesh and one armature datablock.
 
     Parameters
     ----------
     creature : Creature
     name : str
-        Of the datablocks; the objects are called after their poses too: "Horse Gallop".
+        Name of the datablocks; objects also have the name of their pose: "Horse Gallop".
     poses : sequence of str
         Of `creature.pose_names`.
     collection : bpy.types.Collection
@@ -80,8 +80,7 @@ def add_creature(creature: Creature, name: str, poses: Sequence[str], collection
     Returns
     -------
     skins : list of bpy.types.Object
-        The mesh objects, in the order of `poses`; each is the child of its armature object and stands where
-        that one is put.
+        The mesh objects, in the order of `poses`; each is the child of its armature object.
     """
     data = mesh_data(creature.rest, name)
     armature: Any = None
@@ -95,27 +94,27 @@ def add_creature(creature: Creature, name: str, poses: Sequence[str], collection
             _add_bones(creature.skeleton, rig)
         else:
             rig = _linked(f"{title} Rig", armature, collection)
-            bpy.context.view_layer.update()  # only now it has pose bones
+            bpy.context.view_layer.update()  # needed for the pose bones
         take_pose(creature, rig, pose)
         skin = _linked(title, data, collection)
         skin.parent = rig
-        if not skins:  # groups belong to the mesh, which all share
+        if not skins:  # vertex groups belong to the shared mesh
             _add_vertex_groups(creature, skin)
         modifier = skin.modifiers.new("Armature", "ARMATURE")
         modifier.object = rig
-        modifier.use_deform_preserve_volume = True  # dual quaternions, as the creature's own skinning
+        modifier.use_deform_preserve_volume = True  # dual quaternions, as in `pose_vertices`
         skins.append(skin)
     return skins
 
 
 def take_pose(creature: Creature, rig: Any, pose: str) -> None:
-    """Turn the bones of a creature's armature object as one of its poses says.
+    """Pose a creature's armature object.
 
     Parameters
     ----------
     creature : Creature
     rig : bpy.types.Object
-        An armature object that `add_creature` made of this creature.
+        Armature object of this creature from `add_creature`.
     pose : str
         One of `creature.pose_names`.
 
@@ -130,7 +129,7 @@ def take_pose(creature: Creature, rig: Any, pose: str) -> None:
     angles = np.radians(skeleton.angles(skeleton.poses.get(pose, {})))
     for bone, name, turn in zip(skeleton.bones, bone_names(skeleton), angles, strict=True):
         pose_bone = rig.pose.bones[name]
-        # Turns are rotation vectors in rest coordinates; a pose bone's are in its own.
+        # Angles are rotation vectors in rest coordinates; those of a pose bone are in its own.
         own = pose_bone.bone.matrix_local.to_3x3().transposed() @ Vector(turn @ bone.axes)
         pose_bone.rotation_mode = "QUATERNION"
         pose_bone.rotation_quaternion = Quaternion(own)
@@ -144,7 +143,7 @@ def _linked(name: str, data: Any, collection: Any) -> Any:
 
 
 def _add_bones(skeleton: Skeleton, rig: Any) -> None:
-    """Give an armature the bones of a skeleton, in rest pose."""
+    """Add the bones of a skeleton to an armature, in rest pose."""
     names = bone_names(skeleton)
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
@@ -152,7 +151,7 @@ def _add_bones(skeleton: Skeleton, rig: Any) -> None:
         added = rig.data.edit_bones.new(name)
         added.head = bone.head
         added.tail = _bone_tail(skeleton, index)
-        # The bone's own x axis becomes the one it bends about.
+        # The bone bends about its own x axis.
         added.align_roll(Vector(np.cross(bone.axes[0], added.vector)))
         if bone.parent >= 0:
             added.parent = rig.data.edit_bones[names[bone.parent]]
@@ -160,7 +159,7 @@ def _add_bones(skeleton: Skeleton, rig: Any) -> None:
 
 
 def _bone_tail(skeleton: Skeleton, index: int) -> FloatArray:
-    """Where a bone ends: at the next of its chain, else as far along its axis as its solid reaches."""
+    """Return the end of a bone: the next bone of its chain, or the extent of its solid along its axis."""
     bone = skeleton.bones[index]
     for other in skeleton.bones:
         if other.parent == index and other.chain == bone.chain:
@@ -174,7 +173,7 @@ def _bone_tail(skeleton: Skeleton, index: int) -> FloatArray:
 
 
 def _add_vertex_groups(creature: Creature, skin: Any) -> None:
-    """Give a mesh object the creature's skin weights, one group per bone."""
+    """Add the creature's skin weights to a mesh object, one vertex group for each bone."""
     for name, weights in zip(bone_names(creature.skeleton), creature.weights.T, strict=True):
         group = skin.vertex_groups.new(name=name)
         for vertex in np.flatnonzero(weights):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Skeletons: bones that turn, round cones around them, and poses.
+"""Skeletons: bones, round cones around them, and poses.
 
 Axes: x points to the creature's left, −y is forward, z is up. Lengths are free units; a creature is about 1
 to 2 long.
@@ -22,7 +22,7 @@ Points = ArrayLike | Sequence[Any]
 Angles = tuple[float, float, float]
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
-# How far the chains of individuals depart from what is written for their kind.
+# Deviations of individuals from the chains of their kind.
 _LENGTH_FACTOR = (0.86, 1.16)
 _GIRTH_FACTOR = (0.94, 1.2)
 
@@ -38,7 +38,7 @@ class Wave:
     cycles : float
         Number of waves along the chain.
     phase : float
-        Where the first bone stands in its wave, in turns.
+        Phase of the first bone, in turns.
     """
 
     bend: float = 0.0
@@ -47,7 +47,7 @@ class Wave:
     phase: float = 0.0
 
     def angles(self, count: int) -> FloatArray:
-        """Angles of the `count` bones of a chain, (count, 3) in degrees."""
+        """Return the angles of the `count` bones of a chain, (count, 3) in degrees."""
         turns = self.phase + self.cycles * (np.arange(count) + 0.5) / count
         per_bone = np.sin(2 * np.pi * turns) * np.pi * max(self.cycles, 0.5) / count
         angles: FloatArray = np.outer(per_bone, [self.bend, self.swing, 0.0])
@@ -64,7 +64,7 @@ Pose = Mapping[str, PoseRule]
 
 @dataclass(frozen=True)
 class Bone:
-    """A joint and what hangs on it.
+    """A bone and its joint.
 
     `axes` holds the rotation axes of bend, swing and twist as rows, in rest coordinates.
     """
@@ -79,7 +79,7 @@ class Bone:
 class RoundCone:
     """A tapered capsule, rigid on one bone, stretched by a factor along each world axis.
 
-    Cones of one group meet in a crisp union, groups blend smoothly into one another.
+    The union of cones in a group is sharp; groups blend smoothly.
     """
 
     bone: int
@@ -98,7 +98,7 @@ class RoundCone:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Bones (parents first), the solid around them, poses, and how many handles (rings) the solid has."""
+    """Bones (parents first), the solid around them, poses, and the number of handles (rings) of the solid."""
 
     bones: tuple[Bone, ...]
     cones: tuple[RoundCone, ...]
@@ -107,14 +107,14 @@ class Skeleton:
     handles: int = 0
 
     def chains(self) -> dict[str, list[int]]:
-        """Bone indices of every chain, in order."""
+        """Return the bone indices of every chain, in order."""
         indices: dict[str, list[int]] = {}
         for index, bone in enumerate(self.bones):
             indices.setdefault(bone.chain, []).append(index)
         return indices
 
     def varied(self, rng: np.random.Generator) -> Skeleton:
-        """Return another individual: every chain longer or shorter, thicker or thinner, both sides alike."""
+        """Return another individual with random lengths and thicknesses of chains, equal on both sides."""
         names = sorted({_both_sides(bone.chain) for bone in self.bones})
         lengths = dict(zip(names, rng.uniform(*_LENGTH_FACTOR, len(names)), strict=True))
         girths = dict(zip(names, rng.uniform(*_GIRTH_FACTOR, len(names)), strict=True))
@@ -142,7 +142,7 @@ class Skeleton:
         return replace(self, bones=tuple(bones), cones=tuple(cones))
 
     def angles(self, pose: Pose) -> FloatArray:
-        """Angles of every bone for a pose.
+        """Compute the angles of every bone for a pose.
 
         Parameters
         ----------
@@ -190,7 +190,7 @@ def _direction(vector: FloatArray) -> FloatArray:
 
 
 def _bone_axes(direction: FloatArray, toward: FloatArray, mirrored: bool) -> FloatArray:
-    """Axes about which a positive bend turns `direction` to `toward`; mirrored sides move mirrored."""
+    """Compute axes so that a positive bend rotates `direction` to `toward`; mirrored sides mirror it."""
     twist = _direction(direction)
     bend = _direction(np.cross(twist, toward))
     swing = np.cross(twist, bend)
@@ -200,8 +200,8 @@ def _bone_axes(direction: FloatArray, toward: FloatArray, mirrored: bool) -> Flo
 class SkeletonBuilder:
     """Collects chains of bones and the solid around them.
 
-    Names of mirrored chains end in ".L" and ".R"; a part that names a ".L" parent and has `both_sides` set
-    finds its right parent itself. A bone is called by its chain and number, "arm.L.0".
+    Names of mirrored chains end in ".L" and ".R"; a part with a ".L" parent and `both_sides` also gets the
+    corresponding ".R" parent. Bones are named by chain and number, "arm.L.0".
     """
 
     def __init__(self) -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Skin weights and dual-quaternion skinning: how the surface follows the bones.
+"""Skin weights and dual-quaternion skinning.
 
-Dual quaternions (Kavan et al. 2008) keep the volume of twisted joints, where linear blending would pinch
-them.
+Dual quaternions (Kavan et al. 2008) keep the volume of twisted joints, which linear blending would
+collapse.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _TRANSITION = 0.8
 
 
 def skin_weights(skeleton: Skeleton, mesh: Mesh) -> FloatArray:
-    """Weights of every bone at every vertex.
+    """Compute the weights of every bone at every vertex.
 
-    Every vertex starts with the one bone whose solid is nearest; the labels are then diffused along the
-    surface, over a distance that grows with the limb's thickness. Diffusion goes along the surface, so that
-    a leg never drags the other leg, however near it stands.
+    Every vertex is assigned to the bone with the nearest solid; the labels then diffuse along the surface,
+    over a distance that grows with the limb's thickness. Because diffusion follows the surface, a leg never
+    moves with the other leg, however close it is.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def skin_weights(skeleton: Skeleton, mesh: Mesh) -> FloatArray:
     labels[np.arange(len(labels)), bones] = 1.0
 
     mass, stiffness = _surface_laplacian(mesh, (_TRANSITION * sizes[nearest]) ** 2)
-    # Two half steps give a smoother bell than one.
+    # Two half steps are smoother than one step.
     solver = splu(csc_array(diags_array(mass) + 0.5 * stiffness))
     weights: FloatArray = solver.solve(mass[:, None] * solver.solve(mass[:, None] * labels))
     weights = np.maximum(weights, 0)
@@ -63,7 +63,7 @@ def skin_weights(skeleton: Skeleton, mesh: Mesh) -> FloatArray:
 
 
 def _surface_laplacian(mesh: Mesh, times: FloatArray) -> tuple[FloatArray, csc_array]:
-    """Lumped vertex areas, and cotangent stiffness times a diffusion time that varies over the surface."""
+    """Compute lumped vertex areas, and cotangent stiffness times a varying diffusion time."""
     count = len(mesh.vertices)
     rows, columns, values = [], [], []
     for corner in range(3):
@@ -71,7 +71,7 @@ def _surface_laplacian(mesh: Mesh, times: FloatArray) -> tuple[FloatArray, csc_a
         u, v = mesh.vertices[a] - mesh.vertices[tip], mesh.vertices[b] - mesh.vertices[tip]
         twice_area: FloatArray = np.linalg.norm(np.cross(u, v), axis=1)
         cotangent = np.einsum("ij,ij->i", u, v) / np.maximum(twice_area, np.finfo(float).tiny)
-        # Obtuse corners would make weights negative; a floor keeps the diffusion a mean.
+        # Obtuse corners would make weights negative; with a lower bound diffusion stays an average.
         rows.append(a)
         columns.append(b)
         values.append(0.5 * np.clip(cotangent, 0.01, 10) * (times[a] + times[b]) / 2)
@@ -85,7 +85,7 @@ def _surface_laplacian(mesh: Mesh, times: FloatArray) -> tuple[FloatArray, csc_a
 
 
 def _quaternion_product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Hamilton product of quaternions (w, x, y, z)."""
+    """Compute the Hamilton product of quaternions (w, x, y, z)."""
     vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
     return np.concatenate([[a[0] * b[0] - a[1:] @ b[1:]], vector])
 
@@ -99,7 +99,7 @@ def _rotate(quaternion: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def _bone_motions(skeleton: Skeleton, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Forward kinematics: every bone's rotation (quaternion) and translation from rest to pose."""
+    """Compute forward kinematics: rotation (quaternion) and translation of every bone from rest to pose."""
     rotations = np.empty((len(skeleton.bones), 4))
     translations = np.empty((len(skeleton.bones), 3))
     for index, bone in enumerate(skeleton.bones):
@@ -138,8 +138,8 @@ def pose_vertices(
     rotations, translations = _bone_motions(skeleton, angles)
     pure = np.concatenate([np.zeros((len(translations), 1)), translations], axis=1)
     duals = 0.5 * np.stack([_quaternion_product(t, q) for t, q in zip(pure, rotations, strict=True)])
-    # Children continue their parent's quaternion, so signs agree along the skeleton and no blend takes the
-    # long way.
+    # Children continue their parent's quaternion, so signs agree along the skeleton and blends take the
+    # shorter way.
     blended = weights @ np.concatenate([rotations, duals], axis=1)
     real, dual = blended[:, :4], blended[:, 4:]
     length = np.linalg.norm(real, axis=1, keepdims=True)

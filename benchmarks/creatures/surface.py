@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The skin of a skeleton: a smooth union of round cones, meshed by marching cubes."""
+"""Skin of a skeleton: a smooth union of round cones, meshed by marching cubes."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ __all__ = ["cone_distances", "is_closed_manifold", "skin_mesh"]
 
 FloatArray = NDArray[np.float64]
 
-# Beyond this many blend widths a part no longer matters to the union: exp(-5) < 0.01.
+# Number of blend widths beyond which a part does not affect the union: exp(-5) < 0.01.
 _REACH = 5.0
 _MAX_CELLS = 1_200_000
-# Marching cubes puts this many vertices on a square of one grid cell, on average over directions.
+# Mean number of vertices of marching cubes on a square of one grid cell.
 _VERTICES_PER_SQUARE_CELL = 1.4
-# How near to a grid point, in cells, a vertex may lie.
+# Least distance of a vertex from a grid point, in cells.
 _LEAST_SHARE = 0.06
 
 
 def cone_distances(cone: RoundCone, points: tuple[FloatArray, FloatArray, FloatArray]) -> FloatArray:
-    """Signed distance to a round cone, negative inside; a lower bound of it where the cone is stretched.
+    """Compute the signed distance to a round cone, negative inside; a lower bound if it is stretched.
 
     Parameters
     ----------
     cone : RoundCone
     points : three arrays that broadcast together
-        x, y and z. Axes of a grid stay one-dimensional, which is what makes this fast.
+        x, y and z. One-dimensional axes of a grid are fast.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def _sample_union(skeleton: Skeleton, cell: float) -> tuple[FloatArray, FloatArr
 
     Returns the values and the position of the first grid point.
     """
-    # Where parts meet, the union bulges out by up to a blend width or two.
+    # Where parts meet, the union extends by up to two blend widths.
     margin = 3 * cell + 2 * max(skeleton.blends)
     solid = [_cone_bounds(cone, margin) for cone in skeleton.cones]
     lower = np.min([bounds[0] for bounds in solid], axis=0)
@@ -118,7 +118,7 @@ def _largest_component(vertices: FloatArray, faces: NDArray[np.int32]) -> Mesh:
 
 
 def is_closed_manifold(mesh: Mesh) -> bool:
-    """Whether every edge joins exactly two faces and the faces around every vertex form one fan.
+    """Return whether every edge joins two faces and the faces around every vertex form one fan.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def _march(skeleton: Skeleton, cell: float) -> Mesh:
         ) from error
     values, origin = _sample_union(skeleton, cell)
     vertices, faces, _, _ = marching_cubes(values, 0.0, gradient_direction="ascent")
-    # Every vertex lies on a grid edge; near its ends several would all but coincide, so keep them apart.
+    # Every vertex lies on a grid edge; near grid points several would nearly coincide.
     below = np.floor(vertices)
     share = vertices - below
     vertices = below + np.where(share > 0, np.clip(share, _LEAST_SHARE, 1 - _LEAST_SHARE), 0)
@@ -174,12 +174,12 @@ def skin_mesh(skeleton: Skeleton, vertex_count: int) -> Mesh | None:
     ----------
     skeleton : Skeleton
     vertex_count : int
-        Wanted number of vertices, met within 1 %.
+        Number of vertices, met within 1 %.
 
     Returns
     -------
     mesh : Mesh or None
-        None if no closed manifold with so few vertices could be made.
+        None if no closed manifold with this number of vertices was found.
 
     Raises
     ------
@@ -192,7 +192,7 @@ def skin_mesh(skeleton: Skeleton, vertex_count: int) -> Mesh | None:
     size = np.max([high for _, high in bounds], axis=0) - np.min([low for low, _ in bounds], axis=0)
     coarsest = float(np.cbrt(size.prod() / _MAX_CELLS))
     cell = max(0.9 * min(cone.thickness for cone in skeleton.cones), coarsest)
-    # Now and then a collapse pinches the surface; another grid gives another order of collapses.
+    # A collapse may pinch the surface; another grid changes the order of collapses.
     for factor in (1.0, 0.96, 0.92, 0.88):
         mesh = _march(skeleton, factor * cell)
         if len(mesh.vertices) < 1.3 * vertex_count:
@@ -209,10 +209,10 @@ def skin_mesh(skeleton: Skeleton, vertex_count: int) -> Mesh | None:
 
 
 def _simplify(mesh: Mesh, vertex_count: int) -> Mesh | None:
-    """Collapse edges down to the wanted number of vertices; None if the surface does not survive it."""
-    # Euler's formula: the number of faces that belongs to the number of vertices.
+    """Collapse edges down to a number of vertices; None if the result is not a closed manifold."""
+    # Number of faces for this number of vertices by Euler's formula.
     faces_wanted = len(mesh.faces) - 2 * (len(mesh.vertices) - vertex_count)
-    # The gentlest setting gives the best triangles; rarely it pinches the surface where another does not.
+    # The lowest aggressiveness makes the best triangles, but rarely pinches the surface where others do not.
     for aggressiveness in (3, 5, 7):
         points, faces = fast_simplification.simplify(
             mesh.vertices.copy(), mesh.faces.copy(), target_count=faces_wanted, agg=aggressiveness
@@ -225,7 +225,7 @@ def _simplify(mesh: Mesh, vertex_count: int) -> Mesh | None:
 
 
 def _has_no_slivers(mesh: Mesh) -> bool:
-    """Whether no edge is vanishingly short."""
+    """Return whether no edge is degenerate."""
     edges, _ = unique_edges(mesh)
     lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
     return bool(lengths.min() > 1e-3 * lengths.mean())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pairs of shapes of which it is known what kind of match they are, to measure evidence on."""
+"""Pairs of shapes with known relations, to measure evidence."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from shapegoogle_core.preprocessing.resampling import simplify, subdivide
 
 __all__ = ["EvidencePair", "cut", "make_pairs", "remeshed"]
 
-# Seeds of other individuals, far from those that are asked for.
+# Offsets of the seeds of other individuals, beyond all seeds of queries.
 _SIBLING, _STRANGER = 50_000, 70_000
 
 
 @dataclass(frozen=True, eq=False)
 class EvidencePair:
-    """A query, a candidate, and what the candidate is, seen from the query.
+    """A query, a candidate, and the true relation of the candidate to the query.
 
     Attributes
     ----------
     kind : str
         One of `shapegoogle_core.library.evidence.KINDS`.
     detail : str
-        How it was made.
+        Construction of the candidate.
     query, candidate : Mesh
     factor : float
         Size of the candidate relative to the query.
     share : float
-        Area of the smaller one relative to the larger one's; 1 unless one is a part of the other.
+        Area of the smaller shape relative to the larger one if one is a part of the other; otherwise 1.
     """
 
     kind: str
@@ -46,14 +46,14 @@ class EvidencePair:
 
 
 def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
-    """Make pairs of one procedural creature, of each kind of evidence at least one.
+    """Make pairs of one procedural creature, at least one of each kind of evidence.
 
     Parameters
     ----------
     creature : str
         One of `CREATURE_KINDS`.
     seed : int
-        Which individual. The shipped models were trained on those of seeds 0 to 7.
+        Seed of the individual. The shipped models were trained on seeds 0 to 7.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def _shuffled(mesh: Mesh, random: np.random.Generator) -> Mesh:
 
 
 def remeshed(mesh: Mesh, random: np.random.Generator) -> Mesh:
-    """Give a surface another mesh, with a third to twice the vertices.
+    """Re-mesh a surface, with a third to twice the number of vertices.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def remeshed(mesh: Mesh, random: np.random.Generator) -> Mesh:
     Returns
     -------
     other : Mesh
-        Half of the time thinned, else refined and then thinned: none keeps its vertices.
+        Simplified, or with equal probability subdivided and then simplified, which moves all vertices.
     """
     count = len(mesh.vertices)
     if random.random() < 0.5:
@@ -133,7 +133,7 @@ def cut(mesh: Mesh, direction: FloatArray, share: float) -> Mesh:
     ----------
     mesh : Mesh
     direction : (3,) array
-        What lies farthest this way is cut off.
+        The part that lies farthest in this direction is removed.
     share : float
         From 0 to 1.
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Are keypoints found again on a transformed shape? As in the track of SHREC 2010 on feature detection.
+"""Repeatability of keypoints under transformations, as in the feature detection track of SHREC 2010.
 
-A point of a transformed shape is repeated if one was found on the null shape within a small distance, along
-the null shape, of the place that it came from (Bronstein et al., SHREC 2010: robust feature detection and
-description benchmark). Who marks every vertex finds all of them again: what the same number of points would
-have had by chance is told beside it.
+A keypoint of a transformed shape is repeated if a keypoint of the null shape lies within a small distance,
+measured along the null shape, of the point's origin (Bronstein et al., SHREC 2010: robust feature detection
+and description benchmark). A detector that returns every vertex repeats all of them, so repeatability is
+reported together with that of random points.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from shapegoogle_core.model.working_shape import working_shape
 __all__ = ["TOLERANCE", "NullShape", "Repeatability", "found_points", "places_on_null", "repeatability"]
 
 TOLERANCE = 0.03
-"""How far off a point may be found again, as a share of the null shape's diameter along its surface."""
+"""Largest distance of a repeated point, as a share of the null shape's diameter along its surface."""
 
-# From corner to corner: the first steps find most of the diameter, further ones hardly add to it.
+# Each sweep starts at the end of the one before; further sweeps hardly increase the diameter.
 _SWEEPS = 4
 
 Indices = NDArray[np.int64]
@@ -41,17 +41,18 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Repeatability:
-    """How many points of one shape were found again on another.
+    """Repeatability of the keypoints of a transformed shape.
 
     Attributes
     ----------
     points : int
-        Found on the transformed shape.
+        Number of keypoints of the transformed shape.
     repeated : float
-        Share of them that come from within the tolerance of a point of the null shape; NaN if there are none.
+        Share of them whose origin is within the tolerance of a keypoint of the null shape; NaN without
+        points.
     chance : float
-        Share of the null shape's area that is within the tolerance of one of its points: what points thrown
-        at random would reach.
+        Share of the null shape's area within the tolerance of one of its keypoints, which is the
+        repeatability of random points.
     """
 
     points: int
@@ -60,7 +61,7 @@ class Repeatability:
 
 
 class NullShape:
-    """A shape before it is transformed, and distances along it.
+    """A null shape and distances along it.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ class NullShape:
         self.diameter = self._diameter()
 
     def _diameter(self) -> float:
-        """Largest distance along the largest part, between vertices."""
+        """Compute the largest distance between vertices along the largest part."""
         _, part = connected_components(self._graph, directed=False)
         here, diameter = int(np.argmax(part == np.bincount(part).argmax())), 0.0
         for _ in range(_SWEEPS):
@@ -85,7 +86,18 @@ class NullShape:
         return diameter
 
     def near(self, vertices: Indices, tolerance: float = TOLERANCE) -> NDArray[np.bool_]:
-        """Mask of the vertices within the tolerance of any of some vertices."""
+        """Return the mask of vertices within the tolerance of any of some vertices.
+
+        Parameters
+        ----------
+        vertices : (v,) array of int
+        tolerance : float
+            As a share of the diameter.
+
+        Returns
+        -------
+        near : (n,) array of bool
+        """
         if len(vertices) == 0:
             return np.zeros(len(self.mesh.vertices), bool)
         limit = tolerance * self.diameter
@@ -95,23 +107,23 @@ class NullShape:
 
 
 def places_on_null(null: Mesh, query: Mesh, kind: str, strength: int, points: FloatArray) -> Indices:
-    """Tell from where on a null shape points of a transformed one came.
+    """Find the origins, on a null shape, of points of a transformed shape.
 
-    Transformations that keep all vertices keep their order: vertex i came from vertex i. The others leave
-    what remains in its place, but for the size and, in "mixed", noise of less than an edge: there it is what
-    is nearest. A welded pair of vertices came from either.
+    Transformations that keep the number of vertices also keep their order, so vertex i originates from vertex
+    i. The others keep the positions of the remaining vertices, except for scale and, in "mixed", noise of
+    less than an edge length, so the origin is the nearest vertex. A welded pair originates from either one.
 
     Parameters
     ----------
     null : Mesh
-        What was transformed.
+        The shape before the transformation.
     query : Mesh
-        What `transform` made of it, or another pose with the same vertices.
+        Result of `transform`, or another pose with the same vertices.
     kind : str
         One of `TRANSFORMATIONS`, or "isometry".
     strength : int
     points : (p, 3) array
-        On the query, in its place and unit.
+        Points on the query, in its position and unit.
 
     Returns
     -------
@@ -121,14 +133,14 @@ def places_on_null(null: Mesh, query: Mesh, kind: str, strength: int, points: Fl
     Raises
     ------
     ValueError
-        If the kind is "isometry" and the vertices are not the same.
+        If the kind is "isometry" and the numbers of vertices differ.
     """
     _, nearest = KDTree(query.vertices).query(points)
     if len(query.vertices) == len(null.vertices):
         return np.asarray(nearest, np.int64)
     if kind == ISOMETRY:
         raise ValueError(
-            f"{query.name!r} has not the vertices of {null.name!r}: nobody knows where its points came from"
+            f"{query.name!r} does not have the vertices of {null.name!r}, so its points have no known origin"
         )
     _, origin = KDTree(null.vertices).query(query.vertices[nearest] / scale_factor(kind, strength))
     return np.asarray(origin, np.int64)
@@ -137,7 +149,7 @@ def places_on_null(null: Mesh, query: Mesh, kind: str, strength: int, points: Fl
 def found_points(
     settings: ModelSettings, mesh: Mesh, detectors: Mapping[str, Mapping[str, float]] | None = None
 ) -> dict[str, FloatArray]:
-    """Find keypoints of a mesh as a model prepares it.
+    """Detect keypoints of a mesh preprocessed for a model.
 
     Parameters
     ----------
@@ -145,12 +157,12 @@ def found_points(
         Only preprocessing, area, Laplacian and eigenpairs matter.
     mesh : Mesh
     detectors : mapping of str to mapping, optional
-        Names of `DETECTORS` and parameters of each; left out, all as they are.
+        Names of `DETECTORS` and their parameters; default: all with their default parameters.
 
     Returns
     -------
     points : dict of str to (p, 3) array
-        By detector, in the place and unit of the mesh as given, the strongest first.
+        By detector, in the position and unit of the given mesh, the strongest first.
     """
     shape = working_shape(settings, mesh)
     vertices = shape.placement.restore(shape.mesh).vertices
@@ -162,7 +174,7 @@ def found_points(
 
 
 def repeatability(null: NullShape, null_points: FloatArray, places: Indices) -> Repeatability:
-    """Count the points that are found again.
+    """Compute the repeatability of keypoints.
 
     Parameters
     ----------
@@ -170,7 +182,7 @@ def repeatability(null: NullShape, null_points: FloatArray, places: Indices) -> 
     null_points : (q, 3) array
         Keypoints of the null shape.
     places : (p,) array of int
-        Where the keypoints of the transformed shape came from, see `places_on_null`.
+        Origins of the keypoints of the transformed shape, see `places_on_null`.
 
     Returns
     -------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of objects by Blender's Workbench renderer, in the colours of their colour attribute.
+"""Pictures of objects with Blender's Workbench renderer, in the colours of their colour attribute.
 
 Needs the `bpy` module; works without a window or a graphics card.
 """
@@ -24,21 +24,21 @@ __all__ = ["missing_library", "photograph", "set_up_studio"]
 
 FloatArray = NDArray[np.float64]
 
-# Creatures stand on the xy plane and look along -y: from their left front, a little from above.
+# From the left front and a little above: creatures stand on the xy plane and face -y.
 _VIEW = look_from((1.0, -1.15, 0.5), up=(0, 0, 1))
 _LIGHT = np.array([0.0, -0.35, 1.1])  # towards the light, in world axes; steep, so that shadows stay near
-_LIGHT_LOSS = 1.62  # the studio light leaves a level floor darker than its (linear) colour by this factor
+_LIGHT_LOSS = 1.62  # factor by which the studio light darkens the (linear) colour of a level floor
 _MARGIN = 0.05  # free on each side, as a share of the picture
-_FLOOR_REACH = 40.0  # how far the floor goes, in sizes of the object: further than any picture shows
+_FLOOR_REACH = 40.0  # extent of the floor in sizes of the object, beyond the picture
 
 
 def missing_library() -> str | None:
-    """Name the library that Workbench lacks here: without it a render would end the whole process.
+    """Return the system library that Workbench needs and that is missing; rendering without it would crash.
 
     Returns
     -------
     name : str or None
-        None when it is there, or the system needs none.
+        None if nothing is missing.
     """
     if not sys.platform.startswith("linux"):
         return None
@@ -51,7 +51,7 @@ def missing_library() -> str | None:
 
 
 def set_up_studio(scene: Any) -> None:
-    """Let a scene be rendered by Workbench, objects in the colours of their active colour attribute.
+    """Set up a scene for Workbench, with objects in the colours of their active colour attribute.
 
     Parameters
     ----------
@@ -61,14 +61,14 @@ def set_up_studio(scene: Any) -> None:
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     scene.render.resolution_percentage = 100
-    scene.view_settings.view_transform = "Standard"  # colours come out as they are
-    scene.render.dither_intensity = 0  # a noise that only makes files larger
+    scene.view_settings.view_transform = "Standard"  # keeps colours unchanged
+    scene.render.dither_intensity = 0  # noise makes files larger
     scene.display.render_aa = "16"
-    # Blender wants it from the light, with y up.
+    # Blender expects the direction from the light, with y up.
     scene.display.light_direction = (_LIGHT / np.linalg.norm(_LIGHT))[[0, 2, 1]] * [1, 1, -1]
     shading = scene.display.shading
     shading.light = "STUDIO"
-    shading.studio_light = "paint.sl"  # even light from all sides: it changes colours least
+    shading.studio_light = "paint.sl"  # even light from all sides changes colours least
     shading.color_type = "VERTEX"
     shading.show_shadows = True
     shading.shadow_intensity = 0.3
@@ -77,12 +77,12 @@ def set_up_studio(scene: Any) -> None:
 
 
 def photograph(item: Any, size: tuple[int, int], floor: ArrayLike = (0.96, 0.96, 0.97)) -> Image.Image:
-    """Render one object of the scene, standing on a floor with its shadow, filling the picture.
+    """Render one object of the scene on a floor, with its shadow, filling the picture.
 
     Parameters
     ----------
     item : bpy.types.Object
-        A mesh object in the context's scene. All other objects are left out of the picture.
+        A mesh object in the context's scene. Other objects are hidden.
     size : (width, height)
         In pixels.
     floor : (3,) array_like
@@ -96,7 +96,7 @@ def photograph(item: Any, size: tuple[int, int], floor: ArrayLike = (0.96, 0.96,
     scene = bpy.context.scene
     hidden = [other for other in scene.objects if other is not item and not other.hide_render]
     place = item.matrix_world.copy()
-    # Workbench draws no shadows of objects that measure centimetres, so all are brought to the same size.
+    # Workbench does not draw shadows of small objects, so all are scaled to the same size.
     item.matrix_world = Matrix.Scale(1 / float(np.ptp(_world_vertices(item), axis=0).max()), 4) @ place
     points = _world_vertices(item)
     made = [_add_floor(points, np.asarray(floor, float)), _add_camera(points, size)]
@@ -148,7 +148,7 @@ def _add_floor(points: FloatArray, color: FloatArray) -> Any:
 
 
 def _add_camera(points: FloatArray, size: tuple[int, int]) -> Any:
-    """Add a camera that sees some points and their shadows on the floor, as large as they fit."""
+    """Add a camera in which some points and their shadows on the floor fill the picture."""
     shadows = points - np.outer((points[:, 2] - points[:, 2].min()) / _LIGHT[2], _LIGHT)
     seen = np.concatenate([points, shadows]) @ _VIEW.T
     low, high = seen.min(axis=0), seen.max(axis=0)

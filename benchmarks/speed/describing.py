@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Measure the way from a mesh file to a signature, stage by stage.
+"""Measure the time from a mesh file to a signature, stage by stage.
 
-For each number of vertices a creature that nothing was learnt from is written as binary PLY and as OBJ. A
-process of its own reads and describes each file with the shipped model, on one thread: processor time of
-every stage, medians over the repeats, and the most memory that the first time took. Imports do not count.
-Memory needs Linux.
+For each number of vertices, a creature that nothing was learnt from is written as binary PLY and as OBJ. A
+new process reads and describes each file with the shipped model on one thread. The rows have the processor
+time of every stage, as medians over the repeats, and the peak memory of the first repeat (Linux only).
+Imports do not count.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ STAGES = (
     "sample",
     "codes",
 )
-"""In the order in which they happen. "bags" are all that `shape_bags` does beside descriptors and words."""
+"""In order of execution. "bags" is the rest of `shape_bags`, without descriptors and words."""
 
-# What belongs to which stage. Time inside an inner one does not count for the outer one.
+# Functions of each stage; time in an inner function does not count for the outer one.
 WATCHED: tuple[tuple[Any, str, str], ...] = (
     (sg, "read_mesh", "reading"),
     (working, "prepare", "preprocessing"),
@@ -80,14 +80,14 @@ def measure(options: Options) -> Iterator[Row]:
     Parameters
     ----------
     options : Options
-        Sizes are numbers of vertices. The folder gets 120 bytes for each.
+        Sizes are numbers of vertices. The folder needs 120 bytes for each.
 
     Yields
     ------
     row : dict
-        For each file. "stages" are seconds of processor time, "total" is that of the whole way with what
-        belongs to no stage, "start" that before the first file: imports, loading the model, describing a
-        sphere. "peak_mb" is all that the process held.
+        For each file. "stages" are seconds of processor time, "total" includes work outside all stages,
+        "start" is the time before the first file (imports, loading the model, describing a sphere), and
+        "peak_mb" is the peak memory of the process.
     """
     with tempfile.TemporaryDirectory(dir=options.folder) as folder, single_threaded():
         for size in options.sizes:
@@ -102,7 +102,7 @@ def measure(options: Options) -> Iterator[Row]:
 
 
 class StageClock:
-    """Processor time of functions that call each other, each without those inside it.
+    """Processor time of nested functions, each without the inner ones.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class StageClock:
 
     @contextmanager
     def running(self, stage: str) -> Iterator[None]:
-        """Let the time inside the block count for a stage."""
+        """Count the time inside the block for a stage."""
         self._count()
         self._open.append(stage)
         try:
@@ -127,7 +127,7 @@ class StageClock:
             self._open.pop()
 
     def watch(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the same function, on the clock."""
+        """Return the function with its time counted for a stage."""
 
         @wraps(function)
         def watched(*arguments: Any, **options: Any) -> Any:
@@ -144,12 +144,12 @@ class StageClock:
 
 
 def describe_file(path: Path, repeats: int) -> Row:
-    """Read and describe a file again and again, in a new process."""
+    """Read and describe a file repeatedly; runs in a new process."""
     import trimesh
 
     shipped = sg.load_model()
     sphere = trimesh.creation.icosphere(4)
-    shipped.describe(sg.Mesh(sphere.vertices, sphere.faces))  # loads what is loaded when it is needed
+    shipped.describe(sg.Mesh(sphere.vertices, sphere.faces))  # triggers all deferred imports
     start = time.process_time()
     totals, clocks = [], []
     for repeat in range(repeats):
@@ -179,7 +179,7 @@ def describe_file(path: Path, repeats: int) -> Row:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw the stages as stacked bars, each file's beside the time that it may take."""
+    """Draw the stages as stacked bars, with the largest acceptable times."""
     sizes = list(dict.fromkeys(row["size"] for row in rows))
     figure, axes = panels(len(sizes), 2.6 * len(sizes) + 1.6, 4.2)
     for panel, size in zip(axes, sizes, strict=True):
@@ -197,6 +197,6 @@ def draw(rows: Sequence[Row]) -> Figure:
         panel.set(title=f"{size:,} vertices")
     axes[0].set_ylabel("seconds of processor time")
     once = dict(zip(*reversed(axes[-1].get_legend_handles_labels()), strict=True))
-    # As in the bars, the last stage on top.
+    # In the order of the bars, with the last stage on top.
     figure.legend(list(once.values())[::-1], list(once)[::-1], loc="outside right center", fontsize="small")
     return figure

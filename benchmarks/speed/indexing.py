@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Measure indexing: shapes per second with one worker process and with two, and memory over a long run.
 
-jobs     for each size, so many shapes of 10,242 vertices are indexed with ``--jobs 1`` and ``--jobs 2`` in
-         turns. Beside each pair of runs stands what two processes of plain numpy, which share nothing, reach
-         against one on this machine at that time: two processors may be one core, other programs may run.
-memory   ten times as many shapes of 162 vertices, with two worker processes: what each process holds in time
+jobs     for each size, this number of shapes of 10,242 vertices is indexed with ``--jobs 1`` and ``--jobs 2``
+         in turn. Each pair of runs has the speed-up of two processes of plain numpy at the same time for
+         comparison, because two processors may share a core and other programs may run.
+memory   ten times as many shapes of 162 vertices, with two worker processes: memory of each process over time
 
 Both need Linux for the figures of processes.
 """
@@ -56,15 +56,15 @@ def measure(options: Options) -> Iterator[Row]:
     Parameters
     ----------
     options : Options
-        Sizes are numbers of shapes; repeats, pairs of runs for each. The folder gets 370 KB for each shape of
+        Sizes are numbers of shapes, repeats are pairs of runs. The folder needs 370 kB for each shape of
         `jobs`.
 
     Yields
     ------
     row : dict
-        "part" says of what. "ratio" is of the shapes per second, "ideal" that of plain numpy; "bound" is what
-        the processor times allow: 2 w / (w + m) where a shape takes the workers w seconds and the process
-        that stores it m. Both have the start of Python in them: a second, spread over all shapes.
+        With "part". "ratio" is the speed-up in shapes per second, "ideal" that of plain numpy, and "bound"
+        the limit by processor times: 2 w / (w + m) if a shape takes w seconds of the workers, and m of the
+        process that stores it. Both include the start of Python, a second spread over all shapes.
     """
     threads = blas_threads()
     for size in options.sizes:
@@ -79,7 +79,7 @@ def measure(options: Options) -> Iterator[Row]:
 
 
 def write_meshes(folder: Path, count: int, subdivisions: int) -> None:
-    """Write lumpy spheres, each another one, as binary PLY."""
+    """Write different lumpy spheres as binary PLY."""
     sphere = trimesh.creation.icosphere(subdivisions)
     faces = sphere.faces.astype(np.int32)
     for seed in range(count):
@@ -100,37 +100,37 @@ class Run:
     Attributes
     ----------
     seconds : float
-        By the command's own clock: without the start of Python.
+        Measured by the command, without the start of Python.
     history : list of (float, dict)
-        Seconds since the start, and the processes at that time; the process that stores is the first.
+        Seconds since the start, and the processes at that time; the first one stores the shapes.
     """
 
     seconds: float = 0.0
     history: list[tuple[float, dict[int, ProcessFigures]]] = field(default_factory=list)
 
     def last(self) -> dict[int, ProcessFigures]:
-        """Each process as it was when it was last seen."""
+        """Return the last figures of each process."""
         return {process: figures for _, seen in self.history for process, figures in seen.items()}
 
     def main(self) -> int:
-        """Return the process that stores."""
+        """Return the id of the process that stores the shapes."""
         return next(iter(self.history[0][1]))
 
     def cpu_seconds(self) -> tuple[float, float]:
-        """Processor time of the process that stores, and of all others."""
+        """Return the processor time of the process that stores the shapes, and of all others."""
         last = self.last()
         of_main = last[self.main()].cpu_seconds
         return of_main, sum(figures.cpu_seconds for figures in last.values()) - of_main
 
     def peaks(self) -> tuple[float, float]:
-        """Megabytes that the process that stores held at most, and the largest of the others."""
+        """Return the peak memory of the process that stores the shapes, and the largest of the others."""
         last, main = self.last(), self.main()
         others = [figures.peak_mb for process, figures in last.items() if process != main]
         return last[main].peak_mb, max(others, default=0.0)
 
 
 def index(folder: Path, jobs: int) -> Run:
-    """Index a folder into a new library and watch the processes."""
+    """Index a folder into a new library and record the figures of the processes."""
     library = folder / "shapes.sglib"
     command = [sys.executable, "-m", "shapegoogle_core", "index", str(folder), "--library", str(library)]
     command += ["--json", "--jobs", str(jobs), "--memory-limit", str(MEMORY_LIMIT)]
@@ -194,19 +194,19 @@ def measure_jobs(folder: Path, size: int, repeats: int) -> Row:
 
 
 def two_against_one(seconds: float = 2.0) -> float:
-    """How much more two processes of plain numpy do than one, at this time."""
+    """Measure the speed-up of two processes of plain numpy over one."""
     with (
         single_threaded(),
         ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
     ):
-        list(pool.map(numpy_rounds, [0.2, 0.2]))  # both have started
+        list(pool.map(numpy_rounds, [0.2, 0.2]))  # waits for the start of both
         alone = pool.submit(numpy_rounds, seconds).result()
         together = sum(pool.map(numpy_rounds, [seconds, seconds]))
     return together / alone
 
 
 def numpy_rounds(seconds: float) -> float:
-    """Work for so long; returns rounds per second."""
+    """Compute for some seconds; return rounds per second."""
     random = np.random.default_rng(0)
     matrix, values = random.standard_normal((300, 300)), random.standard_normal(100_000)
     order = random.permutation(len(values))
@@ -219,14 +219,14 @@ def numpy_rounds(seconds: float) -> float:
 
 
 def blas_threads() -> int:
-    """Return the threads that numerical libraries may use in a worker process."""
+    """Return the number of threads of numerical libraries in a worker process."""
     with Pool(1, sg.IndexSettings.time_limit) as pool:
         (task,) = pool.map(threads_with, [sg.load_model().to_bytes()])
     return task.result()
 
 
 def threads_with(model: bytes) -> int:
-    """Load a model in this process and look at its numerical libraries."""
+    """Load a model; return the number of threads of numerical libraries in this process."""
     from threadpoolctl import threadpool_info
 
     sg.ShapeModel.from_bytes(model)
@@ -237,7 +237,7 @@ def threads_with(model: bytes) -> int:
 
 
 def measure_memory(folder: Path, size: int) -> Row:
-    """Index a folder of many small shapes and note what the processes hold over time."""
+    """Index a folder of many small shapes and record the memory of the processes over time."""
     run = index(folder, 2)
     main = run.main()
     step = max(1, len(run.history) // POINTS)
@@ -260,7 +260,7 @@ def measure_memory(folder: Path, size: int) -> Row:
         "shapes_per_second": round(size / run.seconds, 2),
         "peak_mb_of_storing": round(main_peak),
         "peak_mb_of_a_worker": round(worker_peak),
-        # In the second half of the run over the first: 0 is flat.
+        # From the first half of the run to the second; 0 means constant memory.
         "growth_mb_of_storing": growth(curve, "storing_mb"),
         "growth_mb_of_a_worker": growth(curve, "worker_mb"),
         "curve": curve,
@@ -268,7 +268,7 @@ def measure_memory(folder: Path, size: int) -> Row:
 
 
 def growth(curve: list[dict[str, float]], name: str) -> float:
-    """Largest value of the last half less that of the second quarter, in which all has started."""
+    """Compute the increase of the maximum from the second quarter, after the start, to the last half."""
     values = [point[name] for point in curve]
     quarter, half = len(values) // 4, len(values) // 2
     return round(max(values[half:]) - max(values[quarter : half + 1]), 1)
@@ -278,7 +278,7 @@ def growth(curve: list[dict[str, float]], name: str) -> float:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw shapes per second and memory."""
+    """Plot shapes per second and memory."""
     figure, (rates, memory) = panels(2, 10, 4)
     for row in rows:
         if row["part"] == "jobs":

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Measure the search against the size of the library: codes in memory, library files, recall of the codes.
+"""Measure the search by the size of the library: codes in memory, library files, recall of the codes.
 
-codes    made-up codes of 128 and 256 bits: the ten nearest, and as many as the search compares by their bags
-library  made-up library files, each opened by a new process: first and next answer, a shape added and
-         removed, bytes for each shape. Up to `FULL_LIBRARY` shapes have bags and samples as the shipped model
-         makes them; larger ones have codes of that size but small bags and no samples, to fit on a disk.
-recall   share of the ten nearest by their bags that are among the candidates that the codes give: of made-up
-         bags that spread as real ones do, and with --library of the shapes of a real one
+codes    synthetic codes of 128 and 256 bits: the ten nearest, and the number that the search compares by bags
+library  synthetic library files, each opened by a new process: first and next query, adding and removing a
+         shape, bytes for each shape. Up to `FULL_LIBRARY` shapes have bags and samples of the shipped model's
+         size; larger libraries have codes of that size, but small bags and no samples, to fit on a disk.
+recall   share of the ten nearest shapes by bags among the candidates by codes, for synthetic bags with the
+         variances of real ones, and with --library for the shapes of a real library
 """
 
 from __future__ import annotations
@@ -66,13 +66,13 @@ def measure(options: Options) -> Iterator[Row]:
     Parameters
     ----------
     options : Options
-        Sizes are numbers of shapes; library files are made up to `LARGEST_LIBRARY`, recall up to the last of
-        `RECALL_SIZES`. The folder gets 22 KB for each of `FULL_LIBRARY` shapes.
+        Sizes are numbers of shapes; library files have at most `LARGEST_LIBRARY`, recall at most the last of
+        `RECALL_SIZES`. The folder needs 22 kB for each of `FULL_LIBRARY` shapes.
 
     Yields
     ------
     row : dict
-        "part" says of what. Times in milliseconds; "cpu" is processor time, "wall" is not.
+        With "part". Times in milliseconds; "cpu" is processor time, "wall" is wall time.
     """
     for size in options.sizes:
         yield from measure_codes(size, options.repeats)
@@ -81,7 +81,7 @@ def measure(options: Options) -> Iterator[Row]:
             yield measure_library(size, options.repeats, options.folder)
     for size in RECALL_SIZES:
         if size <= max(options.sizes):
-            yield from measure_recall("made up", made_up_vectors(size))
+            yield from measure_recall("synthetic", made_up_vectors(size))
     if options.library is not None:
         yield from measure_recall("real", real_vectors(options.library))
 
@@ -90,7 +90,7 @@ def measure(options: Options) -> Iterator[Row]:
 
 
 def counters() -> dict[str, BitCounter]:
-    """Name the ways to count bits; with numpy before 2.0 "numpy" is the portable one itself."""
+    """List the bit counters by name; before numpy 2.0 "numpy" is the portable one."""
     found = {"numpy": count_bits}
     if count_bits is not count_bits_portable:
         found["numpy < 2"] = count_bits_portable
@@ -98,7 +98,7 @@ def counters() -> dict[str, BitCounter]:
 
 
 def measure_codes(size: int, repeats: int) -> Iterator[Row]:
-    """Search made-up codes; the ways to count bits take turns, so that a busy machine is fair to them."""
+    """Search synthetic codes; the bit counters take turns, so that other load affects them equally."""
     random = np.random.default_rng(0)
     for bits in BITS:
         filled = {name: CodeIndex(counter) for name, counter in counters().items()}
@@ -127,7 +127,7 @@ def measure_codes(size: int, repeats: int) -> Iterator[Row]:
 
 
 def small_model() -> sg.ShapeModel:
-    """Make a model with codes as long as those of the shipped one, but bags of six words, at random."""
+    """Make a random model with codes as long as those of the shipped one, but bags of six words."""
     random = np.random.default_rng(0)
     channel = ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6)
     settings = ModelSettings(
@@ -153,7 +153,7 @@ def small_model() -> sg.ShapeModel:
 
 
 def made_up_signature(model: sg.ShapeModel, like: sg.ShapeSignature | None, seed: int) -> sg.ShapeSignature:
-    """Make a signature of random numbers; with the sample of another one, for its size."""
+    """Make a random signature, with the sample of another signature for its size."""
     random = np.random.default_rng(seed)
     return sg.ShapeSignature(
         bags=random.random(model.bag_size, np.float32),
@@ -166,7 +166,7 @@ def made_up_signature(model: sg.ShapeModel, like: sg.ShapeSignature | None, seed
 
 
 def fill(path: Path, size: int, model: sg.ShapeModel, like: sg.ShapeSignature | None) -> None:
-    """Make a library of made-up shapes, in sources of `AT_ONCE`."""
+    """Make a library of synthetic shapes, with `AT_ONCE` shapes in each source."""
     with sg.Library.open(path, model) as library:
         for start in range(0, size, AT_ONCE):
             shapes = [
@@ -177,7 +177,7 @@ def fill(path: Path, size: int, model: sg.ShapeModel, like: sg.ShapeSignature | 
 
 
 def measure_library(size: int, repeats: int, folder: Path) -> Row:
-    """Make a library file and have a new process open it, search it and change it."""
+    """Make a library file; a new process opens, queries and changes it."""
     full = size <= FULL_LIBRARY
     model, like = small_model(), None
     if full:
@@ -190,7 +190,7 @@ def measure_library(size: int, repeats: int, folder: Path) -> Row:
         fill(path, size, model, like)
         row: Row = {"part": "library", "size": size, "bag": model.bag_size, "sample": full}
         row["bytes_per_shape"] = round(path.stat().st_size / size, 1)
-        # All times while the machine does nothing else of ours.
+        # After the library is complete, so that nothing else of this program runs.
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
             row |= process.submit(use_library, path, like, repeats).result()
         row["sync_wall"] = sync_time(Path(place), repeats)
@@ -198,7 +198,7 @@ def measure_library(size: int, repeats: int, folder: Path) -> Row:
 
 
 def use_library(path: Path, like: sg.ShapeSignature | None, repeats: int) -> Row:
-    """Time what a new process does with a library file, and see what memory that takes, in megabytes."""
+    """Time the use of a library file, and measure its memory in megabytes; runs in a new process."""
     row: Row = {}
     before = figures_of()
 
@@ -228,7 +228,7 @@ def use_library(path: Path, like: sg.ShapeSignature | None, repeats: int) -> Row
             query = made_up_signature(model, like, 2 * 10**9 + seed)
             timed("next", search, library, query)
             new = made_up_signature(model, like, 3 * 10**9 + seed)
-            # A writer pauses after each change, for others to read; one shape by itself never waits.
+            # A writer pauses after each change so that others can read; a single change does not wait.
             time.sleep(0.2)
             timed("add", other.add_signature, new, "new", "new.obj")
             timed("after_add", search, library, query)
@@ -247,7 +247,7 @@ def search(library: sg.Library, query: sg.ShapeSignature) -> None:
 
 
 def forget_file(path: Path) -> bool:
-    """Have the system drop what it keeps of a file in memory; False where it cannot be asked to."""
+    """Drop a file from the system's cache; return False where that is not possible."""
     if not hasattr(os, "posix_fadvise"):
         return False
     with path.open("rb") as file:
@@ -257,7 +257,7 @@ def forget_file(path: Path) -> bool:
 
 
 def sync_time(folder: Path, repeats: int) -> float:
-    """Time making a page safe on this disk, in milliseconds; a change of a library takes some six of them."""
+    """Time a sync of one page to this disk, in milliseconds; a change of a library needs about six."""
     times = []
     with tempfile.TemporaryFile(dir=folder) as file:
         for _ in range(max(repeats, 5)):
@@ -272,14 +272,14 @@ def sync_time(folder: Path, repeats: int) -> float:
 
 # -- recall -------------------------------------------------------------------------------------------------
 
-# A model, what it compares of shapes, and their projections, whose signs are the codes.
+# A model, the vectors it compares, and their projections, whose signs are the codes.
 Vectors = tuple[sg.ShapeModel, NDArray[np.float32], NDArray[np.float32]]
 
 
 def made_up_vectors(size: int) -> Vectors:
-    """Make up what the shipped model compares, of shapes in families of ten.
+    """Make random vectors of shapes in families of ten, as the shipped model compares them.
 
-    Without families the nearest are all about as far as the others, and codes cannot tell them apart.
+    Without families all distances would be nearly equal, and codes could not separate the nearest.
     """
     model = sg.load_model()
     random = np.random.default_rng(0)
@@ -290,12 +290,12 @@ def made_up_vectors(size: int) -> Vectors:
     vectors += 0.6 * random.standard_normal(vectors.shape) * spread
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
     compared = vectors.astype(np.float32)
-    # As `ShapeModel.code_projections` makes them of bags.
+    # As in `ShapeModel.code_projections`.
     return model, compared, np.asarray(compared @ model.directions.T + model.thresholds, np.float32)
 
 
 def real_vectors(path: Path) -> Vectors:
-    """Read what its model compares of the shapes of a library."""
+    """Read the vectors that its model compares from a library."""
     with sg.Library.open(path, read_only=True) as library:
         bags = np.stack([library.signature(record.shape_id).bags for record in library.shapes()])
         model = library.model
@@ -303,10 +303,10 @@ def real_vectors(path: Path) -> Vectors:
 
 
 def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
-    """Leave one out: the ten nearest others of some shapes, and whether their codes make them candidates.
+    """Compute the share of the ten nearest others of some shapes that are candidates by their codes.
 
-    "asymmetric" as a search takes them: among `OVERSAMPLING` times as many nearest codes those nearest
-    to the query before it is cut to bits.
+    "asymmetric" candidates are chosen as in the search: by asymmetric distance among `OVERSAMPLING` times as
+    many nearest codes.
     """
     model, vectors, projections = shapes
     codes = np.packbits(projections > 0, axis=1)
@@ -346,7 +346,7 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw cost and recall against size."""
+    """Plot times and recall against size."""
     figure, (codes, library, recall) = panels(3, 15, 4.5)
     colors = {"numpy": "C0", "numpy < 2": "C1"}
     for bits, style in zip(BITS, ("-", "--"), strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Spectra from vertices and faces, against LaPy and pyfmaps."""
+"""Measure the time of spectra from vertices and faces, compared with LaPy and pyfmaps."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ EIGENPAIRS = (100, 200)
 
 
 def measure(options: Options) -> Iterator[Row]:
-    """Time k eigenpairs of the cotangent Laplacian with lumped mass, which all of the contestants have.
+    """Time k eigenpairs of the cotangent Laplacian with lumped mass, which all contestants have.
 
-    The error is the largest |λ - λ'| / max(λ', λ'_2) against ARPACK (`scipy.sparse.linalg.eigsh`) at its
-    full precision.
+    The error is the largest |λ - λ'| / max(λ', λ'_2), with λ' of ARPACK (`scipy.sparse.linalg.eigsh`) at full
+    precision.
     """
     from threadpoolctl import threadpool_limits
 
@@ -44,7 +44,7 @@ def measure(options: Options) -> Iterator[Row]:
 
 
 def contestants(mesh: Mesh, k: int, error: Callable[[FloatArray], float]) -> list[Contestant]:
-    """List this package, then those of the others that are installed."""
+    """List this package, then the other packages that are installed."""
     found = [Contestant("shapegoogle", partial(eigenvalues, mesh, k, "cotangent"), error)]
     if installed("lapy", "cholespy"):
         found.append(Contestant("LaPy with CHOLMOD", partial(lapy_eigenvalues, mesh, k, cholmod=True), error))
@@ -52,7 +52,7 @@ def contestants(mesh: Mesh, k: int, error: Callable[[FloatArray], float]) -> lis
         found.append(Contestant("LaPy", partial(lapy_eigenvalues, mesh, k, cholmod=False), error))
     if installed("pyFM", "potpourri3d"):
         found.append(Contestant("pyfmaps", partial(pyfmaps_eigenvalues, mesh, k), error))
-    # The default of this package, another discretisation.
+    # The default discretisation of this package.
     found.append(Contestant("shapegoogle, robust", partial(eigenvalues, mesh, k, "robust")))
     return found
 
@@ -81,7 +81,7 @@ def pyfmaps_eigenvalues(mesh: Mesh, k: int) -> FloatArray:
 
 
 def arpack_eigenvalues(mesh: Mesh, k: int) -> FloatArray:
-    """Solve with `eigsh`, its shift just below the spectrum."""
+    """Solve with `eigsh`, shifted just below the spectrum."""
     import numpy as np
     from scipy.sparse.linalg import eigsh
 
@@ -95,14 +95,14 @@ def arpack_eigenvalues(mesh: Mesh, k: int) -> FloatArray:
 
 
 def deviation(values: FloatArray, expected: FloatArray) -> float:
-    """Largest |λ - λ'| / max(λ', λ'_2)."""
+    """Compute the largest |λ - λ'| / max(λ', λ'_2)."""
     import numpy as np
 
     return float((np.abs(np.sort(values) - expected) / np.maximum(expected, expected[1])).max())
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw processor time over size, a panel for each number of eigenpairs, a line for each contestant."""
+    """Plot processor time against size, a panel for each k, a line for each contestant."""
     tasks = list(dict.fromkeys(row["task"] for row in rows))
     figure, axes = panels(len(tasks), 5.5 * len(tasks), 4.2)
     for panel, task in zip(axes, tasks, strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What has wings or feathers."""
+"""Creatures with wings or feathers."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Hands, plants and things with joints."""
+"""Hands, plants and objects with joints."""
 
 from __future__ import annotations
 

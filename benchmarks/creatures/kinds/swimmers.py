@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Fish, whales, rays and what has arms around a mouth."""
+"""Fish, whales, rays, octopuses and starfish."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ class TestPlaces:
             assert np.array_equal(places, np.arange(len(places)))
 
     def test_poses_need_the_same_vertices(self, null: NullShape, shapes: type[Shapes]) -> None:
-        with pytest.raises(ValueError, match="has not the vertices of"):
+        with pytest.raises(ValueError, match="does not have the vertices of"):
             places_on_null(null.mesh, shapes.bumpy(2), "isometry", 1, np.zeros((1, 3)))
 
     def test_poses_keep_the_order(self, null: NullShape) -> None:
