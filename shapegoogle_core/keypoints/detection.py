@@ -58,8 +58,8 @@ def detect_keypoints(
     Parameters
     ----------
     mesh : MeshLike
-        Repaired: every vertex belongs to a face. Made for some thousand vertices, to which a model's mending
-        brings every shape.
+        A repaired mesh, in which every vertex belongs to a face. The detectors are intended for some thousand
+        vertices, the resolution to which the preprocessing of a model brings every shape.
     spectrum : Spectrum
         Spectrum of that mesh.
     detector : {"hks-maxima", "mesh-dog", "salient-points", "harris-3d"}

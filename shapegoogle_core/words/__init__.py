@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Geometric words: vocabulary, assignment, bags, tf-idf weighting and binary codes (paper, sections 4 and 5).
 
-What describing a shape needs is imported at once. The estimators, which are built on scikit-learn and only
-needed to train a model, are imported when they are first used.
+The functions that describe a shape are imported at once. The estimators, which are built on scikit-learn and
+only needed to train a model, are imported when they are first used.
 """
 
 import importlib
