@@ -54,3 +54,9 @@ def log_and_return(log: Path, word: str) -> str:
     with log.open("a") as file:
         file.write(f"{word}\n")
     return word
+
+
+def wait_for(path: Path) -> None:
+    """Wait until a file is there."""
+    while not path.exists():
+        time.sleep(0.01)

@@ -19,6 +19,7 @@ import pytest
 from shapegoogle_core.errors import MeshError, ShapeGoogleError
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.processes.worker import Worker
+from tests.core.processes import pool_tasks
 
 
 @pytest.fixture
@@ -80,7 +81,7 @@ def test_cancelling(worker: Worker) -> None:
     assert waiting.cancel()
     assert running.cancel()
     with pytest.raises(CancelledError):
-        running.result(timeout=60)
+        running.result()
     done = worker.submit(abs, -2)
     assert done.result() == 2
     assert not done.cancel()
@@ -88,7 +89,7 @@ def test_cancelling(worker: Worker) -> None:
 
 def test_a_process_that_dies(worker: Worker) -> None:
     with pytest.raises(ShapeGoogleError, match=r"ended unexpectedly \(exit code 7\)"):
-        worker.submit(os._exit, 7).result(timeout=60)
+        worker.submit(os._exit, 7).result()
     assert worker.submit(abs, -2).result() == 2
 
 
@@ -112,19 +113,20 @@ def test_it_does_not_run_the_script_again(tmp_path: Path) -> None:
         "print(worker.submit(abs, -3).result())\n"
         "worker.stop()\n"
     )
-    run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=120, check=True)
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["run", "3"]
 
 
-def test_a_late_cancel_does_not_hit_the_next_task(worker: Worker) -> None:
+def test_a_late_cancel_does_not_hit_the_next_task(worker: Worker, tmp_path: Path) -> None:
     first = worker.submit(abs, -1)
     first.result()
-    second = worker.submit(time.sleep, 0.5)
+    second = worker.submit(pool_tasks.wait_for, tmp_path / "go")
     while not second.running():
         time.sleep(0.01)
     # As when the first one finished after `cancel` had asked whether it was done.
     assert not worker.abandon(first)
-    assert second.result(timeout=60) is None
+    (tmp_path / "go").touch()
+    assert second.result() is None
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="closes a file as only Unix can")
