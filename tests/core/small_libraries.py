@@ -1,51 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""A small real model, folders of small meshes, and libraries of them: fixtures for indexing and commands."""
+"""Folders of small meshes, and libraries of them: fixtures for indexing and commands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from shapegoogle_core.indexing import ShapeReader, describe_shape, find_meshes
 from shapegoogle_core.indexing.files import examine
 from shapegoogle_core.library import Library
-from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
-from shapegoogle_core.model.shape_bags import ChannelWords
-
-
-def build_model(seed: int = 0) -> ShapeModel:
-    """An untrained model: six words, one bag of words and one of pairs, random projection and code."""
-    random = np.random.default_rng(seed)
-    settings = ModelSettings(
-        name="tiny",
-        channels=(ChannelSettings("hks", {"times": [0.01, 0.03, 0.1], "normalize": True}, words=6),),
-        preprocessing=None,
-        laplacian="cotangent",
-        eigenpairs=20,
-        projected=16,
-        code_bits=64,
-    )
-    size = settings.bag_size
-    return ShapeModel(
-        settings=settings,
-        vocabularies=(ChannelWords(random.uniform(0.2, 1.0, (6, 3)), sigma=0.3),),
-        weights=np.ones(size, np.float32),
-        mean=np.zeros(size, np.float32),
-        projection=random.standard_normal((size, 16)).astype(np.float16),
-        directions=random.standard_normal((64, 16)).astype(np.float32),
-        thresholds=np.zeros(64, np.float32),
-        similarity_half=0.1,
-        similarity_slope=2.0,
-        trained_on="nothing: random numbers for tests",
-    )
-
-
-@pytest.fixture(scope="session")
-def model() -> ShapeModel:
-    return build_model()
+from shapegoogle_core.model import ShapeModel
 
 
 @pytest.fixture(scope="session")

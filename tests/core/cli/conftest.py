@@ -10,7 +10,8 @@ import pytest
 
 from tests.core.cli.running import Shapegoogle, StartShapegoogle, start, without_progress
 from tests.core.number_reader import reader  # noqa: F401
-from tests.core.small_libraries import folder, indexed, library, library_file, model, model_file  # noqa: F401
+from tests.core.small_libraries import folder, indexed, library, library_file, model_file  # noqa: F401
+from tests.core.tiny_model import model  # noqa: F401
 
 
 @pytest.fixture(scope="session")
