@@ -22,9 +22,9 @@ from shapegoogle_core.mesh.io.stl import read_stl
 from shapegoogle_core.mesh.io.xyz import read_xyz
 from shapegoogle_core.mesh.mesh import Mesh
 
-__all__ = ["MESH_SUFFIXES", "read_mesh"]
+__all__ = ["MESH_SUFFIXES", "READERS", "read_mesh"]
 
-_READERS: dict[str, Callable[[MeshFile], Polygons]] = {
+READERS: dict[str, Callable[[MeshFile], Polygons]] = {
     ".glb": read_glb,
     ".gltf": read_gltf,
     ".obj": read_obj,
@@ -34,8 +34,9 @@ _READERS: dict[str, Callable[[MeshFile], Polygons]] = {
     ".stl": read_stl,
     ".xyz": read_xyz,
 }
+"""Reader of each format, by the suffix of its files in lower case with the dot."""
 
-MESH_SUFFIXES = frozenset(_READERS)
+MESH_SUFFIXES = frozenset(READERS)
 """Suffixes of the files that `read_mesh` reads, in lower case with the dot."""
 
 # In other formats vertices without faces are curves, or the faces were lost in the export.
@@ -110,7 +111,7 @@ def read_mesh(
                 "convert it first"
             )
         file = MeshFile(read_content(path, max_faces), path.parent, max_faces)
-        polygons = _READERS[suffix](file)
+        polygons = READERS[suffix](file)
         vertices, faces = polygons.vertices, triangulate(polygons, max_faces)
         if not len(faces):
             check_point_count(len(vertices), max_faces)

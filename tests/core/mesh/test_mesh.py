@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh, face_areas
-from shapegoogle_core.mesh.connectivity import boundary_vertices
+from shapegoogle_core.mesh import Mesh, face_areas, measures, unique_edges
+from shapegoogle_core.mesh.connectivity import boundary_vertices, used_vertices
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
 
 SQUARE = Mesh([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]], name="square")
@@ -76,3 +76,25 @@ def test_areas_of_vertices_add_up_and_normals_have_unit_length(seed: int) -> Non
     assert vertex_areas(mesh).sum() == pytest.approx(mesh.area)
     lengths = np.linalg.norm(vertex_normals(mesh), axis=1)
     assert np.allclose(lengths[lengths > 0], 1)
+
+
+def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(0)
+    mesh = Mesh(rng.normal(size=(50, 3)), rng.integers(0, 50, (100, 3)))
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    expected = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    for faces_at_once in (7, 100, 1000):
+        monkeypatch.setattr(measures, "FACES_AT_ONCE", faces_at_once)
+        assert np.array_equal(face_areas(mesh), expected)
+
+
+def test_edges_and_used_vertices_without_sorting() -> None:
+    faces = np.random.default_rng(0).integers(3, 40, (30, 3))
+    used, renumbered = used_vertices(faces, 50)
+    assert np.array_equal(used, np.unique(faces))
+    assert np.array_equal(used[renumbered], faces)
+    edges, counts = unique_edges(Mesh(np.zeros((50, 3)), faces))
+    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    expected, expected_counts = np.unique(sides, axis=0, return_counts=True)
+    assert np.array_equal(edges, expected)
+    assert np.array_equal(counts, expected_counts)

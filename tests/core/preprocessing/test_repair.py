@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Repair: welding, dropping, and when a mesh is no surface."""
+"""Repair: welding and dropping."""
 
 from __future__ import annotations
 
@@ -10,11 +10,8 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike
 
-from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh, check_surface, face_areas, unique_edges
-from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh import Mesh, unique_edges
 from shapegoogle_core.preprocessing import repair, repair_mapped
 
 BALL = trimesh.creation.icosphere(subdivisions=3)
@@ -145,59 +142,6 @@ def test_same_surface_whatever_the_order_of_faces(mesh: Mesh, random: Random) ->
     random.shuffle(order)
     shuffled = repair(Mesh(mesh.vertices, mesh.faces[order]))
     assert shuffled.area == pytest.approx(repair(mesh).area)
-
-
-class TestCheckSurface:
-    def test_surface_passes(self) -> None:
-        for unit in (1e-12, 1.0, 1e12):
-            check_surface(Mesh(BALL.vertices * unit, BALL.faces))
-        check_surface(Mesh(BALL.vertices + 1e6, BALL.faces))
-
-    @pytest.mark.parametrize(
-        ("vertices", "faces", "words"),
-        [
-            (BALL.vertices, None, "no faces and 642 points"),
-            ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], "only 3 vertices"),
-            (np.full((4, 3), 7.5), [[0, 1, 2], [1, 2, 3]], "coincide"),
-            (np.array([[1e6, 1e6, 1e6]] * 3 + [[1e6, 1e6, 1e6 + 1e-10]]), [[0, 1, 3]], "coincide"),
-            (np.arange(12).reshape(-1, 1) * [1, 2, 3], [[0, 1, 2], [3, 7, 11]], "no area"),
-            (
-                (np.arange(12).reshape(-1, 1) * [0.1, 0.2, 0.3]).astype(np.float32),
-                [[0, 1, 2], [3, 7, 11]],
-                "no area",
-            ),
-            ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 0, 1], [2, 2, 2]], "no area"),
-            (BALL.vertices * 1e200, BALL.faces, "scale"),
-            (BALL.vertices * 1e308, BALL.faces, "scale"),
-            (BALL.vertices * 1e-200, BALL.faces, "scale"),
-        ],
-    )
-    def test_what_is_no_surface(self, vertices: ArrayLike, faces: ArrayLike | None, words: str) -> None:
-        with pytest.raises(MeshError, match="'thing'") as caught:
-            check_surface(Mesh(vertices, faces, "thing"))
-        assert words in str(caught.value)
-
-
-def test_faces_in_blocks_have_the_same_areas_to_the_last_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    rng = np.random.default_rng(0)
-    mesh = Mesh(rng.normal(size=(50, 3)), rng.integers(0, 50, (100, 3)))
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    expected = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    for faces_at_once in (7, 100, 1000):
-        monkeypatch.setitem(face_areas.__globals__, "FACES_AT_ONCE", faces_at_once)
-        assert np.array_equal(face_areas(mesh), expected)
-
-
-def test_edges_and_used_vertices_without_sorting() -> None:
-    faces = np.random.default_rng(0).integers(3, 40, (30, 3))
-    used, renumbered = used_vertices(faces, 50)
-    assert np.array_equal(used, np.unique(faces))
-    assert np.array_equal(used[renumbered], faces)
-    edges, counts = unique_edges(Mesh(np.zeros((50, 3)), faces))
-    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    expected, expected_counts = np.unique(sides, axis=0, return_counts=True)
-    assert np.array_equal(edges, expected)
-    assert np.array_equal(counts, expected_counts)
 
 
 def test_soup_with_rounding_errors_welds_as_pairs_within_the_tolerance_do() -> None:

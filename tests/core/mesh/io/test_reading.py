@@ -17,6 +17,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import MESH_SUFFIXES, read_mesh
 from shapegoogle_core.mesh.io.file import MeshFile
 from shapegoogle_core.mesh.io.polygons import Polygons
+from shapegoogle_core.mesh.io.reading import READERS
 from shapegoogle_core.preprocessing import repair
 from tests.core.mesh.io.mesh_files import (
     AREA,
@@ -210,7 +211,7 @@ def test_memory_running_out_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     def exhausted(file: MeshFile) -> Polygons:
         raise MemoryError
 
-    monkeypatch.setitem(read_mesh.__globals__["_READERS"], ".obj", exhausted)
+    monkeypatch.setitem(READERS, ".obj", exhausted)
     refuse(write(tmp_path, "a.obj", obj()), "memory")
 
 
