@@ -17,7 +17,7 @@ from .placing import PlacingError
 
 __all__ = ["register", "unregister"]
 
-# Room between the query and what is put beside it, as a share of their widths.
+# Gap between the query and the match beside it, as a share of their widths.
 GAP = 0.2
 
 
@@ -119,7 +119,7 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
     def _open(self, context: Any, how: str) -> set[str]:
         source = active_match(context).source
         try:
-            # Scripts in it stay off, whatever the preferences say: it came out of a search.
+            # Scripts in it stay off regardless of the preferences, since the file comes from a search.
             bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)
         except RuntimeError as error:
             self.report({"ERROR"}, f"{source}: {str(error).strip()}")
@@ -193,16 +193,16 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         return {"CANCELLED"} if objects is None else self.paint_at_once(context, objects)
 
     def lacking(self, items: Sequence[Any]) -> str:
-        """Words on one of the two compare nothing."""
+        """Refuse to paint only one of the two, which would compare nothing."""
         meshes = {item.data.session_uid for item in items}
         for name, uids in self._sides:
             if not meshes & uids:
-                return f"{name!r} cannot be painted, so that there is nothing to compare"
+                return f"{name!r} cannot be painted, so there is nothing to compare"
         return ""
 
     def take_back(self, context: Any) -> None:
-        """Remove what was appended; select and show what was."""
-        # What Blender undid meanwhile is gone; what it made anew has kept its number.
+        """Remove the appended objects; restore the selection and the settings."""
+        # An undo may have removed some meanwhile; those that a redo restored keep their number.
         placing.remove(
             context, [block for block in bpy.data.user_map() if block.session_uid in self._appended]
         )
@@ -215,11 +215,11 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         settings.kind, settings.color = self._shown
 
     def _prepare(self, context: Any) -> list[Any] | None:
-        """Select the object and the match, which is brought in if need be; None after a report."""
+        """Select the object and the match, which is appended if necessary; None after a report."""
         match = active_match(context)
         placing.to_object_mode(context)
         query = context.active_object
-        # By number: references do not outlast an undo while a worker computes.
+        # By number, since references do not survive an undo while the worker computes.
         self._query = query.session_uid
         self._selected = {item.session_uid for item in context.view_layer.objects.selected}
         self._appended: set[int] = set()
@@ -232,11 +232,11 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
             reason = ""
             try:
                 objects = placing.bring_in(context, match.source, match.object_name)
-                # A file for exchange is one shape, however many objects it is imported as.
+                # A mesh file is one shape, even if it is imported as several objects.
                 is_blend = match.source.lower().endswith(".blend")
                 others = objects[:1] if is_blend else mesh_objects(objects)
                 if not others:
-                    reason = f"{match.name!r} holds no mesh any more; index the library again"
+                    reason = f"{match.name!r} contains no mesh any more; index the library again"
             except PlacingError as error:
                 reason = str(error)
             self._appended = {block.session_uid for block in bpy.data.user_map() if block not in before}

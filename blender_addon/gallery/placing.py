@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bring shapes of a library into the open scene."""
+"""Append, link or import shapes of a library into the open scene."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
             _import(context, path)
     except RuntimeError as error:
         raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
-    # By identity: one that is only referred to may have the name of one of the user's.
+    # By identity, since an object that is only referred to may have the name of one of the user's.
     new = [item for item in context.view_layer.objects if item not in before]
     if not new:
         new = [_instance(context, path, object_name)]
@@ -147,7 +147,7 @@ def _instance(context: Any, path: Path, object_name: str) -> Any:
     """Put an object that was linked before, and that Blender therefore did not link again, into the scene."""
     item = find_linked(str(path), object_name)
     if item is None:
-        raise PlacingError(f"{path.name!r} holds nothing that can be shown in this scene")
+        raise PlacingError(f"{path.name!r} contains nothing that can be shown in this scene")
     if item in set(context.view_layer.objects):
         return item
     if item in set(context.scene.objects):
@@ -163,7 +163,9 @@ def _from_blend(path: Path, object_name: str, link: bool) -> None:
     with bpy.data.libraries.load(str(path), link=True, assets_only=False) as (content, _):
         there = object_name in content.objects
     if not there:
-        raise PlacingError(f"{path.name!r} holds no object {object_name!r} any more; index the library again")
+        raise PlacingError(
+            f"{path.name!r} contains no object {object_name!r} any more; index the library again"
+        )
     operator = bpy.ops.wm.link if link else bpy.ops.wm.append
     operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
 

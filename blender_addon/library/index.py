@@ -49,7 +49,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         """Check that there is something to index and nothing is being indexed."""
         chosen = preferences(context)
         if session_of(context).indexing:
-            cls.poll_message_set("Indexing already")
+            cls.poll_message_set("Indexing runs already")
             return False
         if not chosen.has_sources() and not chosen.use_scene:
             cls.poll_message_set(

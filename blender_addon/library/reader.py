@@ -2,8 +2,9 @@
 """A Blender that reads .blend and .fbx files for the worker processes of the core.
 
 Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described
-in `shapegoogle_core.indexing.readers`. It imports nothing but bpy: a Blender started with factory settings
-knows neither this add-on nor its wheels. Scripts inside the files never run, and the files are only read.
+in `shapegoogle_core.indexing.external_reader`. It imports nothing but bpy, since a Blender started with
+factory settings has neither this add-on nor its wheels. Scripts inside the files never run, and the files
+are only read.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ import bpy
 
 __all__ = ["main"]
 
-# As in shapegoogle_core.indexing.readers, which cannot be imported here.
+# As in shapegoogle_core.indexing.external_reader, which cannot be imported here.
 ANSWER = "shapegoogle-answer "
 # Blender's z.
 UP_AXIS = 2
-# Two scales closer than this are one: float32 matrices carry about seven digits.
+# Relative difference of scales that count as equal: float32 matrices carry about seven digits.
 SAME_SCALE = 1e-5
-# Of these kinds a parent deforms its children, as a modifier would.
+# Types of parents that deform their children, as a modifier would.
 DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
-# Of Linux's prctl: which signal comes when the parent ends.
+# Option of Linux's prctl for the signal that a process gets when its parent ends.
 PR_SET_PDEATHSIG = 1
 
 
@@ -40,7 +41,7 @@ def main() -> None:
     _end_with_parent()
     _reply({"ready": True})
     limited = False
-    # Read in binary: under Windows or the C locale text would come in an encoding of its own.
+    # In binary, since the encoding of text differs under Windows and in the C locale.
     for line in sys.stdin.buffer:
         request = json.loads(line)
         if not limited and request.get("memory_limit") is not None:
@@ -58,23 +59,23 @@ def main() -> None:
 
 
 def _reply(answer: dict[str, Any]) -> None:
-    # Blender prints on the same stream, also from C: begin a line of our own.
+    # Blender prints on the same stream, also from C, so begin a new line.
     sys.stdout.flush()
     os.write(1, f"\n{ANSWER}{json.dumps(answer)}\n".encode("ascii"))
 
 
 def _end_with_parent() -> None:
-    """Have Linux end this process when its parent is gone, killed perhaps, whatever Blender is doing then.
+    """Have Linux end this process when its parent ends, even if the parent is killed and Blender is busy.
 
-    Elsewhere it ends when it next looks at its input, which is closed: not while Blender hangs over a file,
-    since during a call into Blender no other thread of Python runs.
+    On other systems it ends when it next reads its input, which is closed then, but not while Blender hangs
+    over a file: no other thread of Python runs during a call into Blender.
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
 def _limit_memory(megabytes: int) -> None:
-    """Let this process have so much memory on top of what it holds now; on Linux only."""
+    """Limit the memory that this process may use on top of what it holds now; on Linux only."""
     if sys.platform == "linux":
         import resource
 
@@ -97,7 +98,7 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     answer : dict
-        "shapes", "problems", "joined" (whether the shapes are one) and "up_axis".
+        "shapes", "problems", "joined" (whether the shapes are parts of one) and "up_axis".
 
     Raises
     ------
@@ -119,13 +120,13 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _reason(path: str, error: Exception) -> str:
-    """Blender's many-line report as one sentence."""
+    """Summarise Blender's report in one sentence."""
     name = Path(path).name
     if Path(path).stat().st_size == 0:
         return f"{name!r} cannot be opened by Blender: it is empty (0 bytes); copy or save it again"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     text = "; ".join(line.removeprefix("Error: ") for line in lines) or type(error).__name__
-    # Blender repeats the whole path, which the user sees anyway.
+    # Blender repeats the whole path, which the user sees elsewhere.
     text = text.replace(path, name).rstrip(".")
     return (
         f"{name!r} cannot be opened by Blender: {text}; it is damaged or another kind of file: save it again"
@@ -142,14 +143,14 @@ def _import_fbx(path: Path) -> None:
 
 
 def _shape_objects() -> list[Any]:
-    """Meshes and point clouds of the open file, by name; those of linked libraries belong to another file."""
+    """Meshes and point clouds of the open file, by name, without those of linked libraries."""
     kinds = ("MESH", "POINTCLOUD")
     found = [item for item in bpy.data.objects if item.type in kinds and item.library is None]
     return sorted(found, key=lambda item: item.name)
 
 
 def _assets(objects: list[Any]) -> list[Any]:
-    """Those objects that are marked as assets, alone or with their collection."""
+    """Return the objects that are marked as assets, alone or with their collection."""
     marked = {item for item in objects if item.asset_data is not None}
     for collection in bpy.data.collections:
         if collection.asset_data is not None:
@@ -200,8 +201,7 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
 def _write_arrays(mesh: Any, output: BinaryIO) -> tuple[int, int]:
     """Write vertices and triangles; returns their numbers.
 
-    A mesh without triangles has no vertices either: wires and single points are helpers, no shapes, and as
-    little a problem as a lamp.
+    A mesh without triangles gets no vertices either: wires and single points are helpers, not shapes.
     """
     mesh.calc_loop_triangles()
     face_count = len(mesh.loop_triangles)
@@ -226,7 +226,7 @@ def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
     """Yield each object with its evaluated state, also if it is hidden or in no scene.
 
     They are evaluated together in a scene of their own, where everything is visible; what they depend on
-    (armatures, targets of modifiers) takes part without being in it.
+    (armatures, targets of modifiers) is evaluated without being in it.
     """
     if not objects:
         return
@@ -246,14 +246,14 @@ def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
 
 
 def _is_plain(item: Any) -> bool:
-    """Whether an object looks as its data says: objects of the same data are then the same shape."""
+    """Whether an object is seen as its data alone, so that objects of the same data are the same shape."""
     # In old files a parent deforms its children without any modifier.
     deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
     return not item.modifiers and getattr(item.data, "shape_keys", None) is None and not deformed
 
 
 def _is_similarity(matrix: Any) -> bool:
-    """Whether a matrix only moves, turns, mirrors and scales alike in all directions."""
+    """Whether a matrix only moves, rotates, mirrors and scales uniformly."""
     columns = [matrix.col[index].to_3d() for index in range(3)]
     scale = max(column.length for column in columns)
     if not (scale > 0 and math.isfinite(scale)):

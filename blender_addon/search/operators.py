@@ -38,7 +38,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is a shape and a library."""
         if session_of(context).searching:
-            cls.poll_message_set("Searching already")
+            cls.poll_message_set("A search runs already")
             return False
         active = context.active_object
         chosen = context.selected_objects if active is None else (*context.selected_objects, active)
@@ -109,7 +109,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         try:
             meshes = query_meshes(context, separate=session.several == "EXAMPLES")
         except MeshError as error:
-            # With examples from the library nothing need be selected; in edit mode something was meant.
+            # With examples from the library the selection may be empty, but not in edit mode.
             if not like or context.mode == "EDIT_MESH":
                 self.report({"ERROR"}, str(error))
                 return None

@@ -34,7 +34,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     bl_label = "Transfer"
     bl_description = (
         "Transfer vertex groups, color attributes and UV maps of the match to the active object, which is "
-        "the same shape in another pose or of another mesh. Both are taken as they are before modifiers"
+        "the same shape in another pose or of another mesh. Both are used as they are before modifiers"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
@@ -47,7 +47,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if not super().poll(context):
             return False
         if state.current().transfer.operator is not None:
-            cls.poll_message_set("Transferring already")
+            cls.poll_message_set("A transfer runs already")
             return False
         session = session_of(context)
         item = context.active_object
@@ -90,15 +90,16 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         return self._finish()
 
     def cancel(self, context: Any) -> None:
-        """Stop waiting; Blender calls it too, when it opens a file or ends."""
+        """Stop waiting. Blender calls it too when it opens a file or ends, perhaps after unregistering."""
         self._future.cancel()
-        state.current().transfer.operator = None
+        if state.is_registered():
+            state.current().transfer.operator = None
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
         jobs.redraw()
 
     def _say(self, context: Any, what: str) -> None:
-        """Show what is waited for, in the status bar and in the panel."""
+        """Show in the status bar and in the panel what the operator waits for."""
         if self.waits_for != what:
             self.waits_for = what
             context.workspace.status_text_set(f"{what} (Esc: cancel)")
@@ -122,7 +123,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         session = session_of(context)
         placing.to_object_mode(context)
         item = context.active_object
-        # By number: references do not outlast an undo while the worker computes.
+        # By number, since references do not survive an undo while the worker computes.
         self._item, self._replace = item.session_uid, session.transfer_replace
         try:
             self._target: Target = carry_over.read_target(item)
@@ -131,10 +132,10 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return None
         if not self._source.layers:
-            self.report({"ERROR"}, f"{self._source.mesh.name!r} has nothing of what is to be transferred")
+            self.report({"ERROR"}, f"{self._source.mesh.name!r} has none of the data to transfer")
             return None
         wanted, kept = carry_over.without_kept(item, self._source.layers, replace=self._replace)
-        if not wanted:  # known before the shapes are matched, which takes seconds
+        if not wanted:  # before the shapes are matched, which takes seconds
             self._report_kept(kept)
             return None
         return jobs.worker().submit(
@@ -199,7 +200,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             )
             return {"CANCELLED"}
         if (len(item.data.vertices), len(item.data.loops)) != count:
-            self.report({"ERROR"}, f"{self._target.mesh.name!r} was changed meanwhile; transfer again")
+            self.report({"ERROR"}, f"{self._target.mesh.name!r} has changed meanwhile; transfer again")
             return {"CANCELLED"}
         done = carry_over.transfer(item, self._source, self._target, match, centers, replace=self._replace)
         if done.kept:
@@ -214,8 +215,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
     def _report_kept(self, names: list[str]) -> None:
         self.report(
             {"WARNING"},
-            f"Kept as they are: {_listed(names)}; tick Replace Existing to overwrite them, and unlock groups "
-            "that are locked",
+            f"Kept unchanged: {_listed(names)}; enable Replace Existing to overwrite them, and unlock locked "
+            "groups",
         )
 
     def _report(self, item: Any, done: Transferred, match: Any) -> None:
@@ -234,9 +235,12 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             f"mean confidence {confidence:.2f}"
         )
         if confidence < POOR_CONFIDENCE or match.distortion > POOR_DISTORTION:
-            self.report({"WARNING"}, f"{text}: a poor fit, perhaps not the same shape; look at it closely")
+            self.report({"WARNING"}, f"{text}: a poor fit, possibly not the same shape; check the result")
         elif match.runner_up < CLOSE_CHOICE:
-            self.report({"WARNING"}, f"{text}; a close choice: see whether its sides are exchanged")
+            self.report(
+                {"WARNING"},
+                f"{text}; two alignments fit almost equally well: check whether left and right are exchanged",
+            )
         else:
             self.report({"INFO"}, text)
 

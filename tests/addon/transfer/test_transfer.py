@@ -140,7 +140,7 @@ def test_existing_ones_are_kept_unless_replaced(pair: Any, capfd: pytest.Capture
     choose("Source", "(unsaved scene)", in_scene=True)
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
     said = capfd.readouterr().out
-    assert "Kept as they are: 'high', 'low', 'Map'" in said
+    assert "Kept unchanged: 'high', 'low', 'Map'" in said
     assert "Transferred 2 color attributes from" in said
     assert weights_of(target, "high").sum() == pytest.approx(0.5)
     session = bpy.context.window_manager.shape_google
@@ -163,7 +163,7 @@ def test_that_all_is_kept_is_said_before_anything_is_matched(
     monkeypatch.setattr(importlib.import_module(f"{addon.__name__}.jobs"), "worker", None)
     choose("Source", "(unsaved scene)", in_scene=True)
     assert bpy.ops.shape_google.transfer_match() == {"CANCELLED"}
-    assert "Kept as they are: 'high', 'low'" in capfd.readouterr().out
+    assert "Kept unchanged: 'high', 'low'" in capfd.readouterr().out
 
 
 def test_from_another_file_leaves_nothing_behind(pair: Any, tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_nothing_to_transfer_and_itself(pair: Any) -> None:
     bpy.context.view_layer.objects.active = target
     match = bpy.context.window_manager.shape_google.matches[0]
     match.name = match.object_name = bare.name
-    with pytest.raises(RuntimeError, match="'Bare' has nothing of what is to be transferred"):
+    with pytest.raises(RuntimeError, match="'Bare' has none of the data to transfer"):
         bpy.ops.shape_google.transfer_match()
     session = bpy.context.window_manager.shape_google
     session.transfer_groups = session.transfer_colors = session.transfer_uvs = False
