@@ -21,7 +21,10 @@ def add_filters(parser: argparse.ArgumentParser) -> None:
     """
     group = parser.add_argument_group("filters", "Only matches that meet all of these conditions:")
     group.add_argument(
-        "--name", type=_text, metavar="TEXT", help="the name contains this text, ignoring case"
+        "--name",
+        type=_text,
+        metavar="TEXT",
+        help="the name contains this text, ignoring case; * and ? are wildcards for whole names",
     )
     group.add_argument(
         "--folder", type=_text, metavar="FOLDER", help="the file is in this folder or below it"

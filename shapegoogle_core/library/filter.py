@@ -24,9 +24,11 @@ class Filter:
     Attributes
     ----------
     name : str or None
-        Text that the name of the shape contains, ignoring case.
+        Text that the name of the shape contains, ignoring case. With the wildcards ``*`` (any characters) and
+        ``?`` (one character) it is a pattern for the whole name.
     folder : str or None
-        Folder that the source of the shape lies in, or in a folder below it.
+        Folder that the source of the shape lies in, or in a folder below it; absolute, or relative to the
+        working directory.
     tag : str or None
         One of the tags of the shape.
     faces : (int or None, int or None) or None
