@@ -13,8 +13,6 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
-from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,13 +23,10 @@ from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
 
-__all__ = ["arrays_of", "damage_refused", "identifier_of", "pack", "read_file", "unpack"]
+__all__ = ["arrays_of", "damage_refused", "identifier_of", "pack", "unpack"]
 
 FORMAT = 1
 """Version of the model file; files of higher versions are refused."""
-
-SHIPPED = ("default", "paper")
-"""Names of the models inside the package, made by `python -m benchmarks train`."""
 
 Arrays = dict[str, NDArray[np.generic]]
 Fields = Mapping[str, Any]
@@ -210,36 +205,4 @@ def damage_refused(origin: str) -> Iterator[None]:
         # Depending on where it is damaged, an archive makes zipfile, zlib, numpy or json fail.
         raise ModelError(
             f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
-        ) from error
-
-
-def read_file(path: str | Path | None) -> tuple[bytes, str]:
-    """Read the archive of a model.
-
-    Parameters
-    ----------
-    path : str or Path or None
-        A file, or the name of a shipped model; None is "default".
-
-    Returns
-    -------
-    data : bytes
-    origin : str
-        Name of the model in error messages.
-
-    Raises
-    ------
-    ModelError
-        If the file cannot be read.
-    """
-    key = "default" if path is None else str(path)
-    if key in SHIPPED:
-        data = (resources.files("shapegoogle_core") / "model" / "shipped" / f"{key}.npz").read_bytes()
-        return data, f"the shipped model {key!r}"
-    try:
-        return Path(key).read_bytes(), repr(key)
-    except OSError as error:
-        raise ModelError(
-            f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
-            f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
         ) from error

@@ -21,7 +21,6 @@ from shapegoogle_core.model.model_file import (
     damage_refused,
     identifier_of,
     pack,
-    read_file,
     unpack,
 )
 from shapegoogle_core.model.settings import ModelSettings
@@ -31,7 +30,7 @@ from shapegoogle_core.model.validation import check_learnt
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, sample_surface
 
-__all__ = ["ShapeModel", "load_model"]
+__all__ = ["ShapeModel"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -402,31 +401,3 @@ class ShapeModel:
             Path(path).write_bytes(self.to_bytes())
         except OSError as error:
             raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
-
-
-def load_model(path: str | Path | None = None) -> ShapeModel:
-    """Load a model.
-
-    Parameters
-    ----------
-    path : str or Path, optional
-        A model file, or the name of a shipped model: "default" (also when left out) or "paper".
-
-    Returns
-    -------
-    model : ShapeModel
-
-    Raises
-    ------
-    ModelError
-        If the file cannot be read, or is not a model.
-
-    Examples
-    --------
-    >>> import shapegoogle_core as sg
-    >>> sg.load_model()
-    ShapeModel('default', 79e04702d8fdd2a0)
-    >>> sg.load_model("paper").settings.eigenpairs
-    200
-    """
-    return ShapeModel.from_bytes(*read_file(path))

@@ -3,7 +3,8 @@
 
 Most pairs of points that look alike are wrong, but right ones are compatible with each other (see
 `correspondences`), wrong ones with few. Fewer pairs than for an alignment are enough to decide whether one is
-worthwhile, if they have to agree more closely. docs/evidence.md has the measurements behind the constants.
+worthwhile, if they have to agree more closely. docs/measurements/parts.md has the measurements behind the
+constants.
 """
 
 from __future__ import annotations

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""Loading of models: shipped ones by their names, others from files."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.model.shape_model import ShapeModel
+
+__all__ = ["SHIPPED", "load_model"]
+
+SHIPPED = ("default", "paper")
+"""Names of the models inside the package, made by `python -m benchmarks train`."""
+
+
+def load_model(path: str | Path | None = None) -> ShapeModel:
+    """Load a model.
+
+    Parameters
+    ----------
+    path : str or Path, optional
+        A model file, or the name of a shipped model: "default" (also when left out) or "paper".
+
+    Returns
+    -------
+    model : ShapeModel
+
+    Raises
+    ------
+    ModelError
+        If the file cannot be read, or is not a model.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> sg.load_model()
+    ShapeModel('default', 79e04702d8fdd2a0)
+    >>> sg.load_model("paper").settings.eigenpairs
+    200
+    """
+    return ShapeModel.from_bytes(*_read(path))
+
+
+def _read(path: str | Path | None) -> tuple[bytes, str]:
+    """Read the archive of a model; return also the name of the model in error messages."""
+    key = "default" if path is None else str(path)
+    if key in SHIPPED:
+        data = (resources.files("shapegoogle_core") / "model" / "shipped" / f"{key}.npz").read_bytes()
+        return data, f"the shipped model {key!r}"
+    try:
+        return Path(key).read_bytes(), repr(key)
+    except OSError as error:
+        raise ModelError(
+            f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
+            f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
+        ) from error
