@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the parser has to know about a command."""
+"""Description of a command for the parser."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ UNUSABLE = 2
 INTERRUPTED = 130
 """Interrupted by Ctrl-C (SIGINT) or SIGTERM."""
 CLOSED_PIPE = 141
-"""What a shell reports of a program that writes into a closed pipe, as in `shapegoogle query … | head`."""
+"""Output closed by the reader of a pipe, as in `shapegoogle query … | head`; shells report the same code."""
 
 EXIT_CODES = """\
 exit codes:
