@@ -108,6 +108,7 @@ def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None
     assert set(shapes) == {("a", "x1"), ("a", "x2"), ("copy", "x1"), ("copy", "x2"), ("part", "x1")}
     # A twin has the signature of the first, and its own size.
     assert shapes["a", "x2"].area == pytest.approx(4 * shapes["a", "x1"].area)
+    assert shapes["a", "x2"].extents == pytest.approx([2 * side for side in shapes["a", "x1"].extents])
     assert shapes["copy", "x2"].area == pytest.approx(shapes["a", "x2"].area)
     first, second = (library.signature(shapes["a", name].shape_id) for name in ("x1", "x2"))
     np.testing.assert_array_equal(first.bags, second.bags)
