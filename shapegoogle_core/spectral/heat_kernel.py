@@ -57,9 +57,9 @@ def heat_kernel(
     Raises
     ------
     ValueError
-        If the method is unknown, the time is not positive, or, with "rational", another parameter is out of
-        range, the operator has values elsewhere than at vertices ("fem2", "fem3"), or the tolerance cannot be
-        proved.
+        If the method is unknown, the source is not a vertex, the time is not positive, or, with "rational",
+        another parameter is out of range, the operator has values elsewhere than at vertices ("fem2",
+        "fem3"), or the tolerance cannot be proved.
     TypeError
         If the method needs another kind of shape.
     MeshError

@@ -55,8 +55,11 @@ def truncated_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray
     Raises
     ------
     ValueError
-        If the time is not positive and finite.
+        If the source is not a vertex, or the time is not positive and finite.
     """
+    n = len(spectrum.mass)
+    if not 0 <= source < n:
+        raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
     decay = np.exp(-spectrum.eigenvalues * checked_times(time))
     heat: FloatArray = spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source])
     return heat

@@ -22,6 +22,15 @@ def test_both_methods_agree_where_the_spectrum_is_complete(bumpy: Mesh) -> None:
         np.testing.assert_allclose(diagonal, heat_kernel_diagonal(full, time), rtol=1e-3)
 
 
+def test_the_source_is_a_vertex(bumpy: Mesh) -> None:
+    spectrum = compute_spectrum(bumpy, 10)
+    for source in (-1, 642):
+        with pytest.raises(ValueError, match=f"source must be a vertex from 0 to 641, not {source}"):
+            heat_kernel(spectrum, source, 0.1)
+        with pytest.raises(ValueError, match=f"source must be a vertex from 0 to 641, not {source}"):
+            heat_kernel(bumpy, source, 0.1, method="rational")
+
+
 def test_each_method_needs_its_kind_of_shape(bumpy: Mesh) -> None:
     spectrum = compute_spectrum(bumpy, 10)
     with pytest.raises(TypeError, match=r"'spectral' needs a Spectrum, not Mesh; call compute_spectrum\(\)"):
