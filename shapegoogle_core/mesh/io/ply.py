@@ -8,10 +8,11 @@ splits vertices at texture seams and misreads texts that are cut short.
 from __future__ import annotations
 
 import re
+import struct
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,54 +189,78 @@ def _binary_columns(data: bytes, position: int, elements: Sequence[_Element]) ->
 
 def _element_columns(data: bytes, position: int, element: _Element) -> tuple[list[_Column], int]:
     """Read the columns that are wanted of the rows that begin at a byte, and where the rows end."""
-    places, end = _row(data, position, element)
+    wanted = element.wanted()
+    kinds = [element.properties[place].type for place in wanted]
+    places, end = _places(data, position, element, 1, range(len(element.properties)))
     row, end = end - position, position + element.length * (end - position)
     counts = [
-        np.ndarray(element.length, each.count_type, data, start - each.count_type.itemsize, row)
-        for each, (start, _) in zip(element.properties, places, strict=True)
-        if each.count_type and end <= len(data)
+        np.ndarray(element.length, kind, data, start - kind.itemsize, row)
+        for each, (start, _) in zip(element.properties, places[0], strict=True)
+        if (kind := each.count_type) and end <= len(data)
     ]
-    wanted = element.wanted()
     if end <= len(data) and all((count == count[0]).all() for count in counts):
         # All rows are as long as the first one, as in most files.
         columns = []
-        for place in wanted:
-            kind, (start, size) = element.properties[place].type, places[place]
+        for kind, (start, size) in zip(kinds, places[0, wanted], strict=True):
             values = np.ndarray((element.length, size), kind, data, start, (row, kind.itemsize))
             columns.append((values.ravel(), np.full(element.length, size)))
         return columns, end
-    found = array("q")
-    for _ in range(element.length):
-        places, position = _row(data, position, element)
-        for place in wanted:
-            found.extend(places[place])
-    starts, sizes = np.array(found, np.int64).reshape(element.length, len(wanted), 2).T
-    kinds = [element.properties[place].type for place in wanted]
-    return [_gather(data, *column) for column in zip(starts, sizes, kinds, strict=True)], position
+    places, end = _places(data, position, element, element.length, wanted)
+    return [_gather(data, places[:, index], kind) for index, kind in enumerate(kinds)], end
 
 
-def _row(data: bytes, position: int, element: _Element) -> tuple[list[tuple[int, int]], int]:
-    """Find where the values of each property begin in a row and how many they are, and where it ends."""
-    places = []
-    for each in element.properties:
-        size = 1
-        if kind := each.count_type:
-            order: Literal["little", "big"] = "big" if kind.str[0] == ">" else "little"
-            count = data[position : position + kind.itemsize]
-            size = int.from_bytes(count, order, signed=kind.kind == "i")
-            position += kind.itemsize
-        places.append((position, size))
-        position += size * each.type.itemsize
-        if position > len(data) or size < 0:
-            raise DamagedError(f"has incomplete rows of the element {element.name!r}")
-    return places, position
+def _places(
+    data: bytes, position: int, element: _Element, row_count: int, wanted: Sequence[int]
+) -> tuple[NDArray[np.int64], int]:
+    """Find where the values of properties begin in each row and how many they are, and where the rows end.
+
+    Returns
+    -------
+    places : (row_count, number of properties, 2) array of int
+        Byte of the first value, and number of values.
+    end : int
+        First byte behind the rows.
+    """
+    found, last = array("q"), len(data)
+    incomplete = DamagedError(f"has incomplete rows of the element {element.name!r}")
+    steps = [
+        (_counter(each.count_type), each.type.itemsize, place in wanted)
+        for place, each in enumerate(element.properties)
+    ]
+    for _ in range(row_count):
+        for counter, width, is_wanted in steps:
+            count = 1
+            if counter:
+                position += counter.size
+                if position > last:
+                    raise incomplete
+                (count,) = counter.unpack_from(data, position - counter.size)
+                if not 0 <= count <= last:
+                    raise incomplete
+            if is_wanted:
+                found.append(position)
+                found.append(count)
+            position += count * width
+        if position > last:
+            raise incomplete
+    return np.array(found, np.int64).reshape(row_count, len(wanted), 2), position
 
 
-def _gather(data: bytes, starts: NDArray[np.int64], sizes: NDArray[np.int64], kind: _Type) -> _Column:
-    """Values of lists that begin at some bytes, one list after the other."""
-    content, values, places = np.frombuffer(data, np.uint8), np.empty(sizes.sum(), kind), np.cumsum(sizes)
+def _counter(kind: _Type | None) -> struct.Struct | None:
+    """Make the parser of the length of a list."""
+    if kind is None:
+        return None
+    letter = {1: "b", 2: "h", 4: "i", 8: "q"}[kind.itemsize]
+    order = ">" if kind.str[0] == ">" else "<"
+    return struct.Struct(order + (letter if kind.kind == "i" else letter.upper()))
+
+
+def _gather(data: bytes, places: NDArray[np.int64], kind: _Type) -> _Column:
+    """Values of lists that begin at some bytes, (n, 2) with their lengths, one list after the other."""
+    starts, sizes = places.T
+    content, values, ends = np.frombuffer(data, np.uint8), np.empty(sizes.sum(), kind), np.cumsum(sizes)
     for size in np.unique(sizes[sizes > 0]).tolist():
         rows = np.flatnonzero(sizes == size)
         found = content[starts[rows, None] + np.arange(size * kind.itemsize)].view(kind)
-        values[places[rows, None] - size + np.arange(size)] = found
+        values[ends[rows, None] - size + np.arange(size)] = found
     return values, sizes
