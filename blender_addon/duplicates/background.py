@@ -55,7 +55,7 @@ class BackgroundSearch:
         """Cancel the task that waits; the groups found so far stay listed."""
         if self.future is not None:
             self.future.cancel()
-            self.end("Cancelled; what was found before is listed")
+            self.end("Cancelled; the groups found so far are listed")
 
 
 class SimilarSearch(BackgroundSearch):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether two meshes are the same geometry, moved, turned or scaled; also with another order of vertices.
+"""Test whether two meshes are the same geometry, moved, rotated or scaled, in any order of vertices.
 
-Mirror images are not congruent here: only proper rotations are looked for. (A shape that is its own mirror
+Mirror images are not congruent here: only proper rotations are searched. (A shape that is its own mirror
 image is congruent to its reflection all the same.)
 
 Where the order of the vertices differs, two vertices that few others resemble (by their distance from the
@@ -231,7 +231,7 @@ class _Target:
         vertex_order[first.corners] = self.mesh.corners[corner_order]
         if not np.array_equal(vertex_order[first.corners], self.mesh.corners[corner_order]):
             return None  # coincident faces: which is which is open
-        # Vertices of no polygon take what is left at their place.
+        # Vertices of no polygon take the remaining partner at their place.
         free = np.flatnonzero(vertex_order < 0)
         left = np.setdiff1d(np.arange(len(places)), vertex_order)
         if len(free) != len(left):

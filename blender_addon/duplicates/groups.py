@@ -65,7 +65,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Group:
-    """Members of which the first is what the others are compared with.
+    """Group of duplicates around its first member, with which the others are compared.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Solid:
 
 @dataclass(eq=False)
 class _Mesh:
-    """A mesh and the objects that use it; what was found to be like it."""
+    """A mesh, the objects that use it, and the meshes identical to it."""
 
     world: WorldMesh
     objects: list[Any]
@@ -240,7 +240,7 @@ def solid_shapes(found: SceneShapes) -> tuple[list[Solid], list[Mesh]]:
 
 
 def similar_groups(solids: Sequence[Solid], groups: Sequence[Sequence[tuple[int, float]]]) -> list[Group]:
-    """Turn what the core's `group_similar` found into groups of objects.
+    """Convert the result of the core's `group_similar` to groups of objects.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ _UNDERSCORES = str.maketrans("- ", "__")
 
 
 def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
-    """Turn the groups of a library into what the panel shows.
+    """Convert the groups of a library to those of the panel.
 
     Parameters
     ----------

@@ -171,7 +171,7 @@ def _place(
     from mathutils import Matrix
 
     item.matrix_world = Matrix(wanted.tolist())
-    # A child hangs on its parent's matrix; what that turns, this turns back.
+    # A child follows its parent's matrix: undo the change of that in the child's own.
     back = np.linalg.inv(wanted) @ before
     for child, inverse, _ in children:
         child.matrix_parent_inverse = Matrix((back @ np.array(inverse, np.float64)).tolist())

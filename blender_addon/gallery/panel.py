@@ -15,12 +15,12 @@ __all__ = ["draw_gallery", "draw_match"]
 # Width of a picture in units of the interface, and of a column of the gallery in pixels.
 PICTURE_SCALE = 4.6
 COLUMN_WIDTH = 105
-# More rows would push what follows out of sight; the other matches are on further pages.
+# More rows would push the following panels out of sight; the other matches are on further pages.
 GALLERY_ROWS = 3
 
 
 def draw_match(layout: Any, session: Any, match: Any) -> None:
-    """Draw the chosen match with what can be done with it.
+    """Draw the chosen match with its buttons.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ __all__ = [
     "to_object_mode",
 ]
 
-# Importers of Blender by suffix, each with its operator and, where it needs one, what else to ask of it.
+# Importers of Blender by suffix: module and name of the operator.
 _IMPORTERS = {
     ".obj": ("wm", "obj_import"),
     ".ply": ("wm", "ply_import"),
@@ -80,7 +80,7 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
 
 
 def remove(context: Any, blocks: Sequence[Any]) -> None:
-    """Remove what was brought in.
+    """Remove data that was brought in.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def current_model(context: Any) -> ShapeModel:
 
 
 def model_source(context: Any) -> Path | str:
-    """Return where `current_model` comes from: a library, or what `load_model` calls a model."""
+    """Return the source of `current_model`: a library, or a name or path for `load_model`."""
     chosen = preferences(context)
     library: Path = chosen.library_path()
     return library if library.is_file() else str(chosen.model_name())

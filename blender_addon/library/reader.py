@@ -225,8 +225,8 @@ def _write_positions(points: Any, output: BinaryIO) -> int:
 def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
     """Yield each object with its evaluated state, also if it is hidden or in no scene.
 
-    They are evaluated together in a scene of their own, where everything is visible; what they depend on
-    (armatures, targets of modifiers) is evaluated without being in it.
+    They are evaluated together in a scene of their own, where everything is visible. Objects they depend on
+    (armatures, targets of modifiers) are evaluated without being in it.
     """
     if not objects:
         return

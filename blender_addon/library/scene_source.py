@@ -109,7 +109,7 @@ class SceneIndexing:
         self._tasks.clear()
 
     def events(self) -> list[dict[str, Any]]:
-        """Report what was described since the last call; stores all after the last one."""
+        """Report the objects described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
         from shapegoogle_core.cli.exit_codes import DONE, UNUSABLE
 

@@ -22,9 +22,9 @@ def shape_objects(objects: Sequence[Any]) -> list[Any]:
 def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:
     """Separate the objects that Blender evaluates in the view layer from those that it does not.
 
-    Blender leaves out what is disabled in viewports or lies in excluded collections only. Such an object has
-    no modifiers that could be seen, and after opening a file its ``matrix_world`` is the identity: where it
-    stands and how large it is cannot be known. What is hidden with the eye is evaluated all the same.
+    Blender does not evaluate objects that are disabled in viewports or only in excluded collections. Such an
+    object has no modifiers applied, and after opening a file its ``matrix_world`` is the identity: its place
+    and size are unknown. Objects hidden with the eye are evaluated.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], li
     evaluated: list[Any] = []
     others: list[Any] = []
     for item in objects:
-        # Whether it is in the graph is not enough: what other objects refer to is there in part, without
-        # its modifiers, and what is disabled by an animation keeps a matrix that is out of date.
+        # Being in the graph is not enough: objects that others refer to are there in part, without their
+        # modifiers, and objects that an animation disables keep an outdated matrix.
         own = item.evaluated_get(depsgraph)
         seen = item in enabled and own.is_evaluated and not own.hide_viewport
         (evaluated if seen else others).append(item)

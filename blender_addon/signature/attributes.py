@@ -131,7 +131,7 @@ def picked_vertex(item: Any) -> int | None:
     Parameters
     ----------
     item : bpy.types.Object
-        A mesh object; in object mode, what was selected in edit mode counts.
+        A mesh object; in object mode, the selection of edit mode is used.
 
     Returns
     -------

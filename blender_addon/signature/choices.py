@@ -66,7 +66,11 @@ LAPLACIANS = (
         "Intrinsic Delaunay, on two sheets: right for any mesh, also one that is not manifold",
     ),
     ("cotangent", "Cotangent", "Cotangent weights with lumped areas, as in the paper"),
-    ("cotangent-voronoi", "Cotangent, Voronoi", "Cotangent weights; a vertex has what is nearest to it"),
+    (
+        "cotangent-voronoi",
+        "Cotangent, Voronoi",
+        "Cotangent weights; the area of a vertex is that nearest to it",
+    ),
     ("fem1", "Finite Elements", "Linear finite elements with the full mass matrix"),
     ("fem2", "Quadratic Elements", "Finite elements with values at the middles of edges too; slower"),
     ("fem3", "Cubic Elements", "Finite elements with two values on each edge and one in each face; slow"),

@@ -266,7 +266,7 @@ def _parser() -> argparse.ArgumentParser:
         "--attribute",
         action="append",
         choices=tuple(ATTRIBUTES),
-        help="what to write (hks); can be given several times",
+        help="attribute to write (hks); can be given several times",
     )
     add("--object", action="append", metavar="NAME", help="only this object; can be given several times")
     times = parser.add_mutually_exclusive_group()

@@ -44,7 +44,7 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
         return _poll(cls, context)
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Compute what takes long in a worker process, then paint."""
+        """Run long computations in the worker process, then paint."""
         return self.paint_in_background(context, context.selected_objects)
 
     def execute(self, context: Any) -> set[str]:
@@ -53,7 +53,7 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
 
 
 class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
-    """Clear what was painted."""
+    """Clear painted attributes."""
 
     bl_idname = "shape_google.clear_paint"
     bl_label = "Clear Signature"

@@ -57,7 +57,7 @@ class Painter:
         return ""
 
     def take_back(self, context: Any) -> None:
-        """Undo what was done in preparation of a painting that comes to nothing."""
+        """Undo the preparations of a painting that fails or is cancelled."""
 
     def modal(self, context: Any, event: Any) -> set[str]:
         """Wait for the worker; the window stays usable."""
@@ -79,7 +79,7 @@ class Painter:
         return self._paint(context, [scene_objects[name] for name in self._names if name in scene_objects])
 
     def cancel(self, context: Any) -> None:
-        """Stop waiting; what a worker has begun it ends for nothing."""
+        """Stop waiting and cancel the tasks."""
         for _, future in self._waiting:
             future.cancel()
         context.window_manager.event_timer_remove(self._timer)
@@ -109,7 +109,7 @@ class Painter:
             self._failed.append(f"{task.name!r} could not be computed: {error!r}")
 
     def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
-        """Find out what has to be computed; None, and a report, if nothing can be."""
+        """Find the computations that are needed; None, after a report, if nothing can be computed."""
         from shapegoogle_core import MeshError, ShapeGoogleError
 
         from . import painting, results

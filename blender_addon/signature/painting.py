@@ -52,7 +52,7 @@ def targets(objects: Sequence[Any]) -> tuple[list[Any], list[str]]:
 def apply(
     item: Any, chosen: Painting, entry: Known, *, color: bool = True, source: int | None = None
 ) -> None:
-    """Write what is known of an object onto its vertices.
+    """Write the result of a computation onto the vertices of an object.
 
     Parameters
     ----------

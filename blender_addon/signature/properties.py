@@ -89,7 +89,7 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
 
 
 def settings_of(scene: Any) -> Painting:
-    """Read what a scene's settings ask for.
+    """Read the settings of a scene.
 
     Parameters
     ----------

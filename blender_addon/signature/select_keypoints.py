@@ -54,7 +54,7 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
             self.report({"INFO"}, "The detector has found no keypoints on the selected objects")
             return {"CANCELLED"}
         if context.mode == "OBJECT":
-            # The active one decides what kind of object is edited, and all selected ones of its kind are.
+            # The active object decides which type of object is edited: all selected ones of its type are.
             if context.active_object is None or context.active_object.type != "MESH":
                 context.view_layer.objects.active = items[0]
             bpy.ops.object.mode_set(mode="EDIT")

@@ -114,7 +114,7 @@ class Transferred:
 
 
 def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
-    """Read a mesh object with what can be carried over.
+    """Read a mesh object with the data that can be carried over.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
     if colors:
         for attribute in data.color_attributes:
             if attribute.name.startswith((".", attributes.PREFIX)):
-                continue  # what the panel Signature painted can be painted again
+                continue  # painted by the panel Signature, and can be painted again
             values = _read(attribute.data, "color", 4)
             layers.colors[attribute.name] = attribute.domain, attribute.data_type, values
     if uvs:
@@ -150,7 +150,7 @@ def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
 
 
 def read_target(item: Any) -> Target:
-    """Read what a transfer to a mesh object needs to know of it.
+    """Read the data of a mesh object that a transfer to it needs.
 
     Parameters
     ----------
