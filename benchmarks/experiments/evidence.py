@@ -3,9 +3,9 @@
 
     python -m benchmarks evidence [--individuals N] [--samples | --calibrate | --similarity]
 
-Prints the tables of docs/evidence.md: the confusion matrix, the errors of factors and shares, and the seconds
-for a pair. The creatures have seeds that no model was trained on. With --calibrate, other creatures are made
-and the weights of the probability of another pose are fitted, as they stand in
+Prints the tables of docs/measurements/evidence.md: the confusion matrix, the errors of factors and shares,
+and the seconds for a pair. The creatures have seeds that no model was trained on. With --calibrate, other
+creatures are made and the weights of the probability of another pose are fitted, as they stand in
 `shapegoogle_core/library/search/settings.py`. With --similarity, a library of four individuals of each of 31
 kinds of creatures is queried with damaged and re-posed versions of one of them, and the share of right first
 matches is printed by their similarity.
@@ -36,6 +36,8 @@ from shapegoogle_core.library.search.checks import Compared, Explainer, pose_fea
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from shapegoogle_core.registration import SurfaceSample
 from shapegoogle_core.registration.isometry import functional_map
+
+__all__ = ["add_options", "run"]
 
 TEST_SEED, CALIBRATION_SEED = 2_000, 3_000
 

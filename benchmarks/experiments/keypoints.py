@@ -43,6 +43,8 @@ from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from shapegoogle_core.preprocessing import repair
 
+__all__ = ["Null", "add_options", "measure", "run", "summary", "table"]
+
 KINDS = ("human", "horse", "bird", "lizard", "octopus", "fish", "hand", "desk lamp")
 SEEDS = (120,)
 STRENGTHS = (1, 3, 5)
@@ -86,7 +88,19 @@ class Null:
 
 
 def measure(options: argparse.Namespace, null: Null) -> list[dict[str, Any]]:
-    """Detect the keypoints of a shape and all its versions; one row for each version and detector."""
+    """Detect the keypoints of a shape and all its versions.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With "strengths" and "preparation".
+    null : Null
+
+    Returns
+    -------
+    rows : list of dict
+        One for each version and detector.
+    """
     settings = PRESETS["default" if options.preparation == "preprocessed" else "paper"]
     rows = []
     try:
@@ -114,7 +128,17 @@ def null_shapes(options: argparse.Namespace) -> list[Null]:
 
 
 def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Average over null shapes for each detector, class and strength; then over strengths and classes."""
+    """Average over null shapes for each detector, class and strength; then over strengths and classes.
+
+    Parameters
+    ----------
+    rows : list of dict
+        From `measure`.
+
+    Returns
+    -------
+    figures : list of dict
+    """
     wanted = [(row["detector"], row["class"], row["strength"]) for row in rows]
     wanted += [(detector, kind, "all") for detector, kind, _ in wanted]
     wanted += [(detector, "average", "all") for detector, _, _ in wanted]
@@ -137,7 +161,17 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def table(figures: list[dict[str, Any]]) -> str:
-    """Lay out repeated points in %: a line for each class, a column for each detector and strength."""
+    """Format the share of repeated points in %: lines are classes, columns are detectors and strengths.
+
+    Parameters
+    ----------
+    figures : list of dict
+        From `summary`.
+
+    Returns
+    -------
+    table : str
+    """
     detectors = list(dict.fromkeys(figure["detector"] for figure in figures))
     classes = list(dict.fromkeys(figure["class"] for figure in figures))
     strengths = list(dict.fromkeys(figure["strength"] for figure in figures if figure["strength"] != "all"))

@@ -31,6 +31,8 @@ from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
 from shapegoogle_core.model.augmentation import transform
 
+__all__ = ["add_options", "run"]
+
 FIRST_SEED = 4_000
 CUTS = {"a third missing": 2 / 3, "half missing": 1 / 2, "two thirds missing": 1 / 3}
 TOP = 50

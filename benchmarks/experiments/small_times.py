@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 T = TypeVar("T")
 
+__all__ = ["add_options", "run"]
+
 KIND, SEED = "dog", 100
 EIGENPAIRS = (100, 300, 500)
 # In mean areas of a vertex; the last is beyond the reach of 100 eigenpairs of a mesh of 10,000 vertices.

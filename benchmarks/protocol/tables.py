@@ -47,7 +47,17 @@ def _goodness(variant: VariantResult) -> float:
 
 
 def class_names(result: BenchmarkResult) -> list[str]:
-    """List the transformation classes of a result in the order of its tables, "average" last."""
+    """List the transformation classes of a result.
+
+    Parameters
+    ----------
+    result : BenchmarkResult
+
+    Returns
+    -------
+    names : list of str
+        In the order of its tables, "average" last.
+    """
     names = dict.fromkeys(name for variant in result.variants for name in variant.table)
     names.pop(AVERAGE, None)
     return [*names, AVERAGE]

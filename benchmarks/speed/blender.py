@@ -308,7 +308,17 @@ def measure_paint(repeats: int) -> Row:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw the parts of the waiting times, in processor time, and the longest acceptable ones."""
+    """Draw the parts of the waiting times, in processor time, and the longest acceptable ones.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        From `measure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    """
     waits = [row for row in rows if row["part"] != "start"]
     figure, (axes,) = panels(1, 8, 1 + 0.6 * len(waits))
     names = [f"{row['part']}, {row['vertices']:,} vertices" for row in waits]

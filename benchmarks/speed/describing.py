@@ -179,7 +179,17 @@ def describe_file(path: Path, repeats: int) -> Row:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Draw the stages as stacked bars, with the largest acceptable times."""
+    """Draw the stages as stacked bars, with the largest acceptable times.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        From `measure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    """
     sizes = list(dict.fromkeys(row["size"] for row in rows))
     figure, axes = panels(len(sizes), 2.6 * len(sizes) + 1.6, 4.2)
     for panel, size in zip(axes, sizes, strict=True):

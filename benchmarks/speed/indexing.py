@@ -278,7 +278,17 @@ def growth(curve: list[dict[str, float]], name: str) -> float:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Plot shapes per second and memory."""
+    """Plot shapes per second and memory.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        From `measure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    """
     figure, (rates, memory) = panels(2, 10, 4)
     for row in rows:
         if row["part"] == "jobs":

@@ -45,7 +45,14 @@ def creature(vertices: int, tolerance: float = 0.0) -> Mesh:
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write a mesh as binary PLY or as OBJ, with numbers of single precision."""
+    """Write a mesh as binary PLY or as OBJ, in single precision.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    path : Path
+        The suffix decides on the format.
+    """
     import numpy as np
 
     if path.suffix == ".obj":

@@ -66,7 +66,18 @@ def figures_of(process: int | None = None) -> ProcessFigures | None:
 
 
 def descendants(process: int) -> dict[int, ProcessFigures]:
-    """Read the figures of a process and its descendants, by process id; empty where there is no ``/proc``."""
+    """Read the figures of a process and its descendants.
+
+    Parameters
+    ----------
+    process : int
+        Process id.
+
+    Returns
+    -------
+    figures : dict of int to ProcessFigures
+        By process id; empty where there is no ``/proc``.
+    """
     known = {}
     for entry in Path("/proc").glob("[0-9]*"):
         figures = figures_of(int(entry.name))

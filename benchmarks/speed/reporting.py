@@ -15,19 +15,39 @@ from benchmarks.speed.measuring import Row
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["label", "line", "panels", "read_rows", "write_figure", "write_rows"]
+__all__ = ["label", "line", "panels", "write_figure", "write_rows"]
 
 # Packages whose versions are stored with the figures.
 PACKAGES = ("numpy", "scipy", "shapegoogle-core", "lapy", "cholespy", "pyfmaps")
 
 
 def line(row: Row) -> str:
-    """Format a row as a line of JSON, without its lists."""
+    """Format a row as a line of JSON, without its lists.
+
+    Parameters
+    ----------
+    row : dict
+
+    Returns
+    -------
+    line : str
+    """
     return json.dumps({name: value for name, value in row.items() if not isinstance(value, list)})
 
 
 def write_rows(section: str, rows: Sequence[Row], folder: Path) -> Path:
-    """Write `speed-SECTION.json` into a folder."""
+    """Write `speed-SECTION.json` into a folder.
+
+    Parameters
+    ----------
+    section : str
+    rows : sequence of dict
+    folder : Path
+
+    Returns
+    -------
+    path : Path
+    """
     data = {
         "python": platform.python_version(),
         "machine": platform.machine(),
@@ -39,14 +59,19 @@ def write_rows(section: str, rows: Sequence[Row], folder: Path) -> Path:
     return path
 
 
-def read_rows(section: str, folder: Path) -> list[Row]:
-    """Read rows written by `write_rows`."""
-    rows: list[Row] = json.loads((folder / f"speed-{section}.json").read_text(encoding="utf-8"))["rows"]
-    return rows
-
-
 def write_figure(section: str, figure: Figure, folder: Path) -> Path:
-    """Write `speed-SECTION.png` into a folder."""
+    """Write `speed-SECTION.png` into a folder.
+
+    Parameters
+    ----------
+    section : str
+    figure : matplotlib.figure.Figure
+    folder : Path
+
+    Returns
+    -------
+    path : Path
+    """
     path = folder / f"speed-{section}.png"
     figure.savefig(path, dpi=120)
     return path
@@ -75,7 +100,12 @@ def panels(count: int, width: float, height: float) -> tuple[Figure, list[Any]]:
 
 
 def label(axes: Any) -> None:
-    """Add a grid, and a legend with each name once."""
+    """Add a grid, and a legend with each name once.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    """
     axes.grid(visible=True, which="both", alpha=0.3)
     handles, names = axes.get_legend_handles_labels()
     once = dict(zip(names, handles, strict=True))

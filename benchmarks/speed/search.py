@@ -346,7 +346,17 @@ def measure_recall(kind: str, shapes: Vectors) -> Iterator[Row]:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Plot times and recall against size."""
+    """Plot times and recall against size.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        From `measure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    """
     figure, (codes, library, recall) = panels(3, 15, 4.5)
     colors = {"numpy": "C0", "numpy < 2": "C1"}
     for bits, style in zip(BITS, ("-", "--"), strict=True):

@@ -27,8 +27,16 @@ EIGENPAIRS = (100, 200)
 def measure(options: Options) -> Iterator[Row]:
     """Time k eigenpairs of the cotangent Laplacian with lumped mass, which all contestants have.
 
-    The error is the largest |λ - λ'| / max(λ', λ'_2), with λ' of ARPACK (`scipy.sparse.linalg.eigsh`) at full
-    precision.
+    Parameters
+    ----------
+    options : Options
+        Sizes are numbers of vertices.
+
+    Yields
+    ------
+    row : dict
+        See `race`. "error" is the largest |λ - λ'| / max(λ', λ'_2), with λ' of ARPACK
+        (`scipy.sparse.linalg.eigsh`) at full precision.
     """
     from threadpoolctl import threadpool_limits
 
@@ -102,7 +110,17 @@ def deviation(values: FloatArray, expected: FloatArray) -> float:
 
 
 def draw(rows: Sequence[Row]) -> Figure:
-    """Plot processor time against size, a panel for each k, a line for each contestant."""
+    """Plot processor time against size, a panel for each k, a line for each contestant.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        From `measure`.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    """
     tasks = list(dict.fromkeys(row["task"] for row in rows))
     figure, axes = panels(len(tasks), 5.5 * len(tasks), 4.2)
     for panel, task in zip(axes, tasks, strict=True):

@@ -181,7 +181,17 @@ def bag_group(
     seed: int = 0,
     individuals: int = INDIVIDUALS,
 ) -> BagGroup:
-    """Make a group of all variants of one descriptor on one preparation; arguments as in `BagGroup`."""
+    """Make a group of all variants of one descriptor on one preparation.
+
+    Parameters
+    ----------
+    preparation, descriptor, variants, train, seed, individuals
+        As in `BagGroup`.
+
+    Returns
+    -------
+    group : BagGroup
+    """
     bags = tuple(sorted({_bag_of(variant) for variant in variants}))
     return BagGroup(preparation, descriptor, variants, bags, train, seed, individuals)
 

@@ -73,7 +73,18 @@ BIPED_POSES: dict[str, Pose] = {
 
 
 def add_arms(builder: SkeletonBuilder, parent: str, shoulder: Vector, length: float, radius: float) -> None:
-    """Arms in a relaxed A with mitten hands: upper arm, forearm, hand."""
+    """Add arms in a relaxed A pose with mitten hands: upper arm, forearm, hand.
+
+    Parameters
+    ----------
+    builder : SkeletonBuilder
+    parent : str
+        Bone that carries the arms.
+    shoulder : (3,) array_like
+        Left shoulder.
+    length, radius : float
+        Of an arm.
+    """
     start = np.asarray(shoulder, float)
     out = np.array([0.8, 0.0, -0.6])
     elbow, wrist = start + 0.47 * length * out, start + 0.88 * length * out
@@ -97,7 +108,20 @@ def add_arms(builder: SkeletonBuilder, parent: str, shoulder: Vector, length: fl
 def add_human_head(
     builder: SkeletonBuilder, parent: str, base: FloatArray, size: float, snout: float
 ) -> None:
-    """Neck and head with nose, ears and brow; `snout` is how far the face juts out, in head sizes."""
+    """Add neck and head with nose, ears and brow.
+
+    Parameters
+    ----------
+    builder : SkeletonBuilder
+    parent : str
+        Bone that carries the neck.
+    base : (3,) array
+        Base of the neck.
+    size : float
+        Of the head.
+    snout : float
+        Length of the face in head sizes.
+    """
     chin = base + np.array([0, -0.1, 0.85]) * size
     crown = chin + np.array([0, -0.1, 1.1]) * size
     builder.chain(
