@@ -118,18 +118,19 @@ def run_command(*arguments: str | Path) -> None:
 
 def draw_words(model: ShapeModel, mesh: Mesh) -> Image.Image:
     """Draw a shape with its geometric words: each vertex in the colour of its likeliest word."""
+    from shapegoogle_core import vertex_words
     from shapegoogle_core.rendering import look_from, render, word_palette
 
-    word_map = model.word_map(mesh)
-    colors = word_palette(word_map.words.shape[1])[word_map.nearest]
+    words = vertex_words(model, mesh)
+    colors = word_palette(words.words.shape[1])[words.heaviest]
     # Creatures stand on the xy plane and look along -y.
-    return render(word_map.mesh, colors, size=(240, 240), view=look_from((1, -1.2, 0.5), up=(0, 0, 1)))
+    return render(mesh, colors, size=(240, 240), view=look_from((1, -1.2, 0.5), up=(0, 0, 1)))
 
 
 def write_picture() -> None:
     """Draw the query and its best matches; the same search as the command's, from Python."""
+    from benchmarks.figures.contact_sheet import contact_sheet
     from shapegoogle_core import Library, read_mesh
-    from shapegoogle_core.rendering import contact_sheet
 
     with Library.open(LIBRARY, read_only=True) as library:
         query = read_mesh(QUERY)

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from benchmarks.creatures import make_creature
+from benchmarks.figures.contact_sheet import contact_sheet
 from shapegoogle_core import Mesh
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
 from shapegoogle_core.model import PRESETS
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.model.working_shape import working_shape
-from shapegoogle_core.rendering import canonical_view, contact_sheet, render
+from shapegoogle_core.rendering import canonical_view, render
 
 __all__ = ["draw"]
 

@@ -16,7 +16,7 @@ from benchmarks.blender import enable_addon
 from benchmarks.creatures import Creature, make_creature, rigs
 from benchmarks.errors import BenchmarkError
 from benchmarks.figures import workbench
-from shapegoogle_core.rendering import contact_sheet
+from benchmarks.figures.contact_sheet import contact_sheet
 
 __all__ = ["draw"]
 

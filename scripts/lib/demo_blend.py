@@ -25,7 +25,7 @@ from PIL.PngImagePlugin import PngInfo
 from benchmarks.blender import enable_addon
 from benchmarks.creatures import blend_library, make_creature, rigs
 from benchmarks.figures import workbench
-from shapegoogle_core.rendering import contact_sheet
+from benchmarks.figures.contact_sheet import contact_sheet
 
 __all__ = ["run"]
 

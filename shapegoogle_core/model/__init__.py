@@ -6,7 +6,7 @@ from shapegoogle_core.model.loading import load_model
 from shapegoogle_core.model.presets import PRESETS
 from shapegoogle_core.model.settings import ChannelSettings, ModelSettings
 from shapegoogle_core.model.shape_model import ShapeModel
-from shapegoogle_core.model.signature import ShapeSignature, WordMap
+from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = [
     "PRESETS",
@@ -14,7 +14,6 @@ __all__ = [
     "ModelSettings",
     "ShapeModel",
     "ShapeSignature",
-    "WordMap",
     "load_model",
     "row_distances",
 ]

@@ -24,8 +24,8 @@ from shapegoogle_core.model.model_file import (
     unpack,
 )
 from shapegoogle_core.model.settings import ModelSettings
-from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, channel_words, shape_bags
-from shapegoogle_core.model.signature import ShapeSignature, WordMap
+from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.model.validation import check_learnt
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, sample_surface
@@ -183,29 +183,6 @@ class ShapeModel:
             extents=mesh.extents,
             surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
         )
-
-    def word_map(self, mesh: MeshLike, channel: int = 0) -> WordMap:
-        """Compute the geometric words on the preprocessed mesh; `vertex_words` has them on the mesh as given.
-
-        Parameters
-        ----------
-        mesh : MeshLike
-            As for `describe`.
-        channel : int, optional
-            Index of one of the model's channels.
-
-        Returns
-        -------
-        word_map : WordMap
-
-        Raises
-        ------
-        MeshError
-            If the shape cannot be described, or its eigenproblem cannot be solved.
-        """
-        shape = working_shape(self.settings, as_mesh(mesh))
-        words = channel_words(self.settings, channel, self.vocabularies[channel], shape)
-        return WordMap(shape.mesh, words)
 
     def embed(self, bags: FloatBags) -> FloatBags:
         """Project bags into the space of the learnt metric.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Results of a model: the signature of a shape, which a search compares, and the words on its surface."""
+"""`ShapeSignature`: the result of a model for one shape, which a search compares."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import SurfaceSample
 
-__all__ = ["ShapeSignature", "WordMap"]
+__all__ = ["ShapeSignature"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,24 +57,3 @@ class ShapeSignature:
     local_code: NDArray[np.uint8] | None = None
     surface: Mesh | None = None
     extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class WordMap:
-    """Preprocessed shape with the geometric words at its vertices.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        Preprocessed and scaled to the model's area.
-    words : (n, V) array
-        θ(x), the distribution of each vertex over the words (paper, equation 12).
-    """
-
-    mesh: Mesh
-    words: FloatArray
-
-    @property
-    def nearest(self) -> NDArray[np.int64]:
-        """(n,) most likely word of each vertex."""
-        return np.asarray(self.words.argmax(axis=1), dtype=np.int64)

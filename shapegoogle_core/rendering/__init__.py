@@ -3,12 +3,10 @@
 
 from shapegoogle_core.rendering.colors import value_colors, word_palette
 from shapegoogle_core.rendering.raster import render, thumbnail
-from shapegoogle_core.rendering.sheets import contact_sheet
 from shapegoogle_core.rendering.views import canonical_view, look_from
 
 __all__ = [
     "canonical_view",
-    "contact_sheet",
     "look_from",
     "render",
     "thumbnail",

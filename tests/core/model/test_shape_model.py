@@ -137,13 +137,6 @@ def test_low_poly_props_have_a_signature(model: ShapeModel) -> None:
     assert np.isfinite(model.describe(Mesh(box.vertices, box.faces)).bags).all()
 
 
-def test_word_map_covers_the_preprocessed_mesh(bumpy: Mesh, model: ShapeModel) -> None:
-    word_map = model.word_map(bumpy)
-    assert len(word_map.words) == len(word_map.mesh.vertices)
-    assert word_map.nearest.max() < model.settings.channels[0].words
-    assert word_map.mesh.area == pytest.approx(model.settings.area)
-
-
 @pytest.mark.parametrize(
     ("vertices", "faces", "message"),
     [

@@ -12,7 +12,9 @@ from benchmarks.creatures import make_creature
 from shapegoogle_core.keypoints import DETECTORS
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.shape_bags import channel_words
 from shapegoogle_core.model.vertex_signatures import SPOT_RADIUS
+from shapegoogle_core.model.working_shape import working_shape
 from tests.core.conftest import Shapes
 
 
@@ -74,8 +76,10 @@ def model() -> ShapeModel:
 class TestVertexWords:
     def test_are_the_words_of_the_model(self, model: ShapeModel, bumpy: Mesh) -> None:
         words = sg.vertex_words(model, bumpy)
-        word_map = model.word_map(bumpy)
-        assert np.allclose(words.words, word_map.words)
+        shape = working_shape(model.settings, bumpy)
+        expected = channel_words(model.settings, 0, model.vocabularies[0], shape)
+        assert np.allclose(words.words, expected)
+        assert words.prolongation.shape == (len(bumpy.vertices), len(shape.mesh.vertices))
         weights = words.weights()
         assert weights.shape == (len(bumpy.vertices), model.settings.channels[0].words)
         assert np.allclose(weights.sum(axis=1), 1)

@@ -46,7 +46,7 @@ def contact_sheet(
     Examples
     --------
     >>> from PIL import Image
-    >>> from shapegoogle_core.rendering import contact_sheet
+    >>> from benchmarks.figures.contact_sheet import contact_sheet
     >>> contact_sheet([Image.new("RGB", (50, 40))] * 3, ["one", "two", "three"], columns=2).size
     (142, 172)
     """
