@@ -33,6 +33,8 @@ LAPLACIANS: dict[str, Callable[[Mesh], Operator]] = {
 }
 """Functions that assemble an operator, by name."""
 
+_REPAIR = "repair it first, with shapegoogle_core.preprocessing.repair(mesh)"
+
 
 def build_operator(mesh: MeshLike, laplacian: str = "robust") -> Operator:
     """Assemble a discrete Laplace–Beltrami operator (paper, section 3.3).
@@ -87,13 +89,13 @@ def build_operator(mesh: MeshLike, laplacian: str = "robust") -> Operator:
             f"{mesh.name!r} has no faces, which the Laplacian {laplacian!r} needs; use {POINT_CLOUD!r}"
         )
     elif unused := int((np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) == 0).sum()):
-        raise MeshError(f"{mesh.name!r} has {unused} vertices that no face uses; call repair() first")
+        raise MeshError(f"{mesh.name!r} has {unused} vertices that no face uses; {_REPAIR}")
     try:
         operator = LAPLACIANS[laplacian](mesh)
     except RuntimeError as error:  # from the library robust_laplacian
         raise MeshError(f"{mesh.name!r}: the Laplacian could not be assembled ({error})") from error
     if not (np.isfinite(operator.stiffness.data).all() and (operator.lumped_mass > 0).all()):
-        raise MeshError(f"{mesh.name!r} has vertices without area; call repair() first")
+        raise MeshError(f"{mesh.name!r} has vertices without area; {_REPAIR}")
     if operator.boundary is None and laplacian != POINT_CLOUD:
         operator = replace(operator, boundary=np.flatnonzero(boundary_vertices(mesh)).astype(np.int64))
     return operator
