@@ -3,9 +3,9 @@
 
     python -m benchmarks small-times [--sizes N ...] [--dense N] [--repeats N] [--plot FILE]
 
-Prints the tables of docs/small_times.md: seconds of processor time, and the largest relative error of
-K_t(x, x) over all vertices of a procedural creature, at times from a quarter of the mean area of a vertex on,
-two per octave. The truth is the full decomposition, for meshes of at most --dense vertices.
+Prints the tables of docs/measurements/small_times.md: seconds of processor time, and the largest relative
+error of K_t(x, x) over all vertices of a procedural creature, at times from a quarter of the mean area of a
+vertex on, two per octave. The truth is the full decomposition, for meshes of at most --dense vertices.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ _ALL_BAGS = ("area", "plain", "pairs")
 
 PRESETS: dict[str, ModelSettings] = {
     # Chosen on procedural creatures and CC0 models that it was not trained on
-    # (docs/measurements/libraries.md).
+    # (docs/measurements/descriptors.md).
     "default": ModelSettings(
         name="default",
         channels=(

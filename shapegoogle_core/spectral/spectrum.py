@@ -178,7 +178,7 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
     Krylov method would have to separate as many equal (zero) eigenvalues as there are components.
 
     BLAS is limited to one thread meanwhile: the products are so small that several threads mostly wait for
-    each other (docs/performance.md).
+    each other (docs/measurements/speed.md).
     """
     if k < 1:
         raise ValueError(f"k must be at least 1, not {k}")
