@@ -179,6 +179,14 @@ def test_a_handful_of_vertices() -> None:
     assert match.symmetric
 
 
+def test_anything_mesh_like_is_matched() -> None:
+    box = trimesh.creation.box((1, 2, 3))
+    expected = match_vertices(Mesh(box.vertices, box.faces), Mesh(box.vertices, box.faces), QUICK)
+    match = match_vertices(box, (box.vertices, box.faces), QUICK)
+    np.testing.assert_array_equal(match.vertex, expected.vertex)
+    np.testing.assert_array_equal(match.weights, expected.weights)
+
+
 def test_points_in_faces_lie_between_their_corners(bumpy: Mesh) -> None:
     match, centers = match_with_points(bumpy, turned(bumpy), np.arange(len(bumpy.faces)), QUICK)
     assert (match.vertex == np.arange(len(bumpy.vertices))).mean() > 0.99

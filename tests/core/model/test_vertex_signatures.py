@@ -62,6 +62,14 @@ class TestVertexSpectrum:
         assert values.shape == exact.shape
         assert np.abs(values / exact - 1).max() < 0.03
 
+    def test_anything_mesh_like_has_one(self, bumpy: Mesh) -> None:
+        expected = sg.vertex_spectrum(bumpy, k=10).spectrum.eigenvalues
+        for same in (
+            (bumpy.vertices, bumpy.faces),
+            trimesh.Trimesh(bumpy.vertices, bumpy.faces, process=False),
+        ):
+            np.testing.assert_array_equal(sg.vertex_spectrum(same, k=10).spectrum.eigenvalues, expected)
+
     @pytest.mark.parametrize("faces", [[], [[0, 0, 1]]])
     def test_without_surface_it_says_so(self, faces: list[list[int]]) -> None:
         with pytest.raises(sg.MeshError, match="'rod'"):
