@@ -62,7 +62,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Individual:
-    """What one .blend file shows.
+    """Contents of one .blend file.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def write_library(folder: Path, individuals: Sequence[Individual] = INDIVIDUALS)
     Parameters
     ----------
     folder : Path
-        Of the library; is made if there is none. Files of other names in it stay.
+        Of the library; created if it does not exist. Files of other names in it stay.
     individuals : sequence of Individual
 
     Returns

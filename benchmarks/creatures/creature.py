@@ -79,7 +79,7 @@ class Creature:
         Raises
         ------
         ValueError
-            If the name is none of `pose_names`.
+            If the name is not one of `pose_names`.
         """
         if isinstance(pose, str):
             if pose not in self.pose_names:

@@ -41,7 +41,7 @@ def lumps(tmp_path_factory: pytest.TempPathFactory, make_mesh: Callable[..., Pat
 
 @pytest.fixture(scope="session")
 def collection(lumps: Path) -> Collection:
-    """Three null shapes and two others; each null shape asked for at two sizes."""
+    """Three null shapes and two others; each null shape queried at two sizes."""
     nulls = [database_shape(path, "null") for path in sorted((lumps / "nulls").iterdir())]
     negatives = [database_shape(path, "negative") for path in sorted((lumps / "negatives").iterdir())]
     queries = [query for query in generated_queries(nulls, ["scale"]) if query.strength < 3]

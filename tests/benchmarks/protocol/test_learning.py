@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the variants are learnt from: each shape as it is and transformed, from seeds."""
+"""Training shapes of the variants: each shape as it is and transformed, from seeds."""
 
 from __future__ import annotations
 
