@@ -1,8 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape Google for Blender: index a library, ask with the selected object, see the words.
+"""Shape Google for Blender: index a library, find the selected shape in it, see signatures and words.
 
 One folder for each thing that the user does, with its panel, operators, properties and logic; each registers
-its own classes. What they share is beside them.
+its own classes:
+
+- ``library``: the library file, its sources, indexing, training, and the Blender that reads .blend files;
+- ``search``: the query, examples, and the answer;
+- ``gallery``: pictures of the matches, their labels and filters, and appending, linking or marking a match;
+- ``signature``: painting signatures, words and keypoints;
+- ``duplicates``: groups of equal shapes, and linking their data;
+- ``transfer``: carrying vertex groups, colours and UVs from a match to the query.
+
+Shared: ``scene`` (objects and meshes), ``jobs`` (other processes), ``state`` (memory of the running add-on),
+``session`` (results shown in the window), ``connections`` (other programs), ``preferences``, ``commands``.
+Modules imported for registering must not import numpy or the core; those that need them are imported in
+functions.
 """
 
 from . import (
