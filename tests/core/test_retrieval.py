@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,7 @@ def labelled(data_folder: Path, dataset: str) -> dict[str, list[Path]]:
 
 
 @pytest.fixture(scope="module")
-def library(data_folder, tmp_path_factory) -> sg.Library:
+def library(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[sg.Library]:
     """The null shape of each TOSCA class among unrelated shapes."""
     with sg.Library.open(tmp_path_factory.mktemp("library") / "shapes.db") as library:
         for name, paths in labelled(data_folder, "tosca").items():
@@ -32,24 +33,24 @@ def library(data_folder, tmp_path_factory) -> sg.Library:
         yield library
 
 
-def mean_reciprocal_rank(library: sg.Library, queries: dict[str, Path], **options: bool) -> float:
+def mean_reciprocal_rank(library: sg.Library, queries: dict[str, Path], exact: bool = False) -> float:
     ranks = []
     for name, path in queries.items():
-        matches = library.query(sg.read_mesh(path), top=len(library), **options)
+        matches = library.query(sg.read_mesh(path), top=len(library), exact=exact)
         assert len(matches) == len(library)
         ranks.append(1 / (1 + [match.name for match in matches].index(name)))
     return sum(ranks) / len(ranks)
 
 
 @pytest.mark.real_data
-def test_another_pose_finds_its_null_shape(library, data_folder):
+def test_another_pose_finds_its_null_shape(library: sg.Library, data_folder: Path) -> None:
     tosca = labelled(data_folder, "tosca")
     queries = {name: paths[-1] for name, paths in tosca.items() if len(paths) > 1}
     assert mean_reciprocal_rank(library, queries) >= 0.95
 
 
 @pytest.mark.real_data
-def test_another_triangulation_finds_its_null_shape(library, data_folder):
+def test_another_triangulation_finds_its_null_shape(library: sg.Library, data_folder: Path) -> None:
     tosca = labelled(data_folder, "tosca")
     remeshed = labelled(data_folder, "tosca_remeshed")
     queries = {name: paths[0] for name, paths in remeshed.items() if name in tosca}
