@@ -33,6 +33,7 @@ PAGES = [
 IN_BLENDER = "docs/blender.md"
 # The changelog also names what is gone.
 TODAY = [page for page in PAGES if page.name != "CHANGELOG.md"]
+OF_BLENDER = {"Edit › Preferences › Get Extensions", "Install from Disk…"}
 PACKAGES = ("shapegoogle_core", "benchmarks", "blender_addon", "scripts", "tests", "docs")
 # Paths are relative to one of these folders.
 ROOTS = (ROOT, ROOT / "shapegoogle_core", ROOT / "shapegoogle_core" / "library")
@@ -195,6 +196,14 @@ def test_paths_and_names_exist(page: Path) -> None:
             if not known:
                 missing.append(span)
     assert not missing
+
+
+def test_labels_in_the_manual_are_those_of_the_add_on() -> None:
+    source = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "blender_addon").rglob("*.py"))
+    manual = re.sub(r"\*\*.+?\*\*", "", prose(ROOT / IN_BLENDER), flags=re.DOTALL)
+    labels = {" ".join(label.split()) for label in re.findall(r"\*([A-Z][^*]+)\*", manual)}
+    assert "Find Similar" in labels
+    assert {label for label in labels - OF_BLENDER if f'"{label}"' not in source} == set()
 
 
 def test_every_page_of_measurements_is_listed() -> None:
