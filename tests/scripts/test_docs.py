@@ -11,6 +11,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,9 @@ import shapegoogle_core as sg
 from benchmarks import command as benchmarks_command
 from shapegoogle_core import model
 from shapegoogle_core.cli import parser as core_parser
+from shapegoogle_core.descriptors import DESCRIPTORS
+from shapegoogle_core.keypoints import DETECTORS
+from shapegoogle_core.laplacian import LAPLACIANS
 
 ROOT = Path(__file__).resolve().parents[2]
 MEASUREMENTS = ROOT / "docs" / "measurements"
@@ -196,6 +200,32 @@ def test_paths_and_names_exist(page: Path) -> None:
             if not known:
                 missing.append(span)
     assert not missing
+
+
+def table_names(page: str) -> set[str]:
+    """Names in backticks in the first column of the tables of a page."""
+    rows = re.findall(r"^\| `([\w-]+)` \|", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.MULTILINE)
+    return set(rows)
+
+
+def test_tables_name_every_operator_descriptor_and_detector() -> None:
+    assert table_names("operators.md") == {*LAPLACIANS}
+    assert table_names("descriptors.md") == {*DESCRIPTORS}
+    assert table_names("keypoints.md") == {*DETECTORS}
+
+
+def test_settings_of_the_search_have_the_documented_values() -> None:
+    text = (MEASUREMENTS / "search.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^(?:\| |- \*\*)(`[^|]+?) (?:\||=) ([\d., /]+?)(?: \||\.\*\*)", text, re.MULTILINE)
+    values = {
+        name: float(Fraction(value))
+        for names, row in rows
+        for name, value in zip(re.findall(r"`(\w+)`", names), row.split(", "), strict=True)
+    }
+    assert "certain" in values
+    groups = dataclasses.asdict(sg.SearchSettings()).values()
+    defaults = {name: value for group in groups for name, value in group.items()}
+    assert values == {name: defaults[name] for name in values}
 
 
 def test_labels_in_the_manual_are_those_of_the_add_on() -> None:
