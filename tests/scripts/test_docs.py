@@ -236,6 +236,17 @@ def test_labels_in_the_manual_are_those_of_the_add_on() -> None:
     assert {label for label in labels - OF_BLENDER if f'"{label}"' not in source} == set()
 
 
+def test_pages_that_the_code_refers_to_exist() -> None:
+    sources = [path for package in PACKAGES for path in (ROOT / package).rglob("*.py")]
+    pages = {
+        page
+        for path in sources
+        for page in re.findall(r"\bdocs/[\w/]+\.(?:md|png)", path.read_text(encoding="utf-8"))
+    }
+    assert pages
+    assert {page for page in pages if not (ROOT / page).is_file()} == set()
+
+
 def test_every_page_of_measurements_is_listed() -> None:
     listed = set(re.findall(r"\]\(([\w]+\.md)\)", (MEASUREMENTS / "README.md").read_text(encoding="utf-8")))
     assert listed == {page.name for page in MEASUREMENTS.glob("*.md")} - {"README.md"}
