@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import ast
+import importlib
 import subprocess
 import sys
 import tomllib
@@ -46,13 +46,22 @@ def test_a_star_imports_the_public_names() -> None:
     assert set(sg.__all__) == names.keys() - {"__builtins__"}
 
 
-def test_the_type_checker_sees_the_same_names_at_the_same_places() -> None:
-    tree = ast.parse(Path(sg.__file__).read_text(encoding="utf-8"))
-    imports = [
-        node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module != "typing"
+@pytest.mark.parametrize("package", ["shapegoogle_core.indexing", "shapegoogle_core.words"])
+def test_every_name_in_the_stub_of_a_package_is_there(package: str) -> None:
+    module = importlib.import_module(package)
+    assert module.__all__
+    assert set(module.__all__) <= set(dir(module))
+    for name in module.__all__:
+        assert getattr(module, name) is not None
+
+
+def test_the_stubs_with_the_names_are_installed() -> None:
+    patterns = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"][
+        "package-data"
     ]
-    seen = {(f"{node.module}", alias.asname) for node in imports for alias in node.names}
-    assert seen == {(f"shapegoogle_core.{module}", name) for name, module in sg._MODULE_OF.items()}
+    package = Path(sg.__file__).parent
+    packed = {path for pattern in patterns["shapegoogle_core"] for path in package.glob(pattern)}
+    assert set(package.rglob("*.pyi")) <= packed
 
 
 def test_the_version_is_that_of_the_project() -> None:
