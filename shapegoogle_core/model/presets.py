@@ -46,6 +46,7 @@ PRESETS: dict[str, ModelSettings] = {
                 bags=_ALL_BAGS,
             ),
         ),
+        eigenpairs=100,
         code_directions="rotated",
         sample=SampleSettings(),
         local=LocalSettings(),

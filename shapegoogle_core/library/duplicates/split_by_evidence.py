@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember, largest_saving_first
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
-from shapegoogle_core.library.search.checks import Compared, Explainer
+from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.surfaces import StoredSurfaces
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.store import Store

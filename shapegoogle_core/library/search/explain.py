@@ -2,7 +2,7 @@
 """Fourth stage of a search: evidence, the kind of each of the best matches.
 
 The search orders shapes by how likely they are the same. This stage finds what they have in common, see
-`checks`.
+`kinds`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.aligned_match import known_alignment
-from shapegoogle_core.library.search.checks import Compared, Explainer
+from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.search.surfaces import StoredSurfaces
 from shapegoogle_core.library.storage.store import Store

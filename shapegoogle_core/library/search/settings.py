@@ -129,15 +129,16 @@ class EvidenceSettings:
         Number of best matches that `Library.explain` and the command line explain by default.
     max_filtered : int
         Largest number of matches that are explained to find those of the kind in a `Filter`.
-    exact : float
-        Largest deviation of a copy: preprocessing rounds no better.
-    close : float
-        Largest deviation of another mesh of the same surface.
+    identical : float
+        Tolerance for "identical", "moved", "scaled" and "mirrored" copies: the largest deviation of a copy.
+        Preprocessing rounds no better.
+    remeshed : float
+        Tolerance for "re-meshed": the largest deviation of another mesh of the same surface.
     near : float
         Distance up to which a point is covered by a surface.
     coarse, coarse_near : float
-        The same as `exact` and `close`, and as `near`, where only a sample of the query is known: its tangent
-        planes are no more precise.
+        Instead of `remeshed` (and of `identical`, unless both have their vertices in the same order), and of
+        `near`, where only a sample of the query is known: its tangent planes are no more precise.
     whole : float
         Least share of either surface that lies on the other one if they are the same.
     part : float
@@ -166,8 +167,8 @@ class EvidenceSettings:
 
     explained: int = 50
     max_filtered: int = 200
-    exact: float = 1e-3
-    close: float = 5e-3
+    identical: float = 1e-3
+    remeshed: float = 5e-3
     near: float = 1e-2
     coarse: float = 1.2e-2
     coarse_near: float = 2e-2

@@ -35,7 +35,7 @@ from shapegoogle_core.registration import (
 )
 
 VERIFY = "shapegoogle_core.library.search.verify"
-CHECKS = "shapegoogle_core.library.search.checks"
+CHECKS = "shapegoogle_core.library.search.kinds"
 
 
 def execute(library: Library, statement: str, *parameters: object) -> None:

@@ -79,10 +79,14 @@ class Explainer:
         self._surface: Surface | TangentPlanes
         if surface is None:
             self._surface = TangentPlanes(query.sample)
-            self._exact, self._close, self._near = settings.coarse, settings.coarse, settings.coarse_near
+            self._identical, self._remeshed, self._near = (
+                settings.coarse,
+                settings.coarse,
+                settings.coarse_near,
+            )
         else:
             self._surface = Surface(surface, query.sample)
-            self._exact, self._close, self._near = settings.exact, settings.close, settings.near
+            self._identical, self._remeshed, self._near = settings.identical, settings.remeshed, settings.near
 
     @cached_property
     def _prepared(self) -> PreparedSample:
@@ -116,17 +120,17 @@ class Explainer:
         if (copy := self.copy(match)) is not None:
             return copy
         in_place = self._in_place(sample)
-        if in_place is not None and self._is_same(in_place, self._close):
-            identical = same_counts and self._is_same(in_place, self._exact)
+        if in_place is not None and self._is_same(in_place, self._remeshed):
+            identical = same_counts and self._is_same(in_place, self._identical)
             return self._congruent("identical" if identical else "re-meshed", in_place, sample)
         fitted = self._fitted(sample, similarity, alignment)
-        if fitted is not None and self._is_same(fitted, self._close):
-            if same_counts and self._is_same(fitted, self._exact):
+        if fitted is not None and self._is_same(fitted, self._remeshed):
+            if same_counts and self._is_same(fitted, self._identical):
                 return self._congruent(self._moved_or_scaled(fitted, sample), fitted, sample)
             return self._congruent("re-meshed", fitted, sample)
         if similarity >= self._settings.unlikely:
             reflected = self._fitted(mirrored(sample), similarity)
-            if reflected is not None and self._is_same(reflected, self._close):
+            if reflected is not None and self._is_same(reflected, self._remeshed):
                 return self._congruent("mirrored", reflected, sample)
         if fitted is not None and (part := self._part(fitted, match)) is not None:
             return part
@@ -148,11 +152,11 @@ class Explainer:
         if not self._same_counts(match) or len(sample.points) != len(self._sample.points):
             return None
         moved = fit_numbered(self._sample, sample)
-        if moved.deviation <= self._settings.exact:
+        if moved.deviation <= self._settings.identical:
             kind = "identical" if self._is_in_place(moved, sample) else self._moved_or_scaled(moved, sample)
             return self._congruent(kind, moved, sample)
         reflected = fit_numbered(self._sample, mirrored(sample))
-        if reflected.deviation <= self._settings.exact:
+        if reflected.deviation <= self._settings.identical:
             return self._congruent("mirrored", reflected, sample)
         return None
 
@@ -166,7 +170,7 @@ class Explainer:
     def _is_in_place(self, fitted: Fit, sample: SurfaceSample) -> bool:
         """Whether the points coincide at their original places, and not only after a motion."""
         apart = frame_between(self._sample, sample).apply(sample.points) - fitted.frame.apply(sample.points)
-        return float(np.abs(apart).max()) <= self._settings.exact
+        return float(np.abs(apart).max()) <= self._settings.identical
 
     def _in_place(self, sample: SurfaceSample) -> Fit | None:
         """Compare both shapes at their original places, unless they are far apart."""
