@@ -31,8 +31,8 @@ KINDS = {
     "SAME": ("Same Shape", "MESH_DATA"),
     "MOVED": ("Moved", "EMPTY_ARROWS"),
     "MIRRORED": ("Mirrored", "MOD_MIRROR"),
-    "RE_MESHED": ("Other Mesh", "MOD_REMESH"),
-    "RE_POSED": ("Other Pose", "ARMATURE_DATA"),
+    "RE_MESHED": ("Re-meshed", "MOD_REMESH"),
+    "RE_POSED": ("Re-posed", "ARMATURE_DATA"),
     "PART_OF": ("Whole of It", "SELECT_EXTEND"),
     "CONTAINS": ("Part of It", "SELECT_INTERSECT"),
 }
