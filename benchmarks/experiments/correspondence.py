@@ -40,7 +40,7 @@ from scipy.spatial import KDTree
 import shapegoogle_core as sg
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core import Mesh, MeshError
-from shapegoogle_core.correspondence.distance_graph import distance_graph
+from shapegoogle_core.descriptors.geodesics import surface_graph
 from shapegoogle_core.mesh.prolongation import nearest_faces, prolongation
 from shapegoogle_core.preprocessing import repair
 from shapegoogle_core.preprocessing.resampling import simplify, subdivide
@@ -173,7 +173,7 @@ def geodesic_errors(mesh: Mesh, found: Array, truth: Array) -> Array:
     tree = KDTree(mesh.vertices)
     start, end = tree.query(truth)[1], tree.query(found)[1]
     sources, place = np.unique(start, return_inverse=True)
-    graph = distance_graph(mesh, np.empty((0, 2), np.int64), np.empty(0))
+    graph = surface_graph(mesh)
     along = dijkstra(graph, directed=False, indices=sources)[place, end]
     straight = np.linalg.norm(found - truth, axis=1)
     # The nearest vertices are not the points themselves, and separate parts have no path between them.

@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from benchmarks.protocol.collection import ISOMETRY
-from shapegoogle_core.correspondence.distance_graph import distance_graph
+from shapegoogle_core.descriptors.geodesics import surface_graph
 from shapegoogle_core.keypoints import DETECTORS, detect_keypoints
 from shapegoogle_core.laplacian import cotangent
 from shapegoogle_core.mesh import Mesh
@@ -71,7 +71,7 @@ class NullShape:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self._graph: sparse.csr_array = distance_graph(mesh, np.empty((0, 2), np.int64), np.empty(0))
+        self._graph: sparse.csr_array = surface_graph(mesh)
         self.diameter = self._diameter()
 
     def _diameter(self) -> float:

@@ -12,12 +12,13 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 
-from shapegoogle_core.correspondence.distance_graph import distance_graph
 from shapegoogle_core.correspondence.loose_parts import largest_parts, tied, ties_between_parts
 from shapegoogle_core.correspondence.orientation import oriented_faces
 from shapegoogle_core.descriptors import log_heat_kernel_signature, wave_kernel_signature
+from shapegoogle_core.descriptors.geodesics import surface_graph
 from shapegoogle_core.laplacian import build_operator
 from shapegoogle_core.mesh.checks import check_surface
+from shapegoogle_core.mesh.measures import vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
 from shapegoogle_core.preprocessing import repair_mapped, resample
@@ -91,7 +92,7 @@ class WorkingSurface:
     distances : (n, c) array
         Distances along the surface from all vertices to the first c samples.
     graph : (n, n) sparse array
-        Graph along which distances are measured, see `distance_graph`.
+        Graph along which distances are measured, see `surface_graph`.
     tips : (t,) array of int
         Positions of extremities in `samples`, the farthest first.
     descriptors : (n, d) array
@@ -192,8 +193,10 @@ def working_surface(mesh: Mesh, settings: SurfaceSettings) -> WorkingSurface:
     faces, outward = oriented_faces(copy)
     samples = farthest_points(copy.vertices, min(settings.samples, len(copy.vertices)))
     compared = samples[: settings.compared]
-    normals = _vertex_normals(copy.vertices, faces)
-    graph = distance_graph(copy, ties, lengths)
+    normals = vertex_normals(Mesh(copy.vertices, faces))
+    graph = surface_graph(copy)
+    # The parts that a tie joins have no other connection, so the sum adds up no two lengths.
+    graph = sparse.csr_array(graph + sparse.coo_array((lengths, ties.T), shape=graph.shape))
     distances = dijkstra(graph, directed=False, indices=compared).T
     return WorkingSurface(
         copy,
@@ -211,16 +214,6 @@ def working_surface(mesh: Mesh, settings: SurfaceSettings) -> WorkingSurface:
         _tips(distances[compared], spectrum.mass[compared]),
         _descriptors(spectrum),
     )
-
-
-def _vertex_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    summed = np.stack([np.bincount(faces.ravel(), axis, len(vertices)) for axis in weighted.T], axis=1)
-    normals: FloatArray = summed / np.maximum(
-        np.linalg.norm(summed, axis=1, keepdims=True), np.finfo(float).tiny
-    )
-    return normals
 
 
 def _tips(distances: FloatArray, mass: FloatArray) -> Indices:

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
 from shapegoogle_core.mesh import MeshLike, as_mesh
-from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.connectivity import edge_lengths, unique_edges
 from shapegoogle_core.mesh.measures import vertex_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
@@ -40,11 +40,10 @@ def surface_graph(mesh: Mesh) -> csr_array:
     lengths : (n, n) sparse array
         Symmetric, in the unit of the vertices.
     """
-    edges, _ = unique_edges(mesh)
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
     across, across_lengths = _paths_across(mesh)
-    start, end = np.concatenate([edges, across]).astype(np.int64).T
-    weights = np.concatenate([lengths, across_lengths])
+    start, end = np.concatenate([unique_edges(mesh)[0], across]).astype(np.int64).T
+    weights = np.concatenate([edge_lengths(mesh), across_lengths])
+    weights = np.maximum(weights, np.finfo(float).tiny)  # an entry 0 would be no connection
     count = len(mesh.vertices)
     # Two corners may also be neighbours, or lie across several edges: the shortest path counts.
     keys = np.minimum(start, end) * count + np.maximum(start, end)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
 if TYPE_CHECKING:
-    from shapegoogle_core.mesh.mesh import IntArray, Mesh
+    from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["boundary_vertices", "unique_edges", "used_vertices"]
+__all__ = ["boundary_vertices", "edge_lengths", "unique_edges", "used_vertices"]
 
 
 def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
@@ -37,6 +37,21 @@ def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
     faces_at.sort_indices()
     first = np.repeat(np.arange(count, dtype=np.int32), np.diff(faces_at.indptr))
     return np.stack([first, faces_at.indices], axis=1), faces_at.data.astype(np.int64)
+
+
+def edge_lengths(mesh: Mesh) -> FloatArray:
+    """Length of each edge, in the order of `unique_edges`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    lengths : (e,) array
+    """
+    start, end = unique_edges(mesh)[0].T
+    return np.asarray(np.linalg.norm(mesh.vertices[start] - mesh.vertices[end], axis=1))
 
 
 def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:

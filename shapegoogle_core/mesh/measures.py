@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Areas and normals of faces and vertices."""
+"""Areas and normals of faces, vertices and points of clouds."""
 
 from __future__ import annotations
 
@@ -8,15 +8,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 if TYPE_CHECKING:
     from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
-__all__ = ["cross_lengths", "face_areas", "face_blocks", "vertex_areas", "vertex_normals"]
+__all__ = [
+    "cross_lengths",
+    "face_areas",
+    "face_blocks",
+    "point_normals",
+    "vertex_areas",
+    "vertex_normals",
+]
 
 # Face blocks of this many faces stay in the processor's cache, which is several times faster, and need
 # little memory.
 FACES_AT_ONCE = 1 << 14
+NEIGHBOURS = 16  # of a point of a cloud
 
 
 def face_areas(mesh: Mesh) -> FloatArray:
@@ -72,6 +81,24 @@ def vertex_normals(mesh: Mesh) -> FloatArray:
     lengths = np.linalg.norm(summed, axis=1, keepdims=True)
     normals: FloatArray = summed / np.maximum(lengths, np.finfo(float).tiny)
     return normals
+
+
+def point_normals(points: FloatArray) -> FloatArray:
+    """Compute the normals of the planes that best fit the neighbours of each point (Hoppe et al. 1992).
+
+    Parameters
+    ----------
+    points : (n, 3) array
+
+    Returns
+    -------
+    normals : (n, 3) array
+        Directions of least variance, of unit length; their sign is arbitrary.
+    """
+    _, near = KDTree(points).query(points, min(NEIGHBOURS, len(points)))
+    offsets = points[near] - points[near].mean(axis=1, keepdims=True)
+    _, directions = np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))
+    return np.ascontiguousarray(directions[:, :, 0])
 
 
 def face_blocks(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The learnt metric between bags, and the calibration of its distances to probabilities."""
+"""Distances between bags, the learnt metric, and the calibration of its distances to probabilities."""
 
 from __future__ import annotations
 
@@ -11,13 +11,39 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.distances import row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 
-__all__ = ["RIVALS", "Calibration", "calibrate", "choose_pairs", "learn_projection", "rival_pairs"]
+__all__ = [
+    "RIVALS",
+    "Calibration",
+    "calibrate",
+    "choose_pairs",
+    "learn_projection",
+    "rival_pairs",
+    "row_distances",
+]
 
 RIVALS = 50
 """Number of different shapes whose nearest one competes with a version of the same shape, about."""
+
+
+def row_distances(metric: str, first: FloatBags, second: FloatBags) -> FloatArray:
+    """Compute the distances between the rows of two arrays.
+
+    Parameters
+    ----------
+    metric : {"cosine", "l1"}
+    first, second : (n, p) arrays
+        From `ShapeModel.comparable`. Either may have a single row.
+
+    Returns
+    -------
+    distances : (n,) array
+        At least 0.
+    """
+    if metric == "l1":
+        return np.asarray(np.abs(first - second).sum(axis=1, dtype=np.float64))
+    return np.asarray(np.clip(1 - (first * second).sum(axis=1, dtype=np.float64), 0, 2))
 
 
 def learn_projection(

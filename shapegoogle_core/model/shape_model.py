@@ -15,9 +15,10 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.distances import row_distances
+from shapegoogle_core.model.metric import row_distances
 from shapegoogle_core.model.model_file import (
     arrays_of,
+    check_learnt,
     damage_refused,
     identifier_of,
     pack,
@@ -26,7 +27,6 @@ from shapegoogle_core.model.model_file import (
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.model.validation import check_learnt
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, sample_surface
 

@@ -24,8 +24,13 @@ from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
-from shapegoogle_core.model.distances import row_distances
-from shapegoogle_core.model.metric import calibrate, choose_pairs, learn_projection, rival_pairs
+from shapegoogle_core.model.metric import (
+    calibrate,
+    choose_pairs,
+    learn_projection,
+    rival_pairs,
+    row_distances,
+)
 from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
 from shapegoogle_core.model.shape_model import ShapeModel

@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.checks import check_surface
-from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.connectivity import edge_lengths, unique_edges
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
 from shapegoogle_core.model.shape_bags import channel_words
@@ -354,10 +354,8 @@ def _spots(mesh: Mesh, indices: NDArray[np.int64], response: FloatArray) -> tupl
     n = len(mesh.vertices)
     if not len(indices):
         return np.zeros(n), np.zeros(n)
-    edges, _ = unique_edges(mesh)
-    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
     radius = SPOT_RADIUS * np.sqrt(mesh.area)
-    graph = csr_array((lengths, (edges[:, 0], edges[:, 1])), shape=(n, n))
+    graph = csr_array((edge_lengths(mesh), unique_edges(mesh)[0].T), shape=(n, n))
     distance, _, source = dijkstra(
         graph, directed=False, indices=indices, min_only=True, limit=radius, return_predecessors=True
     )

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Resampling: every shape gets a working resolution."""
+"""Resampling: every surface and every point cloud gets a working resolution."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +12,9 @@ from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
-from shapegoogle_core.preprocessing.grid import cell_numbers, finest_cell
 from shapegoogle_core.preprocessing.repair import repair
-from shapegoogle_core.preprocessing.thinning import thin
 
-__all__ = ["resample", "simplify", "subdivide"]
+__all__ = ["cell_numbers", "finest_cell", "resample", "simplify", "subdivide", "thin"]
 
 # fast_simplification compares quadric errors with fixed numbers, from 2e-6 to 1e5 squared units in a
 # hundred rounds. On a mesh of unit size it would allow every collapse after a dozen rounds and ruin the
@@ -28,6 +28,8 @@ MANY_PARTS = 50
 # After a collapse, repair can change the number of vertices: a second collapse aims a little lower.
 SECOND_AIM = 0.99
 GRID_STEPS = 16  # of bisection: the cell to 3e-5 of the longest side
+THINNING_STEPS = 18  # the cell to 1e-5 of the longest side
+CELLS_PER_SIDE = 1 << 20  # three coordinates fit into 64 bits
 
 # New edges inside an old face are split later than its sides, so that a thin face becomes a zigzag between
 # points on its sides; without that (and flips) it would become ever thinner faces.
@@ -268,3 +270,80 @@ def _opposite_cotangents(vertices: FloatArray, faces: Indices) -> FloatArray:
         :, None
     ]
     return cotangents
+
+
+def thin(points: FloatArray, count: int) -> FloatArray:
+    """Thin points to `count` at most, about equally dense everywhere: the mean in each cell of a grid.
+
+    The grid is about the finest one that leaves no more. Means have less noise than the points.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+    count : int
+        Most points.
+
+    Returns
+    -------
+    thinned : (m, 3) array
+        m ≤ count. The array itself if it has no more points.
+    """
+    if len(points) <= count:
+        return points
+    position = points - points.min(axis=0)
+    cell = finest_cell(
+        float(position.max()),
+        lambda cell: len(np.unique(cell_numbers(position, cell))),
+        count,
+        THINNING_STEPS,
+    )
+    _, group, sizes = np.unique(cell_numbers(position, cell), return_inverse=True, return_counts=True)
+    return np.stack([np.bincount(group, axis) / sizes for axis in points.T], axis=1)
+
+
+def cell_numbers(position: FloatArray, cell: float) -> NDArray[np.int64]:
+    """Give the cells of points in a grid that begins at 0 a number each.
+
+    Parameters
+    ----------
+    position : (n, 3) array
+        Not negative, and less than a million cells in each direction.
+    cell : float
+        Side of a cell.
+
+    Returns
+    -------
+    numbers : (n,) array of int
+        Equal for points in one cell.
+    """
+    x, y, z = (position / cell).astype(np.int64).T
+    return np.asarray((x * CELLS_PER_SIDE + y) * CELLS_PER_SIDE + z)
+
+
+def finest_cell(longest_side: float, count_at: Callable[[float], int], budget: int, steps: int) -> float:
+    """Find about the smallest cells of which no more than a budget are occupied, by bisection.
+
+    Parameters
+    ----------
+    longest_side : float
+        Largest coordinate.
+    count_at : callable
+        Number of occupied cells by the side of a cell.
+    budget : int
+        Most occupied cells.
+    steps : int
+        Number of bisections: the side is found to 2^(1 - steps) of the longest one.
+
+    Returns
+    -------
+    cell : float
+        Side of a cell.
+    """
+    too_small, cell = 0.0, 2 * longest_side  # the larger holds everything
+    for _ in range(steps):
+        middle = (too_small + cell) / 2
+        if count_at(middle) <= budget:
+            cell = middle
+        else:
+            too_small = middle
+    return cell

@@ -16,8 +16,7 @@ import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.correspondences import correspondences, motions
-from shapegoogle_core.registration.frames import Frame
-from shapegoogle_core.registration.gauss_newton import height_derivatives, stepped
+from shapegoogle_core.registration.frames import Frame, height_derivatives, stepped
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 
 __all__ = ["RoughPose", "fit_exactly", "rough_pose"]

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Similarity transformations x ↦ s R x + t between the units of two samples, and their least-squares fit."""
+"""Similarity transformations x ↦ s R x + t between the units of two samples, and the steps of fits."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Frame", "similarity_transformations"]
+__all__ = ["Frame", "height_derivatives", "similarity_transformations", "stepped"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,3 +96,46 @@ def similarity_transformations(
     scales = values.sum(axis=1) / np.maximum(spread, np.finfo(float).tiny)
     translations = second_mean - scales[:, None] * (rotations @ first_mean[..., None])[..., 0]
     return scales, rotations, translations
+
+
+def height_derivatives(arms: FloatArray, normals: FloatArray) -> FloatArray:
+    """Differentiate the heights of points along normals with respect to a similarity transformation.
+
+    Parameters
+    ----------
+    arms : (n, 3) array
+        Vectors from the centre of rotation and scaling to the points.
+    normals : (n, 3) array
+
+    Returns
+    -------
+    columns : (n, 7) array
+        Derivatives by rotation about three axes, translation along them, and scaling.
+    """
+    return np.concatenate(
+        [np.cross(arms, normals), normals, (arms * normals).sum(axis=1, keepdims=True)], axis=1
+    )
+
+
+def stepped(frame: Frame, middle: FloatArray, solution: FloatArray, smallest: float, largest: float) -> Frame:
+    """Apply a Gauss-Newton step to a frame.
+
+    Parameters
+    ----------
+    frame : Frame
+    middle : (3,) array
+        Centre of rotation and scaling.
+    solution : (7,) array
+        In the order of `height_derivatives`.
+    smallest, largest : float
+        Bounds of the factor by which one step may scale.
+
+    Returns
+    -------
+    frame : Frame
+    """
+    turn = Rotation.from_rotvec(solution[:3]).as_matrix()
+    growth = float(np.clip(1 + solution[6], smallest, largest))
+    rotation = turn @ frame.rotation
+    translation = growth * turn @ (frame.translation - middle) + middle + solution[3:6]
+    return Frame(growth * frame.scale, rotation, translation)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
-from shapegoogle_core.mesh.cloud import point_normals
-from shapegoogle_core.mesh.measures import vertex_normals
+from shapegoogle_core.mesh.measures import point_normals, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.medial import medial_radii
 from shapegoogle_core.spectral import Spectrum

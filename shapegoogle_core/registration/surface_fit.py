@@ -14,8 +14,12 @@ from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.registration.frames import Frame, similarity_transformations
-from shapegoogle_core.registration.gauss_newton import height_derivatives, stepped
+from shapegoogle_core.registration.frames import (
+    Frame,
+    height_derivatives,
+    similarity_transformations,
+    stepped,
+)
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Fit", "Surface", "TangentPlanes", "fit_numbered", "fit_surface", "frame_between", "mirrored"]

@@ -8,8 +8,8 @@ import zlib
 import numpy as np
 
 from shapegoogle_core.mesh import Mesh, check_surface
+from shapegoogle_core.mesh.connectivity import edge_lengths
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.augmentation.surface import edge_lengths
 
 __all__ = ["bend", "edge_length_changes"]
 

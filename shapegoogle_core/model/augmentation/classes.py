@@ -15,9 +15,9 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import Mesh, check_surface, unique_edges
+from shapegoogle_core.mesh.connectivity import edge_lengths
 from shapegoogle_core.mesh.measures import vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.augmentation.surface import diagonal_of, edge_lengths
 
 __all__ = ["TRANSFORMATIONS", "scale_factor", "transform"]
 
@@ -85,6 +85,11 @@ def transform(mesh: Mesh, kind: str, strength: int, seed: int) -> Mesh:
     return Mesh(transformed.vertices, transformed.faces, f"{mesh.name}-{kind}-{strength}")
 
 
+def _diagonal(mesh: Mesh) -> float:
+    """Return the length of the diagonal of the bounding box of the faces."""
+    return float(np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.faces)], axis=0)))
+
+
 def _noise(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     deviation = 0.1 * strength * edge_lengths(mesh).mean()
     return Mesh(mesh.vertices + deviation * _per_place(mesh, rng), mesh.faces, mesh.name)
@@ -122,7 +127,7 @@ def _micro_holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 
 def _holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    return _without(mesh, _in_balls(mesh, 2 * strength, 0.03 * diagonal_of(mesh), rng), "holes")
+    return _without(mesh, _in_balls(mesh, 2 * strength, 0.03 * _diagonal(mesh), rng), "holes")
 
 
 def _in_balls(mesh: Mesh, count: int, radius: float, rng: Random) -> BoolArray:
@@ -154,7 +159,7 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
     positions, place = _places(mesh)
     joined = Mesh(positions, place[mesh.faces], mesh.name)
     wanted = 3 * strength
-    pairs = _places_to_weld(joined, 0.35 * diagonal_of(mesh), rng)[:wanted]
+    pairs = _places_to_weld(joined, 0.35 * _diagonal(mesh), rng)[:wanted]
     if len(pairs) < wanted:
         raise MeshError(
             f"{mesh.name!r} has only {len(pairs)} places where surfaces far apart come near each other, but "
@@ -222,7 +227,7 @@ def scale_factor(kind: str, strength: int) -> float:
 
 
 def _local_scale(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    diagonal = diagonal_of(mesh)
+    diagonal = _diagonal(mesh)
     centres = mesh.vertices[rng.permutation(np.unique(mesh.faces))[:_BUMPS]]
     squared = ((mesh.vertices[:, None] - centres[None]) ** 2).sum(axis=2)
     height = np.exp(-squared / (2 * (0.12 * diagonal) ** 2)).sum(axis=1)
@@ -285,7 +290,7 @@ def _clustered(
 
 
 def _partial(mesh: Mesh, strength: int, rng: Random) -> Mesh:
-    diagonal = diagonal_of(mesh)
+    diagonal = _diagonal(mesh)
     depth = mesh.vertices @ rng.standard_normal(3)
     beyond = depth > np.quantile(depth[np.unique(mesh.faces)], 1 - (0.05 + 0.05 * strength))
     rest = _without(mesh, beyond, "partial")

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Areas and normals of vertices."""
+"""Areas and normals of vertices and of the points of a cloud."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.measures import face_areas, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.measures import face_areas, point_normals, vertex_areas, vertex_normals
+from shapegoogle_core.preprocessing import smooth
 from tests.core.conftest import Shapes
 
 
@@ -17,3 +18,15 @@ def test_areas_of_vertices_sum_to_those_of_faces(bumpy: Mesh) -> None:
 def test_normals_of_a_sphere_point_outwards(shapes: type[Shapes]) -> None:
     sphere = shapes.sphere(3)
     np.testing.assert_allclose(vertex_normals(sphere), sphere.vertices, atol=0.02)
+
+
+def test_normals_and_smoothing_of_the_points_of_a_sphere() -> None:
+    random = np.random.default_rng(0).standard_normal((3000, 3))
+    ball = random / np.linalg.norm(random, axis=1, keepdims=True)
+    along = np.abs((point_normals(ball) * ball).sum(axis=1))
+    assert along.min() > 0.95
+    noisy = Mesh(ball + 0.02 * np.random.default_rng(1).standard_normal(ball.shape))
+    rough, smoothed = (
+        np.linalg.norm(points, axis=1).std() for points in (noisy.vertices, smooth(noisy, 3e-4).vertices)
+    )
+    assert smoothed < rough / 2

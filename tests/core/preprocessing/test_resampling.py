@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh import Mesh, face_areas, unique_edges
 from shapegoogle_core.preprocessing import repair, resample
-from shapegoogle_core.preprocessing.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import cell_numbers, finest_cell, simplify, subdivide, thin
 
 BALL = trimesh.creation.icosphere(subdivisions=5)
 BOX = trimesh.creation.box((1, 2, 3))
@@ -232,3 +232,35 @@ class TestResample:
         assert len(first.vertices) <= 2500
         assert np.array_equal(first.vertices, second.vertices)
         assert np.array_equal(first.faces, second.faces)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-3, 10))
+def test_points_have_one_number_exactly_if_they_share_a_cell(seed: int, cell: float) -> None:
+    position = np.random.default_rng(seed).random((100, 3))
+    numbers = cell_numbers(position, cell)
+    cells = np.floor(position / cell)
+    assert np.array_equal(numbers[:, None] == numbers, (cells[:, None] == cells).all(axis=2))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 100))
+def test_the_finest_cell_keeps_the_budget(seed: int, budget: int) -> None:
+    position = np.random.default_rng(seed).random((100, 3))
+
+    def count_at(cell: float) -> int:
+        return len(np.unique(cell_numbers(position, cell)))
+
+    cell = finest_cell(float(position.max()), count_at, budget, 16)
+    assert count_at(cell) <= budget
+    too_small = (cell - 2 * float(position.max()) / 2**16) * (1 - 1e-12)
+    assert budget == 100 or count_at(too_small) > budget
+
+
+def test_thinning_evens_out_and_keeps_what_is_little() -> None:
+    random = np.random.default_rng(0)
+    points = random.random((20_000, 2)) ** [3, 1]  # crowded at one end
+    points = np.column_stack([points, np.zeros(len(points))])
+    thinned = thin(points, 1000)
+    assert 800 < len(thinned) <= 1000
+    half = (thinned[:, 0] < 0.5).mean()
+    assert half == pytest.approx(0.5, abs=0.05)
+    assert thin(points, len(points)) is points
