@@ -31,9 +31,9 @@ import numpy as np
 import shapegoogle_core as sg
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.cli.arguments import number_from, share
-from shapegoogle_core.library import NewShape
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.similar import distance_at
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["DECAY", "add_options", "run"]

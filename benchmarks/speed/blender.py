@@ -196,7 +196,7 @@ def fill(path: Path) -> None:
     import shapegoogle_core as sg
     from benchmarks.creatures import make_creature
     from benchmarks.speed.search import made_up_signature
-    from shapegoogle_core.library import NewShape
+    from shapegoogle_core.library.storage.records import NewShape
 
     model = sg.load_model()
     like = model.describe(make_creature(KIND, SEED, 3_000).pose(SEED))

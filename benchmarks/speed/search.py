@@ -29,7 +29,6 @@ from benchmarks.experiments.duplicates import DECAY
 from benchmarks.speed.measuring import Options, Row
 from benchmarks.speed.processes import figures_of
 from benchmarks.speed.reporting import label, panels
-from shapegoogle_core.library import NewShape
 from shapegoogle_core.library.search.codes.code_index import CodeIndex
 from shapegoogle_core.library.search.codes.hamming import (
     BitCounter,
@@ -38,6 +37,7 @@ from shapegoogle_core.library.search.codes.hamming import (
     count_bits_portable,
 )
 from shapegoogle_core.library.search.settings import CandidateSettings
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ChannelSettings, ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 

@@ -27,7 +27,7 @@ from benchmarks.protocol.matching import Matched, Variant, between, median_secon
 from benchmarks.protocol.workshop import Source, Workshop, shape_key
 from shapegoogle_core.indexing import IndexSettings, index_files
 from shapegoogle_core.indexing.files import absolute
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model, row_distances

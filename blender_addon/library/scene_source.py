@@ -131,7 +131,7 @@ class SceneIndexing:
     def _submit(self) -> None:
         """Read some objects and hand them to the worker."""
         from shapegoogle_core import Library, MeshError, load_model
-        from shapegoogle_core.library import NewShape
+        from shapegoogle_core.library.storage.records import NewShape
         from shapegoogle_core.service.requests import describe
 
         from ..scene.meshes import evaluated_mesh

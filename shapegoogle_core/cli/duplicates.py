@@ -33,7 +33,7 @@ from shapegoogle_core.cli.text import counted
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library import DuplicateGroup
+    from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 
 __all__ = ["COMMAND"]
 
@@ -62,7 +62,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.library import Library
+    from shapegoogle_core.library.library import Library
     from shapegoogle_core.processes.progress import progress_bar
 
     with Library.open(options.library, read_only=True) as library:

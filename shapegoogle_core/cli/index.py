@@ -65,7 +65,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.index_progress import IndexProgress
     from shapegoogle_core.indexing import IndexReport, index_files
-    from shapegoogle_core.library import Library
+    from shapegoogle_core.library.library import Library
     from shapegoogle_core.model import load_model
 
     failed: Failures = []
@@ -115,7 +115,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _shape_count(library: str) -> int:
-    from shapegoogle_core.library import Library
+    from shapegoogle_core.library.library import Library
 
     with Library.open(library, read_only=True) as opened:
         return len(opened)

@@ -19,7 +19,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.library import Library
+    from shapegoogle_core.library.library import Library
 
     with Library.open(options.library, read_only=True) as library:
         info = library.info()

@@ -48,8 +48,10 @@ from shapegoogle_core.library.search.settings import EvidenceSettings
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.library import Library, Match, NewShape
+    from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.match import Match
     from shapegoogle_core.library.search.query_shapes import QueryShapes
+    from shapegoogle_core.library.storage.records import NewShape
     from shapegoogle_core.mesh import Mesh
     from shapegoogle_core.model.signature import ShapeSignature
 
@@ -98,7 +100,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.library import Library
+    from shapegoogle_core.library.library import Library
 
     failed: Failures = []
     with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:

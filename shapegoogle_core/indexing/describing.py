@@ -18,7 +18,7 @@ import numpy as np
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderError
 from shapegoogle_core.indexing.reading import ShapeReader
-from shapegoogle_core.library import NewShape
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature

@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.library import NewShape
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.program import Program
 

@@ -27,7 +27,7 @@ from shapegoogle_core.indexing.describing import (
     start_describer,
 )
 from shapegoogle_core.indexing.external_reader import ExternalReader
-from shapegoogle_core.library import NewShape
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, TimeLimitError

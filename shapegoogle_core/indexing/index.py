@@ -26,7 +26,8 @@ from shapegoogle_core.indexing.files import (
 )
 from shapegoogle_core.indexing.reading import ShapeReader
 from shapegoogle_core.indexing.settings import IndexSettings
-from shapegoogle_core.library import Library, NewShape, SourceRecord
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape, SourceRecord
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.launching import default_jobs
 

@@ -11,7 +11,7 @@ from typing import Self
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
-from shapegoogle_core.library import NewShape
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
 
 __all__ = ["FileShapes", "ShapeReader", "readable_suffixes"]

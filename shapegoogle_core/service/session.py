@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel, load_model
 
 __all__ = ["Session"]

@@ -10,7 +10,7 @@ import pytest
 
 from shapegoogle_core.indexing import ShapeReader, describe_shape, find_meshes
 from shapegoogle_core.indexing.files import examine
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 
 

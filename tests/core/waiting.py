@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 
 
 def wait_for_sources(library: Library, wanted: int, process: subprocess.Popen[str]) -> None:

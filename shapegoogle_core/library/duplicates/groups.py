@@ -71,7 +71,7 @@ class DuplicateGroup:
 
     Examples
     --------
-    >>> from shapegoogle_core.library import DuplicateGroup, DuplicateMember
+    >>> from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember
     >>> first = DuplicateMember("bolt", "kit.blend", "bolt", 1, similarity=1.0, scale=1.0)
     >>> second = DuplicateMember("bolt.001", "kit.blend", "bolt.001", 2, similarity=0.999, scale=2.0)
     >>> group = DuplicateGroup("scaled", (first, second), similarity=0.999, saved_faces=300)

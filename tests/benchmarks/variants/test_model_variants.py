@@ -13,7 +13,7 @@ from benchmarks.protocol.collection import Collection, database_shape
 from benchmarks.protocol.matching import Matched
 from benchmarks.protocol.workshop import Workshop
 from benchmarks.variants.model_variants import _in_order, hamming, model_group
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.benchmarks.conftest import relevant_columns
 

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 
 from shapegoogle_core.cli import main
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 
 TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 SQUARE = "OFF\n4 2 0\n0 0 0\n{} 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.cli import main
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.cli.running import Shapegoogle, StartShapegoogle, without_progress
 
 Command = Callable[..., tuple[int, str, str]]

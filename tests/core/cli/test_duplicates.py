@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.cli.running import Shapegoogle
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.cli.running import Shapegoogle, StartShapegoogle, without_progress
 from tests.core.waiting import interruptible, wait_for_sources, wait_until_gone  # noqa: F401
 

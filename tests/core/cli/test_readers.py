@@ -10,7 +10,7 @@ import pytest
 
 from shapegoogle_core.cli import main
 from shapegoogle_core.indexing import ExternalReader
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.core.number_reader import write_numbers
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from shapegoogle_core.indexing import ShapeReader, describing
-from shapegoogle_core.library import NewShape
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.rendering import thumbnail
 

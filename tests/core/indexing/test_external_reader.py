@@ -23,7 +23,7 @@ from shapegoogle_core.indexing import (
     readable_suffixes,
 )
 from shapegoogle_core.indexing.describing import ReadFunction
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.indexing import misbehaving
 from tests.core.number_reader import write_numbers
 

@@ -22,7 +22,7 @@ from shapegoogle_core.indexing import (
     index_files,
 )
 from shapegoogle_core.indexing.file_pool import FilePool
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.core.indexing import misbehaving
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.waiting import interruptible, wait_for_sources, wait_until_gone  # noqa: F401
 
 pytestmark = [
@@ -27,7 +27,7 @@ from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
 from shapegoogle_core.indexing import IndexSettings, index_files
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from tests.core.indexing import misbehaving
 
 if __name__ == "__main__":

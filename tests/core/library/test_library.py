@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.errors import LibraryError, MeshError
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.errors import LibraryError, ModelError
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.service.session import Session
 

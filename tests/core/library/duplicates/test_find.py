@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.library import DuplicateGroup, Library, NewShape
+from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 SignatureMaker = Callable[..., ShapeSignature]

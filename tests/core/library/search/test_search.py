@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from shapegoogle_core.library import Library
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.library.search.settings import CandidateSettings, RerankSettings, SearchSettings
 from shapegoogle_core.library.storage.bag_precision import round_bags

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.creatures import make_creature
-from shapegoogle_core.library import Match
+from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.surfaces import candidate_supports, prepared_candidates
 from shapegoogle_core.registration import (
     PreparedSample,

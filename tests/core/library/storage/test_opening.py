@@ -13,7 +13,8 @@ import pytest
 
 from shapegoogle_core import LibraryError
 from shapegoogle_core.errors import ModelError
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
 SignatureMaker = Callable[..., ShapeSignature]

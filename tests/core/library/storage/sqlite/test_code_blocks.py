@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.library.storage.sqlite.code_blocks import CodeBlocks
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import all_codes

@@ -17,7 +17,8 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 
@@ -28,7 +29,8 @@ PRELUDE = """
 import sys
 import numpy as np
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library import Library, NewShape
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeSignature
 
 path = sys.argv[1]
@@ -124,7 +126,7 @@ def test_a_writer_killed_within_a_transaction_is_undone(
                     if number == 200:  # 20 MB: far more than SQLite keeps in memory
                         print("half done", flush=True)
                         sys.stdin.read()
-            from shapegoogle_core.library import SourceRecord
+            from shapegoogle_core.library.storage.records import SourceRecord
             library._store.replace_source(SourceRecord("a.blend", 1, 1, None, None, 0), shapes())
         """,
         made,
