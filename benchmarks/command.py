@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from benchmarks.errors import BenchmarkError
-from shapegoogle_core.cli.exit_codes import INTERRUPTED, UNUSABLE
+from shapegoogle_core.cli.command import INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end

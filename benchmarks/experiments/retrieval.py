@@ -50,7 +50,7 @@ from benchmarks.protocol.tables import text_table
 from benchmarks.report import write_report
 from benchmarks.variants.variants import choose_variants
 from shapegoogle_core.cli.arguments import number_from
-from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.command import DONE, SOME_FAILED
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.processes.launching import default_jobs
 

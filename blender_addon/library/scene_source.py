@@ -101,7 +101,7 @@ class SceneIndexing:
 
     def cancel(self) -> None:
         """Stop describing; nothing is stored."""
-        from shapegoogle_core.cli.exit_codes import INTERRUPTED
+        from shapegoogle_core.cli.command import INTERRUPTED
 
         self.exit_code = INTERRUPTED
         for task in self._tasks:
@@ -111,7 +111,7 @@ class SceneIndexing:
     def events(self) -> list[dict[str, Any]]:
         """Report the objects described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.cli.exit_codes import DONE, UNUSABLE
+        from shapegoogle_core.cli.command import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []

@@ -69,7 +69,7 @@ def main(arguments: Sequence[str]) -> int:
         With code 2 after wrong usage, 0 after `--help`.
     """
     from shapegoogle_core import ShapeGoogleError
-    from shapegoogle_core.cli.exit_codes import INTERRUPTED, UNUSABLE
+    from shapegoogle_core.cli.command import INTERRUPTED, UNUSABLE
 
     options = _parser().parse_args(arguments)
     try:
@@ -86,7 +86,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core import MeshError
-    from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED, UNUSABLE
+    from shapegoogle_core.cli.command import DONE, SOME_FAILED, UNUSABLE
 
     source, output = Path(options.input), Path(options.output)
     reason = _refusal(source, output)

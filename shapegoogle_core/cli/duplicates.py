@@ -27,8 +27,7 @@ import json
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import add_library, number_from, positive_share
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import DONE
+from shapegoogle_core.cli.command import DONE, Command
 from shapegoogle_core.cli.text import counted
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import add_inputs, add_jobs, add_library, number_from, positive_number
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import DONE, INTERRUPTED, SOME_FAILED
+from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
 from shapegoogle_core.cli.text import counted, say
 from shapegoogle_core.indexing.settings import IndexSettings

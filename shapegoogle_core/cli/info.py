@@ -7,8 +7,7 @@ import argparse
 import json
 
 from shapegoogle_core.cli.arguments import add_library
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import DONE
+from shapegoogle_core.cli.command import DONE, Command
 
 __all__ = ["COMMAND"]
 

@@ -13,8 +13,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli import duplicates, index, info, query, train
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
+from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE, Command
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end
@@ -48,7 +47,7 @@ def main(
     Returns
     -------
     exit_code : int
-        See `exit_codes`.
+        See `command`.
     """
     for stream in (sys.stdout, sys.stderr):
         # A file name that the terminal's encoding lacks must not end the run.

@@ -37,10 +37,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_library, number_from
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
-from shapegoogle_core.cli.filters import add_filters, filter_of
+from shapegoogle_core.cli.arguments import add_filters, add_library, filter_of, number_from
+from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted
 from shapegoogle_core.errors import MeshError
@@ -50,7 +48,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.indexing import ShapeReader
     from shapegoogle_core.library.library import Library
     from shapegoogle_core.library.match import Match
-    from shapegoogle_core.library.search.query_shapes import QueryShapes
+    from shapegoogle_core.library.search.query import QueryShapes
     from shapegoogle_core.library.storage.records import NewShape
     from shapegoogle_core.mesh import Mesh
     from shapegoogle_core.model.signature import ShapeSignature

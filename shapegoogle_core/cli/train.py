@@ -22,8 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import add_inputs, add_jobs, number_from
-from shapegoogle_core.cli.command import Command
-from shapegoogle_core.cli.exit_codes import DONE, SOME_FAILED
+from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
 from shapegoogle_core.cli.text import counted
 from shapegoogle_core.errors import MeshError, ModelError

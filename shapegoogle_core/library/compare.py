@@ -10,11 +10,10 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.explain import MatchExplainer
-from shapegoogle_core.library.search.query import Query
-from shapegoogle_core.library.search.query_samples import QuerySamples
+from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import Sharing, Verifier
-from shapegoogle_core.library.storage.bag_precision import round_bags
+from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.registration import SHARED_SCALES, SurfaceSample

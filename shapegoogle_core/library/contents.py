@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from shapegoogle_core.library.missing_files import missing_files
+from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.open_library import OpenLibrary, PathLike
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature, read_signature
@@ -251,7 +251,21 @@ class LibraryContents(OpenLibrary):
         LibraryError
             If a folder does not exist.
         """
-        return missing_files(self._store.sources(), folders)
+        roots = [Path(folder).resolve() for folder in folders]
+        for root in roots:
+            if not root.is_dir():
+                raise LibraryError(
+                    f"'{root}' does not exist, so its files stay in the library; plug in its drive, or name "
+                    "another folder"
+                )
+        return [
+            source.path
+            for source in self._store.sources()
+            # Only indexed files have a size; other sources are names that need not be paths.
+            if source.size is not None
+            and any(Path(source.path).resolve().is_relative_to(root) for root in roots)
+            and _is_gone(source.path)
+        ]
 
     # -- contents -------------------------------------------------------------------------------------------
 
@@ -351,3 +365,14 @@ class LibraryContents(OpenLibrary):
         if picture is None and not self._store.shapes([shape_id]):
             raise self._unknown(shape_id)
         return picture
+
+
+def _is_gone(path: str) -> bool:
+    """Return whether a file certainly does not exist; one that cannot be reached may exist."""
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return True
+    except OSError:
+        return False
+    return False

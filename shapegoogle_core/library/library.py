@@ -15,8 +15,7 @@ from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evide
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.explain import explain_matches
-from shapegoogle_core.library.search.query import Query
-from shapegoogle_core.library.search.query_shapes import QueryShapes, as_query_shapes
+from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.storage.signatures import check_signature

@@ -5,29 +5,29 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.duplicates.copied_files import copied_files, copy_group
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember, largest_saving_first
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY, SAME_SIMILARITY
-from shapegoogle_core.library.duplicates.shape_columns import read_columns
 from shapegoogle_core.library.duplicates.similar import cluster_similar, distance_at
-from shapegoogle_core.library.storage.records import ShapeRecord
-from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.library.storage.records import ShapeRecord, SourceRecord
+from shapegoogle_core.library.storage.store import Store, all_codes
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["find_duplicates"]
 
-# Bags read at once.
+# Bags and records read at once.
 PAGE = 2_000
 
 
@@ -63,8 +63,8 @@ def find_duplicates(
         If `min_similarity` is out of range.
     """
     limit = distance_at(model, min_similarity)
-    shapes = read_columns(store, model.code_bits // 8)
-    copied = copied_files(store.sources())
+    shapes = _read_columns(store, model.code_bits // 8)
+    copied = _copied_files(store.sources())
     later = {source.path for sources in copied for source in sources[1:]}
     superfluous = [number for path, number in shapes.sources.items() if path in later]
     rows = np.flatnonzero(~np.isin(shapes.source_of, superfluous))
@@ -90,7 +90,7 @@ def find_duplicates(
                 for group in clustered.groups()
             ]
             positions = positions[clustered.leaders()]
-    groups = [group for sources in copied if (group := copy_group(shapes, sources)) is not None]
+    groups = [group for sources in copied if (group := _copy_group(shapes, sources)) is not None]
     return largest_saving_first([*groups, *_shape_groups(store, model, clusters)])
 
 
@@ -163,3 +163,121 @@ def _shape_groups(
 
 def _scale(first: ShapeRecord, other: ShapeRecord) -> float:
     return math.sqrt(other.area / first.area) if first.area > 0 and other.area > 0 else 1.0
+
+
+def _copied_files(sources: Iterable[SourceRecord]) -> list[list[SourceRecord]]:
+    """Collect the files that have shapes and the same content as another file.
+
+    Parameters
+    ----------
+    sources : iterable of SourceRecord
+        In the order of their paths.
+
+    Returns
+    -------
+    copies : list of list of SourceRecord
+        Sets of two or more equal files, in the order of paths.
+    """
+    by_content: defaultdict[str, list[SourceRecord]] = defaultdict(list)
+    for source in sources:
+        if source.sha256 is not None and source.shape_count:
+            # The options of the reader behind the hash are not part of the content.
+            by_content[source.sha256.partition("+")[0]].append(source)
+    return [copies for copies in by_content.values() if len(copies) > 1]
+
+
+def _copy_group(shapes: _ShapeColumns, sources: Sequence[SourceRecord]) -> DuplicateGroup | None:
+    """Make the group of a set of equal files.
+
+    Parameters
+    ----------
+    shapes : _ShapeColumns
+        Of the whole library.
+    sources : sequence of SourceRecord
+        Equal files.
+
+    Returns
+    -------
+    group : DuplicateGroup or None
+        None if fewer than two of the files still have shapes.
+    """
+    members, faces, saved_bytes = [], [], 0
+    for source in sources:
+        rows = shapes.rows_of(source.path)
+        if len(rows):
+            name, shape_id = Path(source.path).name, int(shapes.shape_ids[rows[0]])
+            members.append(DuplicateMember(name, source.path, "", shape_id, 1.0, 1.0))
+            faces.append(int(shapes.face_count[rows].sum()))
+            saved_bytes += (source.size or 0) if len(members) > 1 else 0
+    if len(members) < 2:
+        return None
+    return DuplicateGroup("copies", tuple(members), 1.0, sum(faces[1:]), saved_bytes)
+
+
+@dataclass(frozen=True, eq=False)
+class _ShapeColumns:
+    """All shapes of a library, one row for each, in the order of their ids.
+
+    Attributes
+    ----------
+    shape_ids : (n,) array of int64
+    codes : (n, s/8) array of uint8
+    vertex_count, face_count : (n,) array of int64
+    source_of : (n,) array of int64
+        Number of each shape's source in `sources`.
+    sources : dict of str to int
+        Numbers of the paths.
+    """
+
+    shape_ids: NDArray[np.int64]
+    codes: NDArray[np.uint8]
+    vertex_count: NDArray[np.int64]
+    face_count: NDArray[np.int64]
+    source_of: NDArray[np.int64]
+    sources: dict[str, int]
+
+    def rows_of(self, source: str) -> NDArray[np.int64]:
+        """Return the rows of the shapes of a source.
+
+        Parameters
+        ----------
+        source : str
+            Its path.
+
+        Returns
+        -------
+        rows : (m,) array of int64
+            Empty for an unknown source.
+        """
+        return np.flatnonzero(self.source_of == self.sources.get(source, -1))
+
+
+def _read_columns(store: Store, code_bytes: int) -> _ShapeColumns:
+    """Read codes, counts and sources of all shapes.
+
+    Parameters
+    ----------
+    store : Store
+    code_bytes : int
+        Length of each code.
+
+    Returns
+    -------
+    columns : _ShapeColumns
+        Without shapes that another program adds or removes meanwhile.
+    """
+    shape_ids, codes = all_codes(store, "codes", code_bytes)
+    numbers = np.zeros((len(shape_ids), 3), np.int64)  # vertices, faces, source
+    known = np.zeros(len(shape_ids), bool)
+    sources: dict[str, int] = {}
+    last_id = 0
+    while page := store.shapes_after(last_id, PAGE):
+        last_id = page[-1].shape_id
+        rows = np.searchsorted(shape_ids, [record.shape_id for record in page])
+        for row, record in zip(rows.tolist(), page, strict=True):
+            if row < len(shape_ids) and shape_ids[row] == record.shape_id:
+                source = sources.setdefault(record.source, len(sources))
+                numbers[row] = record.vertex_count, record.face_count, source
+                known[row] = True
+    vertices, faces, source_of = numbers[known].T
+    return _ShapeColumns(shape_ids[known], codes[known], vertices, faces, source_of, sources)

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.search.codes.code_index import CodeIndex
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
-from shapegoogle_core.library.search.codes.stored_index import StoredIndex
+from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.codes.word_index import WordIndex
-from shapegoogle_core.library.search.query import Query
-from shapegoogle_core.library.search.query_samples import QuerySamples
+from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import CandidateSettings
 from shapegoogle_core.library.search.surfaces import StoredSurfaces, candidate_supports
 from shapegoogle_core.library.storage.store import Store

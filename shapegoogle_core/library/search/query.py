@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Prepared query: examples of shapes that are searched for, and negative examples.
+"""Queries: examples of shapes that are searched for, negative examples, and their surface samples.
 
 Each example has its own distance to a shape of the library; two rules combine them to one:
 
@@ -19,23 +19,42 @@ with the nearest example.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.search.settings import RerankSettings
-from shapegoogle_core.library.storage.bag_precision import round_bags
+from shapegoogle_core.library.storage.signatures import round_bags
+from shapegoogle_core.mesh import MeshLike, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import SurfaceSample
+from shapegoogle_core.registration import SHARED_SCALES, PreparedSample, SurfaceSample
 
-__all__ = ["FARTHEST", "Query", "pool_distances"]
+__all__ = [
+    "FARTHEST",
+    "Query",
+    "QuerySample",
+    "QuerySamples",
+    "QueryShape",
+    "QueryShapes",
+    "as_query_shapes",
+    "pool_distances",
+]
 
 FARTHEST = 2.0
 """Cosine distance of opposite bags, shown instead of infinity for copies of negative examples."""
+
+
+QueryShape: TypeAlias = MeshLike | ShapeSignature
+"""A mesh, see `MeshLike`, or a signature."""
+
+QueryShapes: TypeAlias = QueryShape | Sequence[QueryShape]
+"""One or several of them."""
 
 
 class Query:
@@ -150,3 +169,67 @@ def pool_distances(distances: FloatArray) -> FloatArray:
         return np.asarray(distances[0])
     with np.errstate(divide="ignore"):
         return np.asarray(np.exp(np.log(distances).mean(axis=0)))
+
+
+class QuerySample:
+    """A surface sample of one example of the query.
+
+    Parameters
+    ----------
+    sample : SurfaceSample
+    """
+
+    def __init__(self, sample: SurfaceSample) -> None:
+        self.prepared = PreparedSample(sample)
+
+    @cached_property
+    def shared(self) -> PreparedSample:
+        """The sample at more scales, which only searches for shapes with common parts need."""
+        return PreparedSample(self.prepared.sample, SHARED_SCALES)
+
+
+class QuerySamples:
+    """Samples of all examples of the query.
+
+    Each match is aligned with one of them, so that several take no longer than one.
+
+    Parameters
+    ----------
+    samples : sequence of SurfaceSample
+    nearest : callable
+        Finds the position of the sample that each of some matches is aligned with, by shape id; where it
+        names none, the first one is used. Called only if there are several samples.
+    """
+
+    def __init__(
+        self, samples: Sequence[SurfaceSample], nearest: Callable[[Sequence[Match]], Mapping[int, int]]
+    ) -> None:
+        self.examples = [QuerySample(sample) for sample in samples]
+        self._nearest = nearest
+        self._chosen: dict[int, int] = {}
+
+    def choose(self, matches: Sequence[Match]) -> None:
+        """Choose the sample for each of these matches."""
+        if len(self.examples) > 1:
+            self._chosen.update(self._nearest(matches))
+
+    def of(self, match: Match) -> QuerySample:
+        """Return the sample that a match is aligned with."""
+        return self.examples[self._chosen.get(match.shape_id, 0)]
+
+
+def as_query_shapes(shapes: QueryShapes) -> list[QueryShape]:
+    """Make a list of one or several shapes.
+
+    Parameters
+    ----------
+    shapes : MeshLike, ShapeSignature, or sequence of them
+        Anything else is treated as one mesh, and refused as such when it is described.
+
+    Returns
+    -------
+    shapes : list of MeshLike or ShapeSignature
+    """
+    if isinstance(shapes, list | tuple) and not is_mesh_like(shapes):
+        return list(shapes)
+    return [cast(QueryShape, shapes)]

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.candidates import NearestCodes, SharedWords
-from shapegoogle_core.library.search.codes.stored_index import StoredIndex
-from shapegoogle_core.library.search.query import FARTHEST, Query
-from shapegoogle_core.library.search.query_samples import QuerySamples
+from shapegoogle_core.library.search.codes.shape_index import StoredIndex
+from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import StoredSurfaces

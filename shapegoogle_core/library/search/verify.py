@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.search.aligned_match import AlignedMatch, sample_key
-from shapegoogle_core.library.search.query_samples import QuerySamples
+from shapegoogle_core.library.search.query import QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
 from shapegoogle_core.model import ShapeModel

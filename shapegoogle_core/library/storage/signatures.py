@@ -1,19 +1,38 @@
 # SPDX-License-Identifier: MIT
-"""Signatures on their way into a library, checked, and back from it."""
+"""Signatures on their way into a library, checked and rounded, and back from it."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.bag_precision import round_bags
-from shapegoogle_core.library.storage.errors import damaged
-from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.library.storage.store import Store, damaged
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import SurfaceSample
 
-__all__ = ["check_signature", "read_signature", "unpack_sample"]
+__all__ = ["BAG_TYPE", "check_signature", "read_signature", "round_bags", "unpack_sample"]
+
+
+BAG_TYPE = np.dtype("<f2")
+"""Half floats, little-endian: half the room of float32 and the same rankings (docs/library.md)."""
+
+
+def round_bags(bags: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Round bags to the precision of a library.
+
+    Parameters
+    ----------
+    bags : array of float32
+
+    Returns
+    -------
+    rounded : array of float32
+        Of the same shape, with 11 significant bits; infinite beyond 65,504.
+    """
+    with np.errstate(over="ignore"):
+        return bags.astype(BAG_TYPE).astype(np.float32)
 
 
 def check_signature(signature: ShapeSignature, name: str, model: ShapeModel, library: str) -> None:

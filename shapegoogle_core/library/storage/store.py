@@ -10,11 +10,12 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord, StoreSummary
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["CodeKind", "CodePage", "Store", "all_codes"]
+__all__ = ["CodeKind", "CodePage", "Store", "all_codes", "damaged"]
 
 CodeKind = Literal["codes", "local_words"]
 """The binary codes of bags, or the local words of each shape as bits."""
@@ -178,3 +179,23 @@ def all_codes(store: Store, kind: CodeKind, code_bytes: int) -> CodePage:
             shape_ids.append(page_ids)
             codes.append(page)
     return np.concatenate(shape_ids), np.concatenate(codes)
+
+
+def damaged(library: str, detail: str) -> LibraryError:
+    """Make the error for a library whose content contradicts itself.
+
+    Parameters
+    ----------
+    library : str
+        Name of the library, see `Store.name`.
+    detail : str
+        The contradiction.
+
+    Returns
+    -------
+    error : LibraryError
+    """
+    return LibraryError(
+        f"'{library}' is damaged or was cut short ({detail}); restore it from a backup, or delete it and "
+        "index your folders again"
+    )

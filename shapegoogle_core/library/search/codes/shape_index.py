@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Index of codes in memory: which shape stands at which position, and which shapes are gone.
+"""Index of codes in memory, and keeping it up to date with a library.
 
 Removing a shape needs no bookkeeping here: the search finds out that a shape is gone when it reads its bags,
 and discards it then.
@@ -8,13 +8,15 @@ and discards it then.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
-from typing import Any
+from collections.abc import Callable, Collection
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ShapeIndex"]
+from shapegoogle_core.library.storage.store import CodeKind, Store
+
+__all__ = ["ShapeIndex", "StoredIndex"]
 
 
 class ShapeIndex(ABC):
@@ -88,3 +90,49 @@ class ShapeIndex(ABC):
     @abstractmethod
     def _columns(self, codes: NDArray[np.uint8]) -> NDArray[Any]:
         """Convert codes (n, code_bytes) to columns (rows, n) of a block."""
+
+
+Index = TypeVar("Index", bound=ShapeIndex)
+
+
+class StoredIndex(Generic[Index]):
+    """Index of one kind of codes: all are read when first used, later only those added since.
+
+    Parameters
+    ----------
+    store : Store
+    kind : {"codes", "local_words"}
+    code_bytes : int
+        Length of each code.
+    empty : callable
+        Makes an empty index.
+    max_removed : int
+        Number of codes of removed shapes that are kept before all codes are read again.
+    """
+
+    def __init__(
+        self, store: Store, kind: CodeKind, code_bytes: int, empty: Callable[[], Index], max_removed: int
+    ) -> None:
+        self._store = store
+        self._kind = kind
+        self._code_bytes = code_bytes
+        self._empty = empty
+        self._max_removed = max_removed
+        self._index: Index | None = None
+
+    def current(self) -> Index:
+        """Return the index with all codes, including those of shapes removed by others in the meantime."""
+        if self._index is None or self._index.gone > self._max_removed:
+            self._index = self._empty()
+        for shape_ids, codes in self._store.code_pages(self._kind, self._index.last_id, self._code_bytes):
+            self._index.add(shape_ids, codes)
+        return self._index
+
+    def discard(self, shape_ids: Collection[int]) -> None:
+        """Skip these shapes from now on, because they are gone."""
+        if self._index is not None:
+            self._index.discard(shape_ids)
+
+    def forget(self) -> None:
+        """Read all codes again when they are next used."""
+        self._index = None

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.storage.bag_precision import BAG_TYPE
+from shapegoogle_core.library.storage.signatures import BAG_TYPE
 from shapegoogle_core.library.storage.sqlite.database import Database
 
 __all__ = ["BagTable"]

@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.errors import damaged
 from shapegoogle_core.library.storage.sqlite.errors import library_error, read_only_error
+from shapegoogle_core.library.storage.store import damaged
 
 __all__ = ["Database", "encoded"]
 

@@ -8,7 +8,7 @@ import sqlite3
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.errors import damaged
+from shapegoogle_core.library.storage.store import damaged
 
 __all__ = ["library_error", "read_only_error"]
 

@@ -18,7 +18,7 @@ from benchmarks.creatures import make_creature
 from shapegoogle_core import Library, LibraryError, Match, Mesh, MeshError, ShapeModel, ShapeSignature
 from shapegoogle_core.library.search.query import FARTHEST, Query, pool_distances
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings, VerificationSettings
-from shapegoogle_core.library.storage.bag_precision import round_bags
+from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration import Alignment, PreparedSample, SampleSettings, align
 

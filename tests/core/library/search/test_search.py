@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.library.search.settings import CandidateSettings, RerankSettings, SearchSettings
-from shapegoogle_core.library.storage.bag_precision import round_bags
+from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.library.storage.store import CodeKind, CodePage
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature

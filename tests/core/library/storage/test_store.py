@@ -13,8 +13,8 @@ import pytest
 
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.storage.bag_precision import round_bags
 from shapegoogle_core.library.storage.records import NewShape, SourceRecord, StoreSummary
+from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store, all_codes
 from shapegoogle_core.mesh import Mesh
