@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
@@ -90,7 +89,9 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
         return match
     # To the precision of a library, so that the results are the same.
     sample = SurfaceSample.from_bytes(other.sample.to_bytes())
-    verifier = Verifier(_OneSurface(match.shape_id, sample), model, settings.verification)
+    verifier = Verifier(
+        lambda shape_ids: iter([(shape_id, sample) for shape_id in shape_ids]), model, settings.verification
+    )
     if verifier.is_needed(match, several=False):
         scales = {} if model.local_words is None else {match.shape_id: range(len(SHARED_SCALES))}
         samples = QuerySamples(query.samples, lambda _: {})
@@ -100,16 +101,3 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
         explainer = MatchExplainer([signature], settings.evidence)
         distance = float(model.distances(signature.bags, bags)[0])
         return replace(match, evidence=explainer.explain(match, sample, 0, distance))
-
-
-class _OneSurface:
-    """The sample of the second shape, as `Surfaces`."""
-
-    def __init__(self, shape_id: int, sample: SurfaceSample) -> None:
-        self._shape_id = shape_id
-        self._sample = sample
-
-    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
-        """Yield the id and the sample, if requested."""
-        if self._shape_id in shape_ids:
-            yield self._shape_id, self._sample

@@ -8,20 +8,50 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.open_library import OpenLibrary, PathLike
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature, read_signature
+from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["LibraryContents"]
+__all__ = ["LibraryContents", "PathLike"]
+
+PathLike = str | os.PathLike[str]
 
 # Shapes that a listing reads at once.
 PAGE = 1_000
 
 
-class LibraryContents(OpenLibrary):
-    """The shapes of a library and the files they come from; a base of `Library`."""
+class LibraryContents:
+    """The shapes of a library and the files they come from; the base of `Library`.
+
+    Parameters
+    ----------
+    store : Store
+        The open file.
+    model : ShapeModel
+        The model of the library.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel) -> None:
+        self._store = store
+        self._model = model
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return Path(self._store.name)
+
+    @property
+    def model(self) -> ShapeModel:
+        """The model that describes the shapes of this library."""
+        return self._model
+
+    @property
+    def read_only(self) -> bool:
+        """Whether changes are refused: on request, or because the file is write-protected."""
+        return self._store.read_only
 
     # -- changes --------------------------------------------------------------------------------------------
 
@@ -365,6 +395,11 @@ class LibraryContents(OpenLibrary):
         if picture is None and not self._store.shapes([shape_id]):
             raise self._unknown(shape_id)
         return picture
+
+    def _unknown(self, shape_id: int) -> LibraryError:
+        return LibraryError(
+            f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
+        )
 
 
 def _is_gone(path: str) -> bool:

@@ -4,33 +4,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 __all__ = ["KINDS", "Evidence", "EvidenceKind"]
 
 EvidenceKind = Literal[
-    "identical",
-    "moved",
-    "scaled",
-    "mirrored",
-    "re-meshed",
-    "re-posed",
-    "part of",
-    "contains",
-    "similar",
+    "identical", "moved", "scaled", "mirrored", "re-meshed", "re-posed", "part of", "contains", "similar"
 ]
 
-KINDS: tuple[EvidenceKind, ...] = (
-    "identical",
-    "moved",
-    "scaled",
-    "mirrored",
-    "re-meshed",
-    "re-posed",
-    "part of",
-    "contains",
-    "similar",
-)
+KINDS: tuple[EvidenceKind, ...] = get_args(EvidenceKind)
 """All kinds of evidence, seen from the query ("part of": the query is a part of the match)."""
 
 

@@ -3,9 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from shapegoogle_core.library.evidence import Evidence
+
+if TYPE_CHECKING:
+    from shapegoogle_core.registration import Alignment
 
 __all__ = ["DISTANCE_DECIMALS", "Match"]
 
@@ -40,6 +44,10 @@ class Match:
         Of the mesh as it was read, in squared units of its file.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
+    alignment : Alignment or None
+        From the query to the match, if the search has found one; `Library.explain` uses it again.
+    aligned_sample : int
+        Checksum of the query's sample that was aligned, see `known_alignment`.
 
     Examples
     --------
@@ -60,6 +68,8 @@ class Match:
     face_count: int
     area: float
     evidence: Evidence | None = None
+    alignment: Alignment | None = field(default=None, compare=False, repr=False)
+    aligned_sample: int = field(default=0, compare=False, repr=False)
 
     @property
     def rank_key(self) -> tuple[float, str, str, str, int]:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 __all__ = ["DuplicateGroup", "DuplicateMember", "largest_saving_first"]
 
@@ -39,14 +39,7 @@ class DuplicateMember:
         -------
         record : dict
         """
-        return {
-            "name": self.name,
-            "source": self.source,
-            "object_name": self.object_name,
-            "shape_id": self.shape_id,
-            "similarity": round(self.similarity, 6),
-            "scale": round(self.scale, 6),
-        }
+        return asdict(self) | {"similarity": round(self.similarity, 6), "scale": round(self.scale, 6)}
 
 
 @dataclass(frozen=True)

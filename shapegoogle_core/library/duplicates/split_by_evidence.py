@@ -13,7 +13,7 @@ from shapegoogle_core.library.duplicates.groups import DuplicateGroup, Duplicate
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.search.kinds import Compared, Explainer
-from shapegoogle_core.library.search.surfaces import StoredSurfaces
+from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -73,7 +73,7 @@ def _compared(
     """Read samples and counts of the members of a group, without members that were removed meanwhile."""
     there = [member.shape_id for member in group.members if member.shape_id in records]
     known = {}
-    for shape_id, sample in StoredSurfaces(store, model).samples(there):
+    for shape_id, sample in stored_samples(store, model, there):
         record = records[shape_id]
         known[shape_id] = Compared(sample, record.vertex_count, record.face_count, record.area)
     return known

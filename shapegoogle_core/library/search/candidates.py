@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.codes.word_index import WordIndex
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import CandidateSettings
-from shapegoogle_core.library.search.surfaces import StoredSurfaces, candidate_supports
+from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, stored_samples
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 
@@ -96,7 +98,7 @@ class SharedWords:
     def __init__(self, store: Store, model: ShapeModel, settings: CandidateSettings) -> None:
         self._settings = settings
         self._words = model.local_words
-        self._surfaces = StoredSurfaces(store, model)
+        self._surfaces: Surfaces = partial(stored_samples, store, model)
         self.index: StoredIndex[WordIndex] | None = None
         if model.settings.local is not None:
             word_bytes = model.settings.local.words // 8

@@ -15,10 +15,10 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.aligned_match import known_alignment
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.settings import EvidenceSettings
-from shapegoogle_core.library.search.surfaces import StoredSurfaces
+from shapegoogle_core.library.search.surfaces import stored_samples
+from shapegoogle_core.library.search.verify import known_alignment
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
@@ -108,7 +108,7 @@ def explain_matches(
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         by_id = {match.shape_id: match for match in matches}
-        for shape_id, sample in StoredSurfaces(store, model).samples(shape_ids):
+        for shape_id, sample in stored_samples(store, model, shape_ids):
             if shape_id in nearest:  # else it was removed meanwhile
                 evidence[shape_id] = explainer.explain(
                     by_id[shape_id], sample, nearest[shape_id], least[shape_id]

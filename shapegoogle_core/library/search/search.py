@@ -22,7 +22,7 @@ from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.surfaces import StoredSurfaces
+from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import Sharing, Verifier
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -49,7 +49,7 @@ class Search:
         self._nearest_codes = NearestCodes(store, model, settings.candidates)
         self._shared_words = SharedWords(store, model, settings.candidates)
         self._reranker = Reranker(store, model, settings.rerank)
-        self._verifier = Verifier(StoredSurfaces(store, model), model, settings.verification)
+        self._verifier = Verifier(partial(stored_samples, store, model), model, settings.verification)
 
     def among_nearest_codes(self, query: Query, top: int, among: ShapeIds | None = None) -> list[Match]:
         """Compare the full bags of the shapes with the nearest codes, and verify the best.

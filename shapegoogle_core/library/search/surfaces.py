@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Protocol
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,47 +14,43 @@ from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
 
-__all__ = ["StoredSurfaces", "Surfaces", "candidate_supports", "prepared_candidates"]
+__all__ = ["Surfaces", "candidate_supports", "prepared_candidates", "stored_samples"]
 
 # Samples read at once: 4 MB.
 _AT_ONCE = 256
 
 
-class Surfaces(Protocol):
-    """Source of surface samples."""
-
-    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
-        """Yield the ids and samples of those of these shapes that have one."""
-        ...
+Surfaces = Callable[[Sequence[int]], Iterator[tuple[int, SurfaceSample]]]
+"""Yields the ids and samples of those of some shapes that have one."""
 
 
-class StoredSurfaces:
-    """Surface samples of a library.
+def stored_samples(
+    store: Store, model: ShapeModel, shape_ids: Sequence[int]
+) -> Iterator[tuple[int, SurfaceSample]]:
+    """Read the surface samples of shapes of a library; with a store and a model, they are `Surfaces`.
 
     Parameters
     ----------
     store : Store
     model : ShapeModel
         Model that described the shapes.
+    shape_ids : sequence of int
+
+    Yields
+    ------
+    shape_id, sample : int, SurfaceSample
+        Of those of the shapes that have one.
+
+    Raises
+    ------
+    LibraryError
+        If a sample is damaged.
     """
-
-    def __init__(self, store: Store, model: ShapeModel) -> None:
-        self._store = store
-        self._model = model
-
-    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
-        """Yield the ids and samples of those of these shapes that have one.
-
-        Raises
-        ------
-        LibraryError
-            If a sample is damaged.
-        """
-        stored = self._store.samples(shape_ids)
-        for shape_id in shape_ids:
-            content = stored.get(shape_id)
-            if content is not None:
-                yield shape_id, unpack_sample(self._store, self._model, shape_id, content)
+    stored = store.samples(shape_ids)
+    for shape_id in shape_ids:
+        content = stored.get(shape_id)
+        if content is not None:
+            yield shape_id, unpack_sample(store, model, shape_id, content)
 
 
 def prepared_candidates(
@@ -74,7 +69,7 @@ def prepared_candidates(
         In the order of `matches`; None for a shape without a surface, or one that was removed meanwhile.
     """
     waiting = iter(matches)
-    for shape_id, sample in surfaces.samples([match.shape_id for match in matches]):
+    for shape_id, sample in surfaces([match.shape_id for match in matches]):
         for match in waiting:
             if match.shape_id == shape_id:
                 yield match, PreparedSample(sample)
@@ -104,7 +99,7 @@ def candidate_supports(
     found: dict[int, NDArray[np.float32]] = {}
     shape_ids = list(scales)
     for start in range(0, len(shape_ids), _AT_ONCE):
-        samples = dict(surfaces.samples(shape_ids[start : start + _AT_ONCE]))
+        samples = dict(surfaces(shape_ids[start : start + _AT_ONCE]))
         wanted = np.zeros((len(samples), len(query.scales)), bool)
         for row, shape_id in enumerate(samples):
             wanted[row, list(scales[shape_id])] = True

@@ -12,14 +12,14 @@ finds another individual in the query's own pose.
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
-from shapegoogle_core.library.search.aligned_match import AlignedMatch, sample_key
 from shapegoogle_core.library.search.query import QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
@@ -29,13 +29,14 @@ from shapegoogle_core.registration import (
     Alignment,
     PreparedSample,
     RoughPose,
+    SurfaceSample,
     align,
     fit_exactly,
     measure,
     rough_pose,
 )
 
-__all__ = ["Sharing", "Verifier"]
+__all__ = ["Sharing", "Verifier", "known_alignment"]
 
 
 @dataclass(frozen=True)
@@ -221,12 +222,35 @@ class Verifier:
         return round(distance, DISTANCE_DECIMALS)
 
     def _verified(self, samples: QuerySamples, pair: _Pair) -> Match:
-        match = pair.match
         if pair.alignment is None:
-            return match
+            return pair.match
         distance = self._distance(pair)
-        similarity = float(self._model.similarity(np.array(distance), verified=True))
-        values = {field.name: getattr(match, field.name) for field in fields(Match)}
-        values |= {"distance": distance, "similarity": similarity}
-        key = sample_key(samples.of(match).prepared.sample)
-        return AlignedMatch(**values, alignment=pair.alignment, aligned_sample=key)
+        return replace(
+            pair.match,
+            distance=distance,
+            similarity=float(self._model.similarity(np.array(distance), verified=True)),
+            alignment=pair.alignment,
+            aligned_sample=_sample_key(samples.of(pair.match).prepared.sample),
+        )
+
+
+def _sample_key(sample: SurfaceSample) -> int:
+    """Compute a checksum that identifies a sample, the same in every process."""
+    return zlib.crc32(sample.points.tobytes())
+
+
+def known_alignment(match: Match, sample: SurfaceSample) -> Alignment | None:
+    """Return the alignment of a sample with a match, if verification has found one.
+
+    Parameters
+    ----------
+    match : Match
+    sample : SurfaceSample
+        Of the query.
+
+    Returns
+    -------
+    alignment : Alignment or None
+        None for matches of another query too.
+    """
+    return match.alignment if match.aligned_sample == _sample_key(sample) else None

@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 import pytest
 
 from benchmarks.creatures import make_creature
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.surfaces import candidate_supports, prepared_candidates
+from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
 from shapegoogle_core.registration import (
     PreparedSample,
     SampleSettings,
@@ -21,16 +19,9 @@ from shapegoogle_core.registration import (
 from shapegoogle_core.spectral import compute_spectrum
 
 
-class Memory:
+def in_memory(samples: dict[int, SurfaceSample]) -> Surfaces:
     """Samples in memory, as `Surfaces`."""
-
-    def __init__(self, samples: dict[int, SurfaceSample]) -> None:
-        self._samples = samples
-
-    def samples(self, shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
-        yield from (
-            (shape_id, self._samples[shape_id]) for shape_id in shape_ids if shape_id in self._samples
-        )
+    return lambda shape_ids: ((one, samples[one]) for one in shape_ids if one in samples)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +44,7 @@ def test_every_match_comes_once_and_in_its_place(
     samples: dict[int, SurfaceSample], shape_ids: list[int]
 ) -> None:
     matches = [match(shape_id) for shape_id in shape_ids]
-    pairs = list(prepared_candidates(Memory(samples), matches))
+    pairs = list(prepared_candidates(in_memory(samples), matches))
     assert [pair[0] for pair in pairs] == matches
     for found, prepared in pairs:
         if found.shape_id in samples:
@@ -65,7 +56,7 @@ def test_every_match_comes_once_and_in_its_place(
 
 def test_supports_are_those_of_each_shape_at_its_scales(samples: dict[int, SurfaceSample]) -> None:
     query = PreparedSample(samples[1], (1.0, 0.8, 0.6))
-    found = candidate_supports(Memory(samples), query, {3: [0, 2], 7: [1], 1: range(3)})
+    found = candidate_supports(in_memory(samples), query, {3: [0, 2], 7: [1], 1: range(3)})
     assert set(found) == {1, 3}
     for shape_id, scales in ((3, [0, 2]), (1, [0, 1, 2])):
         asked = np.zeros((1, 3), bool)
