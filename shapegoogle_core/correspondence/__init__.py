@@ -1,24 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Correspondence: maps between the points of a shape and those of the same shape re-posed or re-meshed."""
 
-from shapegoogle_core.correspondence.matching import (
-    ShapeMap,
-    SurfacePoints,
-    VertexMatch,
-    find_map,
-    match_vertices,
-    match_with_points,
-    vertex_match,
-)
-from shapegoogle_core.correspondence.working_surface import SurfaceSettings
+from shapegoogle_core.lazy import lazy_names
 
-__all__ = [
-    "ShapeMap",
-    "SurfacePoints",
-    "SurfaceSettings",
-    "VertexMatch",
-    "find_map",
-    "match_vertices",
-    "match_with_points",
-    "vertex_match",
-]
+__all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -31,9 +31,6 @@ __all__ = [
     "ReadFile",
     "ReadFunction",
     "describe_shape",
-    "describe_shape_on_disk",
-    "read_file",
-    "start_describer",
 ]
 
 ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | str]]
@@ -119,109 +116,85 @@ def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSi
     return shape.with_content(model.describe(shape.mesh), picture)
 
 
-@dataclass(frozen=True, eq=False)
 class Describer:
-    """State of a worker process: everything that its tasks need.
+    """A worker process's model and reader, and its two tasks.
 
-    Attributes
+    Parameters
     ----------
-    model : ShapeModel
-    reader : ShapeReader
+    model_file : Path
+    external : ExternalReader or None
+        Reads files that this package does not.
     read : callable
         See `ReadFunction`.
     memory_limit : int
         Megabytes that one task may need, for messages.
     """
 
-    model: ShapeModel
-    reader: ShapeReader
-    read: ReadFunction
-    memory_limit: int
+    def __init__(
+        self, model_file: Path, external: ExternalReader | None, read: ReadFunction, memory_limit: int
+    ) -> None:
+        self._model = load_model(model_file)
+        self._reader = ShapeReader(external)
+        self._read = read
+        self._memory_limit = memory_limit
+
+    def read(self, path: Path, folder: Path) -> ReadFile | Failure:
+        """Read a file.
+
+        Parameters
+        ----------
+        path : Path
+        folder : Path
+            For the meshes and all temporary files; created here.
+
+        Returns
+        -------
+        found : ReadFile or Failure
+        """
+        try:
+            folder.mkdir(exist_ok=True)
+            tempfile.tempdir = str(folder)
+            shapes: list[NewShape[MeshOnDisk]] = []
+            problems: list[str] = []
+            arrays = folder / "arrays"
+            with arrays.open("wb") as file:
+                for found in self._read(self._reader, path):
+                    if isinstance(found, str):
+                        problems.append(found)
+                        continue
+                    mesh = found.mesh
+                    waiting = MeshOnDisk(arrays, file.tell(), mesh.area, mesh.extents)
+                    shapes.append(found.with_content(waiting))
+                    np.save(file, mesh.vertices)
+                    np.save(file, mesh.faces)
+            return ReadFile(tuple(shapes), tuple(problems))
+        except Exception as error:
+            return _failure(path.name, error, self._memory_limit)
+
+    def describe(self, shape: NewShape[MeshOnDisk]) -> NewShape[ShapeSignature] | Failure:
+        """Describe a shape whose mesh waits on disk.
+
+        Parameters
+        ----------
+        shape : NewShape
+
+        Returns
+        -------
+        described : NewShape or Failure
+        """
+        try:
+            with shape.content.file.open("rb") as file:
+                file.seek(shape.content.offset)
+                vertices, faces = (np.load(file, allow_pickle=False) for _ in range(2))
+            return describe_shape(shape.with_content(Mesh(vertices, faces, shape.name)), self._model)
+        except Exception as error:
+            return _failure(shape.name, error, self._memory_limit)
 
 
-def start_describer(
-    model_file: Path, external: ExternalReader | None, read: ReadFunction, memory_limit: int
-) -> Describer:
-    """Prepare a worker process for its tasks.
-
-    Parameters
-    ----------
-    model_file : Path
-    external : ExternalReader or None
-    read : callable
-        See `ReadFunction`.
-    memory_limit : int
-        Megabytes that one task may need.
-
-    Returns
-    -------
-    describer : Describer
-    """
-    return Describer(load_model(model_file), ShapeReader(external), read, memory_limit)
-
-
-def read_file(describer: Describer, path: Path, folder: Path) -> ReadFile | Failure:
-    """Read a file.
-
-    Parameters
-    ----------
-    describer : Describer
-    path : Path
-    folder : Path
-        For the meshes and all temporary files; created here.
-
-    Returns
-    -------
-    found : ReadFile or Failure
-    """
-    try:
-        folder.mkdir(exist_ok=True)
-        tempfile.tempdir = str(folder)
-        shapes: list[NewShape[MeshOnDisk]] = []
-        problems: list[str] = []
-        arrays = folder / "arrays"
-        with arrays.open("wb") as file:
-            for found in describer.read(describer.reader, path):
-                if isinstance(found, str):
-                    problems.append(found)
-                    continue
-                mesh = found.mesh
-                shapes.append(found.with_content(MeshOnDisk(arrays, file.tell(), mesh.area, mesh.extents)))
-                np.save(file, mesh.vertices)
-                np.save(file, mesh.faces)
-        return ReadFile(tuple(shapes), tuple(problems))
-    except Exception as error:
-        return _failure(describer, path.name, error)
-
-
-def describe_shape_on_disk(
-    describer: Describer, shape: NewShape[MeshOnDisk]
-) -> NewShape[ShapeSignature] | Failure:
-    """Describe a shape whose mesh waits on disk.
-
-    Parameters
-    ----------
-    describer : Describer
-    shape : NewShape
-
-    Returns
-    -------
-    described : NewShape or Failure
-    """
-    try:
-        with shape.content.file.open("rb") as file:
-            file.seek(shape.content.offset)
-            vertices, faces = (np.load(file, allow_pickle=False) for _ in range(2))
-        return describe_shape(shape.with_content(Mesh(vertices, faces, shape.name)), describer.model)
-    except Exception as error:
-        return _failure(describer, shape.name, error)
-
-
-def _failure(describer: Describer, name: str, error: Exception) -> Failure:
+def _failure(name: str, error: Exception, memory_limit: int) -> Failure:
     if isinstance(error, MemoryError) or isinstance(error.__cause__, MemoryError):
-        limit = describer.memory_limit
         return Failure(
-            f"{name!r} needs more than {limit} MB of memory; simplify it or raise the memory limit"
+            f"{name!r} needs more than {memory_limit} MB of memory; simplify it or raise the memory limit"
         )
     if isinstance(error, MeshError):
         return Failure(str(error), lasting=not isinstance(error, ReaderError))

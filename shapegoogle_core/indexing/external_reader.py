@@ -195,7 +195,8 @@ class ReaderProcess:
                 f"{path.name!r} crashed {self._reader.title}, which read it ({self._ending(program)}); open "
                 "and save it again, or simplify it"
             )
-        return _parsed(answer)
+        parsed: Mapping[str, Any] = json.loads(answer)
+        return parsed
 
     def _started(self) -> Program:
         if self._program is not None and self._program.exit_code is not None:
@@ -231,11 +232,6 @@ class ReaderProcess:
         exit_code = program.close()
         printed = program.last_lines(SHOWN_LINES)
         return f"exit code {exit_code}{', last output: ' + printed if printed else ''}"
-
-
-def _parsed(answer: str) -> Mapping[str, Any]:
-    parsed: Mapping[str, Any] = json.loads(answer)
-    return parsed
 
 
 def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[NewShape[Mesh] | str]:

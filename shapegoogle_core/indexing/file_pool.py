@@ -15,17 +15,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
-from shapegoogle_core.indexing.describing import (
-    Failure,
-    ReadFile,
-    ReadFunction,
-    describe_shape_on_disk,
-    read_file,
-    start_describer,
-)
+from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
@@ -160,7 +152,7 @@ class FilePool:
             time_limit,
             memory_limit=memory_limit,
             folder=self._folder,
-            start=start_describer,
+            start=Describer,
             start_arguments=(model_file, external, read, memory_limit),
         )
         self._numbers = count()
@@ -171,9 +163,7 @@ class FilePool:
         self._resources.enter_context(self._pool)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._resources.close()
 
     def __len__(self) -> int:
@@ -189,7 +179,7 @@ class FilePool:
         """
         self._files += 1
         file = _FileInWork(path, self._folder / str(next(self._numbers)))
-        self._steps[self._pool.submit(read_file, file.path, file.folder)] = _Step(file)
+        self._steps[self._pool.submit(Describer.read, file.path, file.folder)] = _Step(file)
 
     def finished(self) -> list[tuple[Path, DescribedFile | Failure]]:
         """Wait until at least one file is done.
@@ -224,7 +214,7 @@ class FilePool:
             file.found = result
             for index in file.originals():
                 # Before files that wait to be read, so that few meshes wait on disk.
-                task = self._pool.submit(describe_shape_on_disk, result.shapes[index], first=True)
+                task = self._pool.submit(Describer.describe, result.shapes[index], first=True)
                 self._steps[task] = _Step(file, index)
         elif step.shape is not None:
             file.described[step.shape] = result

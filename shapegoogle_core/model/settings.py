@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
@@ -21,6 +21,11 @@ from shapegoogle_core.registration.sample import SampleSettings
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "ChannelSettings", "ModelSettings"]
+
+
+def _check_choice(name: str, choice: str, choices: Collection[str]) -> None:
+    if choice not in choices:
+        raise ModelError(f"{name} must be one of {', '.join(choices)}, not {choice!r}")
 
 
 def _check(right: bool, name: str, wanted: str, value: object) -> None:
@@ -85,13 +90,11 @@ class ChannelSettings:
     detector: str | None = None
 
     def __post_init__(self) -> None:
-        if self.descriptor not in DESCRIPTORS:
-            raise ModelError(f"descriptor must be one of {', '.join(DESCRIPTORS)}, not {self.descriptor!r}")
+        _check_choice("descriptor", self.descriptor, DESCRIPTORS)
         if not self.bags or not set(self.bags) <= set(BAGS):
             raise ModelError(f"bags must be some of {', '.join(BAGS)}, not {self.bags}")
         if self.detector is not None:
-            if self.detector not in DETECTORS:
-                raise ModelError(f"detector must be one of {', '.join(DETECTORS)}, not {self.detector!r}")
+            _check_choice("detector", self.detector, DETECTORS)
             if not set(self.bags) <= set(COUNTING_BAGS):
                 raise ModelError(
                     f"detected points have no area: with a detector, bags must be some of "
@@ -205,15 +208,10 @@ class ModelSettings:
     def __post_init__(self) -> None:
         if not self.channels:
             raise ModelError("a model needs at least one channel")
-        if self.laplacian not in LAPLACIANS:
-            raise ModelError(f"laplacian must be one of {', '.join(LAPLACIANS)}, not {self.laplacian!r}")
-        if self.boundary not in BOUNDARIES:
-            raise ModelError(f"boundary must be one of {', '.join(BOUNDARIES)}, not {self.boundary!r}")
-        if self.code_directions not in CODE_DIRECTIONS:
-            choices = ", ".join(CODE_DIRECTIONS)
-            raise ModelError(f"code_directions must be one of {choices}, not {self.code_directions!r}")
-        if self.metric not in ("cosine", "l1"):
-            raise ModelError(f"metric must be 'cosine' or 'l1', not {self.metric!r}")
+        _check_choice("laplacian", self.laplacian, LAPLACIANS)
+        _check_choice("boundary", self.boundary, BOUNDARIES)
+        _check_choice("code_directions", self.code_directions, CODE_DIRECTIONS)
+        _check_choice("metric", self.metric, ("cosine", "l1"))
         bits = self.code_bits
         _check(bits > 0 and bits % 8 == 0, "code_bits", "a positive multiple of 8", bits)
         _check(self.eigenpairs >= 1, "eigenpairs", "at least 1", self.eigenpairs)

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+from shapegoogle_core.descriptors.geodesics import geodesic_histograms as geodesic_histograms
+from shapegoogle_core.descriptors.gradient_histograms import mean_curvature as mean_curvature
+from shapegoogle_core.descriptors.gradient_histograms import mesh_hog as mesh_hog
+from shapegoogle_core.descriptors.registry import DESCRIPTORS as DESCRIPTORS
+from shapegoogle_core.descriptors.shape_context import shape_contexts as shape_contexts
+from shapegoogle_core.descriptors.spectral import global_point_signature as global_point_signature
+from shapegoogle_core.descriptors.spectral import heat_kernel_signature as heat_kernel_signature
+from shapegoogle_core.descriptors.spectral import log_heat_kernel_signature as log_heat_kernel_signature
+from shapegoogle_core.descriptors.spectral import scale_invariant_hks as scale_invariant_hks
+from shapegoogle_core.descriptors.spectral import wave_kernel_signature as wave_kernel_signature
+from shapegoogle_core.descriptors.spin_image import spin_images as spin_images
+from shapegoogle_core.descriptors.spin_image import vertex_spin_images as vertex_spin_images
+from shapegoogle_core.descriptors.times import default_exponents as default_exponents
+from shapegoogle_core.descriptors.times import default_times as default_times
+from shapegoogle_core.descriptors.times import time_at as time_at
+from shapegoogle_core.descriptors.times import time_range as time_range
+from shapegoogle_core.descriptors.volumetric import volumetric_hks as volumetric_hks
+
+__all__: list[str]
