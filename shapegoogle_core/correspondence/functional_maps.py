@@ -253,5 +253,4 @@ def _clamped(gram: FloatArray, products: FloatArray) -> FloatArray:
     )
     edge = options[np.arange(len(options)), squared.argmin(axis=1)]
     inside = (inner >= 0).all(axis=1) & (inner.sum(axis=1) <= 1) & np.isfinite(safe)
-    weights: FloatArray = np.where(inside[:, None], inner, edge)
-    return weights
+    return np.where(inside[:, None], inner, edge)

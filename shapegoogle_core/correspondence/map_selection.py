@@ -176,8 +176,7 @@ def stretches(
     """
     landmarks = a.compared[:_LANDMARKS]
     there = b.distances_to(images[landmarks])[images[vertices]]
-    stretched: FloatArray = np.abs(a.distances[vertices, : len(landmarks)] - there).mean(axis=1)
-    return stretched
+    return np.asarray(np.abs(a.distances[vertices, : len(landmarks)] - there).mean(axis=1))
 
 
 def orientation(a: WorkingSurface, b: WorkingSurface, maps: FunctionalMaps) -> float:

@@ -131,8 +131,7 @@ class WorkingSurface:
         distances : (n, k) array
         """
         sources, place = np.unique(vertices, return_inverse=True)
-        along: FloatArray = dijkstra(self.graph, directed=False, indices=sources)[place].T
-        return along
+        return dijkstra(self.graph, directed=False, indices=sources)[place].T
 
     @property
     def waves(self) -> FloatArray:
@@ -148,8 +147,7 @@ class WorkingSurface:
     def coordinates(self) -> FloatArray:
         """(k, 6) coefficients of the positions and the normals in the eigenfunctions."""
         values = np.concatenate([self.mesh.vertices, self.normals], axis=1)
-        coefficients: FloatArray = (self.spectrum.eigenvectors.T * self.spectrum.mass) @ values
-        return coefficients
+        return np.asarray((self.spectrum.eigenvectors.T * self.spectrum.mass) @ values)
 
 
 def working_surface(mesh: Mesh, settings: SurfaceSettings) -> WorkingSurface:

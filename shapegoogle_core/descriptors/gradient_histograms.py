@@ -50,8 +50,7 @@ def mean_curvature(mesh: Mesh, smoothing: float = 3e-3) -> FloatArray:
     # There W x is the pull of the rim, however flat the surface is.
     bending[boundary_vertices(mesh)] = 0
     factor = heat_step(operator, smoothing * operator.lumped_mass.sum())
-    curvature: FloatArray = 0.5 * np.linalg.norm(factor.solve(bending), axis=1)
-    return curvature
+    return np.asarray(0.5 * np.linalg.norm(factor.solve(bending), axis=1))
 
 
 def vertex_gradients(mesh: Mesh, values: FloatArray) -> FloatArray:
@@ -79,8 +78,7 @@ def vertex_gradients(mesh: Mesh, values: FloatArray) -> FloatArray:
     turned = np.cross(normals, f[:, :1] * (c - b) + f[:, 1:2] * (a - c) + f[:, 2:] * (b - a)) / 2
     corners, weighted = mesh.faces.ravel(), np.repeat(turned / 3, 3, axis=0)
     summed = np.stack([np.bincount(corners, axis, len(values)) for axis in weighted.T], axis=1)
-    gradients: FloatArray = summed / np.maximum(vertex_areas(mesh), np.finfo(float).tiny)[:, None]
-    return gradients
+    return summed / np.maximum(vertex_areas(mesh), np.finfo(float).tiny)[:, None]
 
 
 def mesh_hog(

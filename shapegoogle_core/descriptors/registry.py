@@ -55,8 +55,7 @@ def _si_hks(
 
 def _wks(_mesh: Mesh, spectrum: Spectrum, low: float, high: float, count: int, sigma: float) -> FloatArray:
     kernel = wave_kernel_signature(spectrum, np.linspace(low, high, count), sigma=sigma)
-    values: FloatArray = np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
-    return values
+    return np.log(np.maximum(kernel * spectrum.area, math.exp(-10)))
 
 
 def _gps(_mesh: Mesh, spectrum: Spectrum, count: int = 15) -> FloatArray:

@@ -152,8 +152,7 @@ def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArra
     [[-0.983, -0.113], [-0.846, 0.32]]
     """
     kernel = heat_kernel_signature(spectrum, times, multiply_by_time=True)
-    values: FloatArray = np.log(np.maximum(kernel, LEAST_HEAT))
-    return values
+    return np.log(np.maximum(kernel, LEAST_HEAT))
 
 
 def scale_invariant_hks(
@@ -227,8 +226,7 @@ def scale_invariant_hks(
     differences = np.diff(log_kernel, axis=1)
     # Only a few rows of the transform are needed: a thin matrix product is faster than a full FFT.
     waves = np.exp(-2j * np.pi * np.outer(np.arange(samples), np.arange(frequencies)) / samples)
-    values: FloatArray = np.hypot(differences @ waves.real, differences @ waves.imag)
-    return values
+    return np.asarray(np.hypot(differences @ waves.real, differences @ waves.imag))
 
 
 def wave_kernel_signature(
@@ -295,8 +293,7 @@ def wave_kernel_signature(
     exponents = -((grid[None, :] - log_eigenvalues[:, None]) ** 2) / (2 * sigma**2)
     weights = np.exp(exponents - exponents.max(axis=0))  # shifted so that no column underflows to zeros
     weights /= weights.sum(axis=0)
-    values: FloatArray = spectrum.eigenvectors[:, positive] ** 2 @ weights
-    return values
+    return np.asarray(spectrum.eigenvectors[:, positive] ** 2 @ weights)
 
 
 def global_point_signature(spectrum: Spectrum, count: int = 25) -> FloatArray:

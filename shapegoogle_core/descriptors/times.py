@@ -147,5 +147,4 @@ def default_exponents(area: float, alpha: float = 2.0) -> FloatArray:
     (-11.0, 2.0, 105)
     """
     start, end, step = _EXPONENTS
-    exponents: FloatArray = (math.log2(area) + np.arange(start, end + step / 2, step)) / math.log2(alpha)
-    return exponents
+    return (math.log2(area) + np.arange(start, end + step / 2, step)) / math.log2(alpha)

@@ -81,8 +81,7 @@ def harris_response(quadrics: FloatArray, trace_weight: float = 0.04) -> FloatAr
     along_x = p4**2 + p1**2 + p2**2
     along_y = p5**2 + p2**2 + p3**2
     mixed = p4 * p5 + p2 * (p1 + p3)
-    response: FloatArray = along_x * along_y - mixed**2 - trace_weight * (along_x + along_y) ** 2
-    return response
+    return np.asarray(along_x * along_y - mixed**2 - trace_weight * (along_x + along_y) ** 2)
 
 
 def fit_quadrics(

@@ -151,8 +151,7 @@ def _scales(smallest: float, largest: float, below: int, above: int) -> FloatArr
 
 
 def _largest_of(values: FloatArray, joined: csr_array) -> FloatArray:
-    largest: FloatArray = np.maximum.reduceat(values[joined.indices], joined.indptr[:-1])
-    return largest
+    return np.maximum.reduceat(values[joined.indices], joined.indptr[:-1])
 
 
 def salient_points(

@@ -37,8 +37,7 @@ def corner_cotangents(mesh: Mesh) -> FloatArray:
     double_areas = np.maximum(2 * face_areas(mesh), LEAST_HEIGHT * longest**2)
     # At corner k one side leaves and one arrives, which flips the sign of their product.
     products = -np.einsum("fki,fki->fk", sides, np.roll(sides, 1, axis=1))
-    cotangents: FloatArray = products / np.maximum(double_areas, np.finfo(float).tiny)[:, None]
-    return cotangents
+    return np.asarray(products / np.maximum(double_areas, np.finfo(float).tiny)[:, None])
 
 
 def _cotangent_stiffness(mesh: Mesh) -> sparse.csc_array:

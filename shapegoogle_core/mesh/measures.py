@@ -79,8 +79,7 @@ def vertex_normals(mesh: Mesh) -> FloatArray:
     corners = mesh.faces.ravel()
     summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
     lengths = np.linalg.norm(summed, axis=1, keepdims=True)
-    normals: FloatArray = summed / np.maximum(lengths, np.finfo(float).tiny)
-    return normals
+    return np.asarray(summed / np.maximum(lengths, np.finfo(float).tiny))
 
 
 def point_normals(points: FloatArray) -> FloatArray:

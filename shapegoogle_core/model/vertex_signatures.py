@@ -80,8 +80,7 @@ class VertexSpectrum:
         carried : (n,) or (n, d) array
             0 at loose vertices.
         """
-        carried: FloatArray = self.prolongation @ values
-        return carried
+        return self.prolongation @ values
 
     def nearest(self, vertex: int) -> int | None:
         """Find the vertex of the copy that is nearest to a vertex of the mesh.
@@ -141,8 +140,7 @@ class VertexWords:
         weights : (n, w) array
             θ of those words. Over all words they sum to 1 at each vertex, and to 0 at a loose one.
         """
-        weights: FloatArray = self.prolongation @ (self.words if words is None else self.words[:, words])
-        return weights
+        return self.prolongation @ (self.words if words is None else self.words[:, words])
 
     @property
     def heaviest(self) -> NDArray[np.int64]:

@@ -155,8 +155,7 @@ def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int6
 
 
 def _edge_keys(half_edges: NDArray[np.int64], mesh: Mesh) -> NDArray[np.int64]:
-    keys: NDArray[np.int64] = half_edges.min(axis=1) * len(mesh.vertices) + half_edges.max(axis=1)
-    return keys
+    return np.asarray(half_edges.min(axis=1) * len(mesh.vertices) + half_edges.max(axis=1))
 
 
 def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
@@ -177,5 +176,4 @@ def _third_corner(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
     """Vertex that is not on the first edge, of loops of three edges."""
     second = triangles[:, 1]
     on_first = (second[:, :1] == triangles[:, 0]).any(axis=1)
-    corner: NDArray[np.int64] = np.where(on_first, second[:, 1], second[:, 0])
-    return corner
+    return np.where(on_first, second[:, 1], second[:, 0])

@@ -138,8 +138,7 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     leader_of_place[crowded] = places[crowded[_first_in_group(label)]]
     rank = np.empty(len(vertices), np.int64)
     rank[places] = np.arange(len(places))
-    welded: NDArray[np.int64] = leader_of_place[rank[first]]
-    return welded
+    return leader_of_place[rank[first]]
 
 
 def _first_at_place(vertices: FloatArray) -> NDArray[np.int64]:
@@ -197,8 +196,7 @@ def _hash(rows: FloatArray | NDArray[np.int64]) -> NDArray[np.uint64]:
 def _first_in_group(keys: NDArray[np.integer]) -> NDArray[np.int64]:
     """For each entry the index of the first entry with the same key."""
     _, first, group = np.unique(keys, return_index=True, return_inverse=True)
-    indices: NDArray[np.int64] = first[group]
-    return indices
+    return np.asarray(first[group])
 
 
 def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float) -> NDArray[np.bool_]:

@@ -43,8 +43,7 @@ def medial_radii(points: FloatArray, normals: FloatArray, cloud: FloatArray, lar
     tree = cKDTree(cloud)
     behind = _shrunk(points, normals, cloud, tree, largest)
     before = _shrunk(points, -normals, cloud, tree, largest)
-    radii: FloatArray = np.where(behind <= before, behind, -before)
-    return radii
+    return np.where(behind <= before, behind, -before)
 
 
 def _shrunk(

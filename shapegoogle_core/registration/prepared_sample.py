@@ -92,5 +92,4 @@ def point_distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
     """
     squares = (points**2).sum(axis=-1)
     squared = squares[..., :, None] + squares[..., None, :] - 2 * points @ points.swapaxes(-1, -2)
-    distances: NDArray[np.float32] = np.sqrt(np.maximum(squared, 0, out=squared), out=squared)
-    return distances
+    return np.asarray(np.sqrt(np.maximum(squared, 0, out=squared), out=squared))

@@ -106,8 +106,7 @@ class SurfaceSample:
     @property
     def centers(self) -> FloatArray:
         """(m, 3) points of the medial axis: the centres of the medial balls."""
-        centers: FloatArray = self.points - self.radii[:, None] * self.normals
-        return centers
+        return self.points - self.radii[:, None] * self.normals
 
     def descriptors_at(self, scale: float, keypoints: int | None = None) -> NDArray[np.float32]:
         """Compute the descriptors that the surface would have at another size.

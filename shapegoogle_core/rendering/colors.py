@@ -50,8 +50,7 @@ def _oklab_to_srgb(lab: FloatArray) -> FloatArray:
     linear = (lab @ _LAB_TO_LMS.T) ** 3 @ _LMS_TO_RGB.T
     magnitude = np.abs(linear)
     encoded = np.where(magnitude <= 0.0031308, 12.92 * magnitude, 1.055 * magnitude ** (1 / 2.4) - 0.055)
-    srgb: FloatArray = np.copysign(encoded, linear)
-    return srgb
+    return np.asarray(np.copysign(encoded, linear))
 
 
 def word_palette(count: int) -> FloatArray:

@@ -147,8 +147,7 @@ def _fit(points: FloatArray, width: int, height: int) -> FloatArray:
     wide = extent > 1e-9 * (high - low).max()
     scale = (1 - 2 * _MARGIN) * float(np.min(np.array([width, height])[wide] / extent[wide], initial=np.inf))
     scale = scale if wide.any() else 0.0
-    placed: FloatArray = (points - (low + high) / 2) * [scale, -scale, scale] + [width / 2, height / 2, 0]
-    return placed
+    return np.asarray((points - (low + high) / 2) * [scale, -scale, scale] + [width / 2, height / 2, 0])
 
 
 def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
@@ -165,8 +164,7 @@ def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArra
     def crossing(a: FloatArray, b: FloatArray) -> FloatArray:
         rise = np.where(b[face, 1] > a[face, 1], b[face, 1] - a[face, 1], 1)
         share = np.clip((y - a[face, 1]) / rise, 0, 1)
-        column: FloatArray = a[face, 0] + share * (b[face, 0] - a[face, 0])
-        return column
+        return np.asarray(a[face, 0] + share * (b[face, 0] - a[face, 0]))
 
     one = crossing(top, bottom)
     other = np.where(y < middle[face, 1], crossing(top, middle), crossing(middle, bottom))
@@ -178,8 +176,7 @@ def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArra
 def _counting(lengths: IntArray) -> IntArray:
     """Return 0 … length − 1 for each length, concatenated."""
     ends = np.cumsum(lengths)
-    counted: IntArray = np.arange(int(lengths.sum())) - np.repeat(ends - lengths, lengths)
-    return counted
+    return np.arange(int(lengths.sum())) - np.repeat(ends - lengths, lengths)
 
 
 def _barycentric(tips: FloatArray, column: IntArray, row: IntArray) -> FloatArray:
@@ -227,8 +224,7 @@ def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
         keys = (((z - low) * scale).astype(np.int64) << 32) | of_face
         np.maximum.at(buffer, y * width + x, keys)
         start = stop
-    nearest: IntArray = np.where(buffer < 0, -1, buffer & 0xFFFFFFFF)
-    return nearest
+    return np.where(buffer < 0, -1, buffer & 0xFFFFFFFF)
 
 
 def _corner_normals(tips: FloatArray, faces: NDArray[np.int32], count: int) -> FloatArray:
@@ -271,8 +267,7 @@ def _shade(colors: FloatArray, normals: FloatArray) -> FloatArray:
     fill = np.maximum(normals @ (_FILL_LIGHT / np.linalg.norm(_FILL_LIGHT)), 0)
     light = 0.34 + 0.58 * key + 0.2 * fill
     rim = 0.75 + 0.25 * np.clip(normals[:, 2] / 0.35, 0, 1)
-    shaded: FloatArray = np.clip(colors * (light * rim)[:, None], 0, 1)
-    return shaded
+    return np.asarray(np.clip(colors * (light * rim)[:, None], 0, 1))
 
 
 def _draw_points(

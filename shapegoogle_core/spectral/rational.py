@@ -116,8 +116,7 @@ def rational_kernel(operator: Operator, source: int, time: float, tolerance: flo
 
     def column(pole: float) -> FloatArray:
         factor = factor_definite(sparse.csc_matrix(stiffness + pole * mass))
-        solution: FloatArray = factor.solve(unit)
-        return solution
+        return factor.solve(unit)
 
     ladder = _ladder(t)
     heat, bound = np.zeros(n), np.empty(1)
@@ -217,8 +216,7 @@ def _left_out(operator: Operator, levels: Levels, spectrum: Spectrum, times: Flo
     known = spectrum.eigenvectors**2 @ (1 / (spectrum.eigenvalues + last))
     unknown = np.maximum(_resolvent_diagonal(operator, levels, last) - known, 0)
     largest = np.where(2 * last * times >= 1, 2 * last * np.exp(-last * times), np.inf)
-    bound: FloatArray = unknown[:, None] * largest
-    return bound
+    return unknown[:, None] * largest
 
 
 def _resolvent_diagonal(operator: Operator, levels: Levels, pole: float) -> FloatArray:
@@ -260,8 +258,7 @@ def _ladder(times: FloatArray) -> _Ladder:
 def _fractions(values: FloatArray, poles: FloatArray) -> FloatArray:
     """Compute z_j z_{j+1} / ((λ + z_j) (λ + z_{j+1})) for each λ and each pair of neighbouring poles."""
     single = poles / (values[:, None] + poles)
-    pairs: FloatArray = single[:, :-1] * single[:, 1:]
-    return pairs
+    return single[:, :-1] * single[:, 1:]
 
 
 def _small_times(operator: Operator, times: ArrayLike) -> FloatArray:

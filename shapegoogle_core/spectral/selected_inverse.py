@@ -140,5 +140,4 @@ def _inverse(block: FloatArray) -> FloatArray:
     if failed:
         raise np.linalg.LinAlgError("the matrix is not positive definite")
     upper = np.triu(lapack.dpotri(factor)[0])
-    inverse: FloatArray = upper + np.triu(upper, 1).T
-    return inverse
+    return np.asarray(upper + np.triu(upper, 1).T)

@@ -61,8 +61,7 @@ def truncated_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray
     if not 0 <= source < n:
         raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
     decay = np.exp(-spectrum.eigenvalues * checked_times(time))
-    heat: FloatArray = spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source])
-    return heat
+    return np.asarray(spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source]))
 
 
 def truncated_diagonal(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
@@ -86,5 +85,4 @@ def truncated_diagonal(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
         If a time is not positive and finite.
     """
     decay = np.exp(-np.outer(spectrum.eigenvalues, checked_times(times)))
-    values: FloatArray = spectrum.eigenvectors**2 @ decay
-    return values
+    return spectrum.eigenvectors**2 @ decay

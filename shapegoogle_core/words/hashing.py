@@ -181,8 +181,7 @@ class SimilaritySensitiveHashing(BaseEstimator):  # type: ignore[misc]
             If X is not finite or its vectors have another length than those of `fit`.
         """
         vectors = check_features(self, X)
-        bits: NDArray[np.bool_] = vectors @ self.directions_.T + self.thresholds_ > 0
-        return bits
+        return vectors @ self.directions_.T + self.thresholds_ > 0
 
 
 def best_threshold(first: FloatArray, second: FloatArray, signed_weights: FloatArray) -> tuple[float, float]:
@@ -247,5 +246,4 @@ def rotated_components(vectors: FloatArray, bits: int, random_state: int = 0) ->
     random = np.random.default_rng(random_state)
     size = leading.shape[1]
     rotations = [np.linalg.qr(random.standard_normal((size, size)))[0] for _ in range(-(-bits // size))]
-    directions: FloatArray = np.concatenate(rotations)[:bits] @ leading.T
-    return directions
+    return np.concatenate(rotations)[:bits] @ leading.T

@@ -93,5 +93,4 @@ class InverseDocumentFrequency(OneToOneFeatureMixin, TransformerMixin, BaseEstim
         ValueError
             If X is not finite or has another number of words than the bags of `fit`.
         """
-        weighted: FloatArray = check_features(self, X) * self.weights_
-        return weighted
+        return np.asarray(check_features(self, X) * self.weights_)

@@ -39,8 +39,7 @@ def edge_length_changes(before: Mesh, after: Mesh) -> FloatArray:
     if not np.array_equal(before.faces, after.faces):
         raise ValueError(f"{before.name!r} and {after.name!r} do not have the same faces")
     old, new = edge_lengths(before), edge_lengths(after)
-    changes: FloatArray = np.abs(new[old > 0] / old[old > 0] - 1)
-    return changes
+    return np.abs(new[old > 0] / old[old > 0] - 1)
 
 
 def bend(mesh: Mesh, seed: int, strength: float = 1.0) -> Mesh:
@@ -101,8 +100,7 @@ def bend(mesh: Mesh, seed: int, strength: float = 1.0) -> Mesh:
 
 
 def _unit(vector: FloatArray) -> FloatArray:
-    unit: FloatArray = vector / np.linalg.norm(vector)
-    return unit
+    return vector / np.linalg.norm(vector)
 
 
 def _twisted(points: FloatArray, axis: FloatArray, angle: float) -> FloatArray:
@@ -139,5 +137,4 @@ def _curved(points: FloatArray, axis: FloatArray, side: FloatArray, angle: float
     new_along = np.interp(place, share, forward) - np.sin(turn) * offset
     new_offset = np.interp(place, share, sideways) + np.cos(turn) * offset
     rest = points - np.outer(along, axis) - np.outer(offset, side)
-    curved: FloatArray = rest + np.outer(new_along, axis) + np.outer(new_offset, side)
-    return curved
+    return rest + np.outer(new_along, axis) + np.outer(new_offset, side)

@@ -118,8 +118,7 @@ def _share_of_places(mesh: Mesh, share: float, rng: Random) -> BoolArray:
     """Return a mask of the vertices at a random share of the distinct positions, at least at one."""
     positions, place = _places(mesh)
     rank = rng.permutation(len(positions))
-    hit: BoolArray = np.less(rank[place], max(1, round(share * len(positions))))
-    return hit
+    return np.less(rank[place], max(1, round(share * len(positions))))
 
 
 def _micro_holes(mesh: Mesh, strength: int, rng: Random) -> Mesh:
@@ -135,8 +134,7 @@ def _in_balls(mesh: Mesh, count: int, radius: float, rng: Random) -> BoolArray:
     used = np.unique(mesh.faces)
     centres = mesh.vertices[rng.permutation(used)[:count]]
     distances, _ = cKDTree(centres).query(mesh.vertices)
-    inside: BoolArray = np.less_equal(distances, radius)
-    return inside
+    return np.less_equal(distances, radius)
 
 
 def _without(mesh: Mesh, removed: BoolArray, kind: str) -> Mesh:
