@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,18 +97,14 @@ def best_maps(a: WorkingSurface, b: WorkingSurface) -> list[Candidate]:
         refined = zoom_out(compared_a, compared_b, maps, _COARSE)
         fitted = project(compared_a, compared_b, refined, _largest(a, b, _COARSE[-1]))
         coarse.append(_candidate(a, b, fitted, refined))
-    best = _different(sorted(coarse, key=_distortion), b.apart)
+    best = _different(sorted(coarse, key=attrgetter("distortion")), b.apart)
     for candidate in best[:_VARIED]:
         coarse += _variations(a, b, candidate)
     fine = [
         _refined(a, b, candidate)
-        for candidate in _different(sorted(coarse, key=_distortion), b.apart)[:_KEPT]
+        for candidate in _different(sorted(coarse, key=attrgetter("distortion")), b.apart)[:_KEPT]
     ]
-    return _different(sorted(fine, key=lambda candidate: candidate.cost), b.apart)
-
-
-def _distortion(candidate: Candidate) -> float:
-    return candidate.distortion
+    return _different(sorted(fine, key=attrgetter("cost")), b.apart)
 
 
 def _variations(a: WorkingSurface, b: WorkingSurface, candidate: Candidate) -> list[Candidate]:

@@ -156,11 +156,7 @@ def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArra
 
 
 def scale_invariant_hks(
-    spectrum: Spectrum,
-    *,
-    alpha: float = 2.0,
-    tau: ArrayLike | None = None,
-    frequencies: int = 6,
+    spectrum: Spectrum, *, alpha: float = 2.0, tau: ArrayLike | None = None, frequencies: int = 6
 ) -> FloatArray:
     """Scale-invariant heat kernel signature of every vertex (paper, equation 3; Bronstein, Kokkinos 2010).
 

@@ -24,14 +24,7 @@ from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.rendering import thumbnail
 
-__all__ = [
-    "Describer",
-    "Failure",
-    "MeshOnDisk",
-    "ReadFile",
-    "ReadFunction",
-    "describe_shape",
-]
+__all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape"]
 
 ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | str]]
 """`ShapeReader.iterate` or a function like it."""

@@ -19,6 +19,7 @@ from typing import Any, Self
 
 from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
+from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
@@ -124,10 +125,8 @@ class FilePool:
         `ShapeReader.iterate`, or another function that a new Python process can import by its name.
     jobs : int
         Number of processes.
-    time_limit : float
-        Seconds that reading one file or describing one shape may take.
-    memory_limit : int
-        Megabytes that reading one file or describing one shape may need. Enforced on Linux only.
+    settings : IndexSettings
+        Limits of time and memory.
     """
 
     def __init__(
@@ -135,12 +134,10 @@ class FilePool:
         model: ShapeModel,
         external: ExternalReader | None,
         read: ReadFunction,
-        *,
         jobs: int,
-        time_limit: float,
-        memory_limit: int,
+        settings: IndexSettings,
     ) -> None:
-        self._time_limit = time_limit
+        self._time_limit = settings.time_limit
         self._resources = ExitStack()
         # A process that is killed may still be writing there when the folder is removed.
         folder = tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True)
@@ -149,11 +146,11 @@ class FilePool:
         model_file.write_bytes(model.to_bytes())
         self._pool = Pool(
             jobs,
-            time_limit,
-            memory_limit=memory_limit,
+            settings.time_limit,
+            memory_limit=settings.memory_limit,
             folder=self._folder,
             start=Describer,
-            start_arguments=(model_file, external, read, memory_limit),
+            start_arguments=(model_file, external, read, settings.memory_limit),
         )
         self._numbers = count()
         self._files = 0

@@ -165,14 +165,7 @@ def index_files(
     # A mesh file is one shape; a file that another program reads may contain thousands.
     if reader is None or not any(reader.reads(path) for path in changed):
         jobs = min(jobs, max(len(changed), 1))
-    with FilePool(
-        library.model,
-        _limited(reader, settings),
-        read,
-        jobs=jobs,
-        time_limit=settings.time_limit,
-        memory_limit=settings.memory_limit,
-    ) as pool:
+    with FilePool(library.model, _limited(reader, settings), read, jobs, settings) as pool:
         for path in changed:
             run.begin(path, pool)
             while len(pool) >= FILES_AHEAD * jobs:

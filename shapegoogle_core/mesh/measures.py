@@ -13,14 +13,7 @@ from scipy.spatial import KDTree
 if TYPE_CHECKING:
     from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
-__all__ = [
-    "cross_lengths",
-    "face_areas",
-    "face_blocks",
-    "point_normals",
-    "vertex_areas",
-    "vertex_normals",
-]
+__all__ = ["cross_lengths", "face_areas", "face_blocks", "point_normals", "vertex_areas", "vertex_normals"]
 
 # Face blocks of this many faces stay in the processor's cache, which is several times faster, and need
 # little memory.

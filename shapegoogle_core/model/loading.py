@@ -40,19 +40,15 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     >>> sg.load_model("paper").settings.eigenpairs
     200
     """
-    return ShapeModel.from_bytes(*_read(path))
-
-
-def _read(path: str | Path | None) -> tuple[bytes, str]:
-    """Read the archive of a model; return also the name of the model in error messages."""
     key = "default" if path is None else str(path)
     if key in SHIPPED:
-        data = (resources.files("shapegoogle_core") / "model" / "shipped" / f"{key}.npz").read_bytes()
-        return data, f"the shipped model {key!r}"
+        shipped = resources.files("shapegoogle_core") / "model" / "shipped" / f"{key}.npz"
+        return ShapeModel.from_bytes(shipped.read_bytes(), f"the shipped model {key!r}")
     try:
-        return Path(key).read_bytes(), repr(key)
+        data = Path(key).read_bytes()
     except OSError as error:
         raise ModelError(
             f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
             f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
         ) from error
+    return ShapeModel.from_bytes(data, repr(key))

@@ -169,8 +169,7 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
 
 def _local_words(arrays: Arrays) -> LocalWords:
     return LocalWords(
-        centers=arrays["local_centers"].astype(np.float32),
-        weights=arrays["local_weights"].astype(np.float32),
+        centers=arrays["local_centers"].astype(np.float32), weights=arrays["local_weights"].astype(np.float32)
     )
 
 
@@ -241,12 +240,7 @@ def check_learnt(model: ShapeModel) -> None:
         fits = words.centers.shape == (channel.words, channel.size)
         if not (fits and np.isfinite(words.centers).all() and 0 < words.sigma < np.inf):
             raise ModelError(f"the model's vocabulary of {channel.descriptor!r} is damaged")
-    calibration = (
-        model.similarity_half,
-        model.similarity_slope,
-        model.verified_half,
-        model.verified_slope,
-    )
+    calibration = (model.similarity_half, model.similarity_slope, model.verified_half, model.verified_slope)
     if not all(0 < value < np.inf for value in calibration):
         raise ModelError("the model's calibration of similarities is damaged")
     if not 0 <= model.agreement_gain < np.inf:

@@ -120,10 +120,7 @@ def _orthogonality(image: NDArray[np.float32]) -> float:
 
 
 def _measure(
-    first: SurfaceSample,
-    second: SurfaceSample,
-    counterparts: NDArray[np.intp],
-    image: NDArray[np.float32],
+    first: SurfaceSample, second: SurfaceSample, counterparts: NDArray[np.intp], image: NDArray[np.float32]
 ) -> Isometry:
     values, others = first.eigenvalues[: len(image)], second.eigenvalues[: len(image)]
     scaled = values[:, None] * image

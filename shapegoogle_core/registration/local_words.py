@@ -70,10 +70,7 @@ class LocalWords:
     weights: NDArray[np.float32]
 
     def __post_init__(self) -> None:
-        usable = {
-            "centers": self.centers.ndim == 2,
-            "weights": self.weights.shape == (len(self.centers),),
-        }
+        usable = {"centers": self.centers.ndim == 2, "weights": self.weights.shape == (len(self.centers),)}
         for name, right_shape in usable.items():
             if not (right_shape and np.isfinite(getattr(self, name)).all()):
                 raise ModelError(f"the model's local words are damaged: {name}")

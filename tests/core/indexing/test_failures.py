@@ -205,9 +205,8 @@ def test_processes_that_cannot_start() -> None:
         BrokenModel(),  # type: ignore[arg-type]
         None,
         ShapeReader.iterate,
-        jobs=1,
-        time_limit=3600,
-        memory_limit=1024,
+        1,
+        IndexSettings(time_limit=3600, memory_limit=1024),
     )
     with pool:
         pool.submit(Path("apple.off"))
