@@ -13,7 +13,7 @@ import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.correspondences import correspondences, motions
-from shapegoogle_core.registration.frames import Frame, similarity_transformations
+from shapegoogle_core.registration.frames import Frame, similarity_frame
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 
 __all__ = ["AXIS_TOLERANCES", "COMMON_AGREEMENT", "TOLERANCES", "Alignment", "align", "measure"]
@@ -174,14 +174,11 @@ def _refine(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> t
         support = float(weights.mean())
         if np.count_nonzero(weights > 0.1) < _FEWEST:
             return 0.0, frame
-        scales, rotations, translations = similarity_transformations(
-            np.concatenate([points, centers])[None],
-            np.concatenate([candidate.points[nearest], candidate.centers[nearest_center]])[None],
-            weights[None],
-        )
-        if not _SMALLEST_SCALE < scales[0] < _LARGEST_SCALE:
+        counterparts = np.concatenate([candidate.points[nearest], candidate.centers[nearest_center]])
+        step = similarity_frame(np.concatenate([points, centers]), counterparts, weights)
+        if not _SMALLEST_SCALE < step.scale < _LARGEST_SCALE:
             return 0.0, frame
-        frame = Frame(float(scales[0]), rotations[0], translations[0])
+        frame = step
     return support, frame
 
 

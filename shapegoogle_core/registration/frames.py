@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Frame", "height_derivatives", "similarity_transformations", "stepped"]
+__all__ = ["Frame", "height_derivatives", "similarity_frame", "similarity_transformations", "stepped"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +96,24 @@ def similarity_transformations(
     scales = values.sum(axis=1) / np.maximum(spread, np.finfo(float).tiny)
     translations = second_mean - scales[:, None] * (rotations @ first_mean[..., None])[..., 0]
     return scales, rotations, translations
+
+
+def similarity_frame(first: FloatArray, second: FloatArray, weights: FloatArray) -> Frame:
+    """Fit one frame to pairs of points in least squares; see `similarity_transformations`.
+
+    Parameters
+    ----------
+    first, second : (n, 3) arrays
+    weights : (n,) array
+
+    Returns
+    -------
+    frame : Frame
+    """
+    (scale,), (rotation,), (translation,) = similarity_transformations(
+        first[None], second[None], weights[None]
+    )
+    return Frame(float(scale), rotation, translation)
 
 
 def height_derivatives(arms: FloatArray, normals: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.frames import similarity_transformations
+from shapegoogle_core.registration.frames import similarity_frame
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Isometry", "functional_map", "spectral_difference"]
@@ -126,11 +126,9 @@ def _measure(
     scaled = values[:, None] * image
     commutativity = float(np.linalg.norm(image * others - scaled)) / max(float(np.linalg.norm(scaled)), 1e-9)
     keys = len(counterparts)
-    scales, rotations, translations = similarity_transformations(
-        first.points[None, :keys], second.points[None, counterparts], np.ones((1, keys))
-    )
-    moved = scales[0] * first.points[:keys] @ rotations[0].T + translations[0]
-    gaps = ((moved - second.points[counterparts]) ** 2).sum(axis=1)
+    points, images = first.points[:keys], second.points[counterparts]
+    moved = similarity_frame(points, images, np.ones(keys)).apply(points)
+    gaps = ((moved - images) ** 2).sum(axis=1)
     return Isometry(
         counterparts=counterparts,
         spectral_difference=spectral_difference(first, second),

@@ -17,7 +17,7 @@ from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.frames import (
     Frame,
     height_derivatives,
-    similarity_transformations,
+    similarity_frame,
     stepped,
 )
 from shapegoogle_core.registration.sample import SurfaceSample
@@ -222,10 +222,7 @@ def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
     fit : Fit
         Its distances are those between points of the same number.
     """
-    scales, rotations, translations = similarity_transformations(
-        candidate.points[None], query.points[None], np.ones((1, len(query.points)))
-    )
-    frame = Frame(float(scales[0]), rotations[0], translations[0])
+    frame = similarity_frame(candidate.points, query.points, np.ones(len(query.points)))
     distances = np.linalg.norm(frame.apply(candidate.points) - query.points, axis=1)
     return Fit(frame, distances, float((distances <= _HEIGHT).mean()))
 
