@@ -24,7 +24,7 @@ from lib import bootstrap
 
 __all__ = ["main"]
 
-ADDON = ("addon-4.5", "addon-4.2", "blender")
+ADDON = ("blender", "addon-4.5", "addon-4.2")
 OTHER_BLENDERS = ("addon-5.0", "addon-5.2")
 # Sessions that run tests in these folders; tests elsewhere need no Blender.
 FOLDERS = {"tests/addon": ADDON, "tests/extension": ("extension",), "tests/gui": ("window",)}
@@ -46,7 +46,8 @@ def sessions_for(paths: Sequence[str], all_blenders: bool = False) -> list[list[
     """
     addon = [*ADDON, *(OTHER_BLENDERS if all_blenders else ())]
     if not paths:
-        return [["checks"], ["core"], ["build"], [*addon, "extension"], ["window"]]
+        # The long sessions first, so that two processors are busy to the end.
+        return [["checks"], ["core"], ["build"], ["window", *addon, "extension"]]
     wanted = {
         session
         for path in paths

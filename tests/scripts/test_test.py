@@ -7,13 +7,13 @@ from types import ModuleType
 
 import pytest
 
-ADDON = ["addon-4.5", "addon-4.2", "blender"]
+ADDON = ["blender", "addon-4.5", "addon-4.2"]
 
 
 @pytest.mark.parametrize(
     ("paths", "stages"),
     [
-        ([], [["checks"], ["core"], ["build"], [*ADDON, "extension"], ["window"]]),
+        ([], [["checks"], ["core"], ["build"], ["window", *ADDON, "extension"]]),
         (["tests/addon"], [[name] for name in ADDON]),
         (["tests/addon/test_it.py::test_1", "tests/core"], [["core"], *([name] for name in ADDON)]),
         (["tests/core/test_it.py"], [["core"]]),
@@ -28,7 +28,7 @@ def test_paths_choose_the_sessions(
 
 def test_all_blenders_are_tested_on_request(test_script: ModuleType) -> None:
     addon = test_script.sessions_for([], all_blenders=True)[3]
-    assert addon == [*ADDON, "addon-5.0", "addon-5.2", "extension"]
+    assert addon == ["window", *ADDON, "addon-5.0", "addon-5.2", "extension"]
 
 
 @pytest.mark.parametrize("failing", [None, "core", "blender"])
@@ -43,7 +43,7 @@ def test_one_failing_session_fails_the_run_and_the_others_still_run(
     def run(name: str, *, options: list[str], live: bool) -> bool:
         ran.append(name)
         assert options[:2] == ["-m", "not long and not real_data"]
-        assert live == (name not in {*ADDON, "extension"})
+        assert live == (name not in {"window", *ADDON, "extension"})
         return name != failing
 
     monkeypatch.setattr(test_script.bootstrap, "enter", lambda extras: None)
