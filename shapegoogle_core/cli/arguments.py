@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable
+from dataclasses import fields
 
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
 
 __all__ = [
     "add_filters",
+    "add_flag",
     "add_inputs",
     "add_jobs",
     "add_library",
+    "add_value",
     "filter_of",
     "number_from",
     "positive_number",
@@ -59,10 +63,7 @@ def positive_number(text: str) -> float:
     argparse.ArgumentTypeError
         For any other text.
     """
-    number = _number(text)
-    if not 0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a number above 0, not {text!r}")
-    return number
+    return _number(text, "a number above 0", lambda number: 0 < number < math.inf)
 
 
 def share(text: str) -> float:
@@ -81,10 +82,7 @@ def share(text: str) -> float:
     argparse.ArgumentTypeError
         For any other text.
     """
-    number = _number(text)
-    if not 0 <= number <= 1:
-        raise argparse.ArgumentTypeError(f"must be a number from 0 to 1, not {text!r}")
-    return number
+    return _number(text, "a number from 0 to 1", lambda number: 0 <= number <= 1)
 
 
 def positive_share(text: str) -> float:
@@ -103,10 +101,48 @@ def positive_share(text: str) -> float:
     argparse.ArgumentTypeError
         For any other text.
     """
-    number = _number(text)
-    if not 0 < number <= 1:
-        raise argparse.ArgumentTypeError(f"must be a number above 0 and at most 1, not {text!r}")
-    return number
+    return _number(text, "a number above 0 and at most 1", lambda number: 0 < number <= 1)
+
+
+def add_value(
+    parser: argparse.ArgumentParser | argparse._ArgumentGroup,
+    option: str,
+    metavar: str,
+    summary: str,
+    convert: Callable[[str], object] = str,
+    default: object = None,
+) -> None:
+    """Add an option with one value.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser, or a group of it
+    option : str
+        As typed: "--top".
+    metavar : str
+        Placeholder of the value in the help.
+    summary : str
+        Help text; ``%(default)s`` stands for the default value.
+    convert : callable, optional
+        Turns the text of the value into the value, see `number_from`.
+    default : object, optional
+        Value of the option if it is left out.
+    """
+    parser.add_argument(option, type=convert, default=default, metavar=metavar, help=summary)
+
+
+def add_flag(parser: argparse.ArgumentParser, option: str, summary: str) -> None:
+    """Add an option without a value, off by default.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    option : str
+        As typed: "--json".
+    summary : str
+        Help text.
+    """
+    parser.add_argument(option, action="store_true", help=summary)
 
 
 def add_library(parser: argparse.ArgumentParser, summary: str = "library file") -> None:
@@ -140,19 +176,17 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
     ----------
     parser : argparse.ArgumentParser
     """
-    parser.add_argument(
-        "--jobs",
-        type=number_from(1),
-        metavar="N",
-        help="worker processes (default: one per processor)",
-    )
+    add_value(parser, "--jobs", "N", "worker processes (default: one per processor)", number_from(1))
 
 
-def _number(text: str) -> float:
+def _number(text: str, wanted: str, accepts: Callable[[float], bool]) -> float:
     try:
-        return float(text)
+        number = float(text)
     except ValueError:
-        return float("nan")
+        number = math.nan
+    if not accepts(number):
+        raise argparse.ArgumentTypeError(f"must be {wanted}, not {text!r}")
+    return number
 
 
 def add_filters(parser: argparse.ArgumentParser) -> None:
@@ -163,27 +197,15 @@ def add_filters(parser: argparse.ArgumentParser) -> None:
     parser : argparse.ArgumentParser
     """
     group = parser.add_argument_group("filters", "Only matches that meet all of these conditions:")
-    group.add_argument(
-        "--name",
-        type=_text,
-        metavar="TEXT",
-        help="the name contains this text, ignoring case; * and ? are wildcards for whole names",
-    )
-    group.add_argument(
-        "--folder", type=_text, metavar="FOLDER", help="the file is in this folder or below it"
-    )
-    group.add_argument("--tag", type=_text, metavar="TAG", help="the shape has this tag")
-    group.add_argument(
-        "--faces",
-        type=_range,
-        metavar="LO:HI",
-        help="number of faces; one of the limits may be left out: 1000:",
-    )
-    group.add_argument(
-        "--size", type=_range, metavar="LO:HI", help="largest extent, in units of the file; such as :2.5"
-    )
+    name = "the name contains this text, ignoring case; * and ? are wildcards for whole names"
+    add_value(group, "--name", "TEXT", name, _text)
+    add_value(group, "--folder", "FOLDER", "the file is in this folder or below it", _text)
+    add_value(group, "--tag", "TAG", "the shape has this tag", _text)
+    faces = "number of faces; one of the limits may be left out: 1000:"
+    add_value(group, "--faces", "LO:HI", faces, _range)
+    add_value(group, "--size", "LO:HI", "largest extent, in units of the file; such as :2.5", _range)
     group.add_argument("--kind", choices=KINDS, help="kind of the evidence")
-    group.add_argument("--min-similarity", type=share, metavar="S", help="least similarity, 0 to 1")
+    add_value(group, "--min-similarity", "S", "least similarity, 0 to 1", share)
 
 
 def filter_of(options: argparse.Namespace) -> Filter | None:
@@ -199,15 +221,7 @@ def filter_of(options: argparse.Namespace) -> Filter | None:
     where : Filter or None
         None without conditions.
     """
-    where = Filter(
-        name=options.name,
-        folder=options.folder,
-        tag=options.tag,
-        faces=options.faces,
-        size=options.size,
-        kind=options.kind,
-        min_similarity=options.min_similarity,
-    )
+    where = Filter(**{field.name: getattr(options, field.name) for field in fields(Filter)})
     return None if where == Filter() else where
 
 

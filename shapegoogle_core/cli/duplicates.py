@@ -26,9 +26,9 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_library, number_from, positive_share
+from shapegoogle_core.cli.arguments import add_flag, add_library, add_value, number_from, positive_share
 from shapegoogle_core.cli.command import DONE, Command
-from shapegoogle_core.cli.text import counted
+from shapegoogle_core.cli.text import counted, table
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
@@ -42,22 +42,14 @@ _EXACT = {"copies", "same", "identical", "moved", "scaled"}
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser)
-    parser.add_argument(
-        "--min-similarity",
-        type=positive_share,
-        default=MIN_SIMILARITY,
-        metavar="S",
-        help="least similarity to the first of a group, above 0 and at most 1 (%(default)s)",
+    similarity = "least similarity to the first of a group, above 0 and at most 1 (%(default)s)"
+    add_value(parser, "--min-similarity", "S", similarity, positive_share, MIN_SIMILARITY)
+    explained = (
+        "number of shapes, other than exact copies, whose surfaces are compared to find their kind "
+        "(%(default)s)"
     )
-    parser.add_argument(
-        "--evidence",
-        type=number_from(0),
-        default=EXPLAINED_MEMBERS,
-        metavar="N",
-        help="number of shapes, other than exact copies, whose surfaces are compared to find their kind "
-        "(%(default)s)",
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object for each group")
+    add_value(parser, "--evidence", "N", explained, number_from(0), EXPLAINED_MEMBERS)
+    add_flag(parser, "--json", "print one JSON object for each group")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -93,17 +85,15 @@ def _group_table(group: DuplicateGroup) -> str:
     noun = "file" if group.kind == "copies" else "shape"
     rows = [
         (
-            f"{member.similarity:.3f}",
+            f"  {member.similarity:.3f}",
             f"×{member.scale:.4g}",
             member.object_name or member.name,
             member.source,
         )
         for member in group.members
     ]
-    scales, names = max(len(row[1]) for row in rows), max(len(row[2]) for row in rows)
     title = f"{group.kind}: {counted(len(group.members), noun)}, {saving} in all but the first"
-    lines = [f"  {a}  {b:<{scales}}  {c:<{names}}  {d}".rstrip() for a, b, c, d in rows]
-    return "\n".join([title, *lines])
+    return "\n".join([title, *table(rows, "<<<<")])
 
 
 COMMAND = Command("duplicates", str(__doc__), _add_options, _run)

@@ -16,7 +16,15 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_inputs, add_jobs, add_library, number_from, positive_number
+from shapegoogle_core.cli.arguments import (
+    add_flag,
+    add_inputs,
+    add_jobs,
+    add_library,
+    add_value,
+    number_from,
+    positive_number,
+)
 from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
 from shapegoogle_core.cli.text import counted, say
@@ -32,33 +40,20 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser)
     add_library(parser, "library file; created if it does not exist")
     add_jobs(parser)
-    parser.add_argument(
-        "--model",
-        metavar="FILE",
-        help="model of a new library: a file written by `train`, or a shipped model: default, paper",
+    model = "model of a new library: a file written by `train`, or a shipped model: default, paper"
+    add_value(parser, "--model", "FILE", model)
+    seconds = "seconds for reading one file, and for describing one shape (%(default)g)"
+    add_value(parser, "--time-limit", "S", seconds, positive_number, IndexSettings.time_limit)
+    megabytes = (
+        "megabytes for reading one file, and for describing one shape (%(default)s); not enforced on macOS "
+        "and Windows"
     )
-    parser.add_argument(
-        "--time-limit",
-        type=positive_number,
-        default=IndexSettings.time_limit,
-        metavar="S",
-        help="seconds for reading one file, and for describing one shape (%(default)g)",
-    )
-    parser.add_argument(
-        "--memory-limit",
-        type=number_from(1),
-        default=IndexSettings.memory_limit,
-        metavar="MB",
-        help="megabytes for reading one file, and for describing one shape (%(default)s); not enforced on "
-        "macOS and Windows",
-    )
-    parser.add_argument("--retry", action="store_true", help="try files again that failed before")
-    parser.add_argument("--reread", action="store_true", help="read all files again, changed or not")
-    parser.add_argument(
-        "--prune", action="store_true", help="remove files from the library that are gone from these folders"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object at the end")
-    parser.add_argument("--events", action="store_true", help="print one JSON object for each file")
+    add_value(parser, "--memory-limit", "MB", megabytes, number_from(1), IndexSettings.memory_limit)
+    add_flag(parser, "--retry", "try files again that failed before")
+    add_flag(parser, "--reread", "read all files again, changed or not")
+    add_flag(parser, "--prune", "remove files from the library that are gone from these folders")
+    add_flag(parser, "--json", "print one JSON object at the end")
+    add_flag(parser, "--events", "print one JSON object for each file")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -88,13 +83,7 @@ def _run(options: argparse.Namespace) -> int:
         progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
         try:
             with progress:
-                report = index_files(
-                    library,
-                    paths,
-                    settings,
-                    reader=options.reader,
-                    progress=progress,
-                )
+                report = index_files(library, paths, settings, reader=options.reader, progress=progress)
         except KeyboardInterrupt:
             say(
                 f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; "

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from shapegoogle_core.cli.arguments import add_library
+from shapegoogle_core.cli.arguments import add_flag, add_library
 from shapegoogle_core.cli.command import DONE, Command
 
 __all__ = ["COMMAND"]
@@ -14,7 +14,7 @@ __all__ = ["COMMAND"]
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    add_flag(parser, "--json", "print one JSON object")
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -37,10 +37,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_filters, add_library, filter_of, number_from
+from shapegoogle_core.cli.arguments import (
+    add_filters,
+    add_flag,
+    add_library,
+    add_value,
+    filter_of,
+    number_from,
+)
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
-from shapegoogle_core.cli.text import counted
+from shapegoogle_core.cli.text import counted, table
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.search.settings import EvidenceSettings
 
@@ -64,36 +71,15 @@ evidence:   result of comparing the surfaces; ×2 means twice the query's size""
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("meshes", nargs="+", metavar="MESH", help="file of a mesh or scan")
     add_library(parser)
-    parser.add_argument(
-        "--top", type=number_from(1), default=10, metavar="N", help="number of matches (%(default)s)"
-    )
-    parser.add_argument(
-        "--exact",
-        action="store_true",
-        help="compare all shapes in full: slower in a large library, misses nothing",
-    )
-    parser.add_argument(
-        "--evidence",
-        type=number_from(0),
-        default=EvidenceSettings.explained,
-        metavar="N",
-        help="number of best matches whose surfaces are compared for evidence (%(default)s)",
-    )
-    parser.add_argument(
-        "--together",
-        action="store_true",
-        help="the meshes are examples of one thing: run one query with all of them",
-    )
-    parser.add_argument(
-        "--unlike",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="MESH",
-        help="mesh files of what you do not search",
-    )
+    add_value(parser, "--top", "N", "number of matches (%(default)s)", number_from(1), 10)
+    add_flag(parser, "--exact", "compare all shapes in full: slower in a large library, misses nothing")
+    explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
+    add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
+    add_flag(parser, "--together", "the meshes are examples of one thing: run one query with all of them")
+    unlike = "mesh files of what you do not search"
+    parser.add_argument("--unlike", nargs="+", action="extend", default=[], metavar="MESH", help=unlike)
     add_filters(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object for each query")
+    add_flag(parser, "--json", "print one JSON object for each query")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -231,28 +217,12 @@ def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     from shapegoogle_core.rendering.text import evidence_text
 
     rows = [("", "similarity", "distance", "evidence", "name", "source")]
-    rows += [
-        (
-            str(rank),
-            _similarity(match),
-            f"{match.distance:.4f}",
-            evidence_text(match.evidence),
-            match.name,
-            match.source,
-        )
-        for rank, match in enumerate(matches, start=1)
-    ]
-    ranks, similarities, distances, kinds, names, _ = (
-        max(map(len, column)) for column in zip(*rows, strict=True)
-    )
-    lines = [
-        f"{rank:>{ranks}}  {similarity:>{similarities}}  {distance:>{distances}}  {kind:<{kinds}}  "
-        f"{name:<{names}}  {source}"
-        for rank, similarity, distance, kind, name, source in rows
-    ]
-    return "\n".join(
-        [f"{query}: the best {len(matches)} of {counted(shapes, 'shape')}", *map(str.rstrip, lines)]
-    )
+    for rank, match in enumerate(matches, start=1):
+        evidence = evidence_text(match.evidence)
+        distance = f"{match.distance:.4f}"
+        rows.append((str(rank), _similarity(match), distance, evidence, match.name, match.source))
+    title = f"{query}: the best {len(matches)} of {counted(shapes, 'shape')}"
+    return "\n".join([title, *table(rows, ">>><<<")])
 
 
 def _similarity(match: Match) -> str:

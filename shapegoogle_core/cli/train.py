@@ -21,7 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_inputs, add_jobs, number_from
+from shapegoogle_core.cli.arguments import add_flag, add_inputs, add_jobs, add_value, number_from
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
 from shapegoogle_core.cli.text import counted
@@ -36,26 +36,13 @@ __all__ = ["COMMAND"]
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser)
     parser.add_argument("--output", required=True, metavar="MODEL.npz", help="file to write the model to")
-    parser.add_argument("--preset", default="default", metavar="NAME", help="settings: 'default' or 'paper'")
-    parser.add_argument(
-        "--descriptor",
-        action="append",
-        metavar="NAME",
-        help="replace the preset's descriptors, see below; may be given more than once",
-    )
-    parser.add_argument(
-        "--poses", action="store_true", help="the files of one folder are one shape in several poses"
-    )
-    parser.add_argument(
-        "--versions",
-        type=number_from(1),
-        default=10,
-        metavar="N",
-        help="number of transformed versions of each shape to learn from (%(default)s)",
-    )
-    parser.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="seed of all random choices (%(default)s)"
-    )
+    add_value(parser, "--preset", "NAME", "settings: 'default' or 'paper'", default="default")
+    descriptors = "replace the preset's descriptors, see below; may be given more than once"
+    parser.add_argument("--descriptor", action="append", metavar="NAME", help=descriptors)
+    add_flag(parser, "--poses", "the files of one folder are one shape in several poses")
+    versions = "number of transformed versions of each shape to learn from (%(default)s)"
+    add_value(parser, "--versions", "N", versions, number_from(1), 10)
+    add_value(parser, "--seed", "N", "seed of all random choices (%(default)s)", int, 0)
     add_jobs(parser)
 
 
