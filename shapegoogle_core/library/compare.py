@@ -8,10 +8,10 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.explain import MatchExplainer
+from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.verify import Sharing, Verifier
+from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.model import ShapeModel, load_model
@@ -98,6 +98,9 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        explainer = MatchExplainer([signature], settings.evidence)
+        asked = Compared(signature.sample, signature)
+        explainer = Explainer(asked, signature.surface, settings.evidence)
         distance = float(model.distances(signature.bags, bags)[0])
-        return replace(match, evidence=explainer.explain(match, sample, 0, distance))
+        alignment = known_alignment(match, signature.sample)
+        evidence = explainer.explain(Compared(sample, match), match.similarity, distance, alignment)
+        return replace(match, evidence=evidence)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Literal, get_args
 
 __all__ = ["KINDS", "Evidence", "EvidenceKind"]
@@ -27,23 +27,23 @@ class Evidence:
     ----------
     kind : str
         One of `KINDS`.
+    share : float or None
+        Area of the part divided by the area of the whole, from 0 to 1. For "part of" and "contains".
+    probability : float or None
+        Probability that the match is the query in another pose, from 0 to 1. For "re-posed", and for
+        "similar" where a pose was considered.
+    displacement : float or None
+        How far the surface moved between the two poses, in units of the square root of the area; see
+        `Isometry`.
+    spectral_difference : float or None
+        Mean relative difference of the lowest eigenvalues of the two surfaces.
+    residual : float or None
+        Deviation of the functional map between the two surfaces from an orthogonal matrix.
     factor : float
         Size of the match relative to the query; 1 for the same size.
     deviation : float or None
         Distance between the aligned surfaces that 95 % of the points do not exceed, in units of the square
         root of the query's area. For copies, other meshes of the same surface, and parts.
-    share : float or None
-        Area of the part divided by the area of the whole, from 0 to 1. For "part of" and "contains".
-    displacement : float or None
-        How far the surface moved between the two poses, in units of the square root of the area; see
-        `Isometry`.
-    probability : float or None
-        Probability that the match is the query in another pose, from 0 to 1. For "re-posed", and for
-        "similar" where a pose was considered.
-    spectral_difference : float or None
-        Mean relative difference of the lowest eigenvalues of the two surfaces.
-    residual : float or None
-        Deviation of the functional map between the two surfaces from an orthogonal matrix.
 
     Examples
     --------
@@ -56,13 +56,13 @@ class Evidence:
     """
 
     kind: EvidenceKind
-    factor: float = 1.0
-    deviation: float | None = None
     share: float | None = None
-    displacement: float | None = None
     probability: float | None = None
+    displacement: float | None = None
     spectral_difference: float | None = None
     residual: float | None = None
+    factor: float = 1.0
+    deviation: float | None = None
 
     def to_json(self) -> dict[str, object]:
         """Convert to the object that ``shapegoogle query --json`` prints.
@@ -72,13 +72,4 @@ class Evidence:
         record : dict
             ``kind``, ``factor``, and the other figures that apply.
         """
-        figures = {
-            "share": self.share,
-            "probability": self.probability,
-            "displacement": self.displacement,
-            "spectral_difference": self.spectral_difference,
-            "residual": self.residual,
-            "factor": self.factor,
-            "deviation": self.deviation,
-        }
-        return {"kind": self.kind} | {name: value for name, value in figures.items() if value is not None}
+        return {name: value for name, value in asdict(self).items() if value is not None}

@@ -107,10 +107,7 @@ def query(
     signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
     signatures += [_stored_signature(library, example) for example in like]
     matches = library.query(
-        signatures,
-        top=top,
-        explain=0,
-        unlike=[_stored_signature(library, example) for example in unlike],
+        signatures, top=top, explain=0, unlike=[_stored_signature(library, example) for example in unlike]
     )
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
     return Answer(

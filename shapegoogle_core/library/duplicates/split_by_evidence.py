@@ -72,11 +72,10 @@ def _compared(
 ) -> dict[int, Compared]:
     """Read samples and counts of the members of a group, without members that were removed meanwhile."""
     there = [member.shape_id for member in group.members if member.shape_id in records]
-    known = {}
-    for shape_id, sample in stored_samples(store, model, there):
-        record = records[shape_id]
-        known[shape_id] = Compared(sample, record.vertex_count, record.face_count, record.area)
-    return known
+    return {
+        shape_id: Compared(sample, records[shape_id])
+        for shape_id, sample in stored_samples(store, model, there)
+    }
 
 
 def _split(
@@ -102,7 +101,7 @@ def _split(
             if evidence is not None:
                 kind = evidence.kind
                 member = replace(member, scale=evidence.factor)
-            faces[kind] += compared.face_count
+            faces[kind] += compared.shape.face_count
         kinds[kind].append(member)
     parts = [
         DuplicateGroup(

@@ -22,51 +22,8 @@ from shapegoogle_core.library.search.verify import known_alignment
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import SurfaceSample
 
-__all__ = ["MatchExplainer", "explain_matches"]
-
-
-class MatchExplainer:
-    """Explains matches by comparing their surfaces with those of the examples of a query.
-
-    Parameters
-    ----------
-    queries : sequence of ShapeSignature
-        Examples of the query, each with a sample; without their surface the figures are coarser.
-    settings : EvidenceSettings
-    """
-
-    def __init__(self, queries: Sequence[ShapeSignature], settings: EvidenceSettings) -> None:
-        self._queries = queries
-        self._settings = settings
-        self._explainers: dict[int, Explainer] = {}
-
-    def explain(self, match: Match, sample: SurfaceSample, example: int, distance: float) -> Evidence:
-        """Compare a match with an example, starting from the alignment of verification, if there is one.
-
-        Parameters
-        ----------
-        match : Match
-        sample : SurfaceSample
-            Of the match.
-        example : int
-            Position of the example.
-        distance : float
-            Distance of the bags of both.
-
-        Returns
-        -------
-        evidence : Evidence
-        """
-        query = self._queries[example]
-        assert query.sample is not None  # see `queries`
-        if example not in self._explainers:
-            compared = Compared(query.sample, query.vertex_count, query.face_count, query.area)
-            self._explainers[example] = Explainer(compared, query.surface, self._settings)
-        compared = Compared(sample, match.vertex_count, match.face_count, match.area)
-        alignment = known_alignment(match, query.sample)
-        return self._explainers[example].explain(compared, match.similarity, distance, alignment)
+__all__ = ["explain_matches"]
 
 
 def explain_matches(
@@ -95,22 +52,28 @@ def explain_matches(
     matches : list of Match
         In their order. Without evidence: shapes without a sample, and shapes removed meanwhile.
     """
-    usable = [query for query in queries if query.sample is not None]
+    usable = [(query, query.sample) for query in queries if query.sample is not None]
     if not usable or not matches:
         return list(matches)
     shape_ids = [match.shape_id for match in matches]
+    by_id = {match.shape_id: match for match in matches}
     found, bags = store.bags(shape_ids, model.bag_size)
-    distances = np.stack([model.distances(query.bags, bags) for query in usable])
+    distances = np.stack([model.distances(query.bags, bags) for query, _ in usable])
     nearest = dict(zip(found, distances.argmin(axis=0).tolist(), strict=True))
     least = dict(zip(found, distances.min(axis=0).tolist(), strict=True))
-    explainer = MatchExplainer(usable, settings)
+    explainers: dict[int, Explainer] = {}
     evidence: dict[int, Evidence] = {}
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        by_id = {match.shape_id: match for match in matches}
         for shape_id, sample in stored_samples(store, model, shape_ids):
-            if shape_id in nearest:  # else it was removed meanwhile
-                evidence[shape_id] = explainer.explain(
-                    by_id[shape_id], sample, nearest[shape_id], least[shape_id]
-                )
+            if shape_id not in nearest:  # removed meanwhile
+                continue
+            match, example = by_id[shape_id], nearest[shape_id]
+            query, query_sample = usable[example]
+            if example not in explainers:
+                explainers[example] = Explainer(Compared(query_sample, query), query.surface, settings)
+            alignment = known_alignment(match, query_sample)
+            evidence[shape_id] = explainers[example].explain(
+                Compared(sample, match), match.similarity, least[shape_id], alignment
+            )
     return [replace(match, evidence=evidence.get(match.shape_id)) for match in matches]

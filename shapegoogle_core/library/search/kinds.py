@@ -14,8 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from shapegoogle_core.library.evidence import Evidence, EvidenceKind
+from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.settings import EvidenceSettings
+from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import (
     PART_SCALES,
     SCALES,
@@ -47,16 +50,12 @@ class Compared:
     Attributes
     ----------
     sample : SurfaceSample
-    vertex_count, face_count : int
-        Of the mesh as it was read.
-    area : float
-        Of the mesh as it was read, in squared units of its file.
+    shape : Match, ShapeRecord or ShapeSignature
+        With counts and area of the mesh as it was read.
     """
 
     sample: SurfaceSample
-    vertex_count: int
-    face_count: int
-    area: float
+    shape: Match | ShapeRecord | ShapeSignature
 
 
 class Explainer:
@@ -79,11 +78,8 @@ class Explainer:
         self._surface: Surface | TangentPlanes
         if surface is None:
             self._surface = TangentPlanes(query.sample)
-            self._identical, self._remeshed, self._near = (
-                settings.coarse,
-                settings.coarse,
-                settings.coarse_near,
-            )
+            self._identical = self._remeshed = settings.coarse
+            self._near = settings.coarse_near
         else:
             self._surface = Surface(surface, query.sample)
             self._identical, self._remeshed, self._near = settings.identical, settings.remeshed, settings.near
@@ -161,8 +157,8 @@ class Explainer:
         return None
 
     def _same_counts(self, match: Compared) -> bool:
-        query = self._query
-        return (query.vertex_count, query.face_count) == (match.vertex_count, match.face_count)
+        query, shape = self._query.shape, match.shape
+        return (query.vertex_count, query.face_count) == (shape.vertex_count, shape.face_count)
 
     def _is_same(self, fitted: Fit, tolerance: float) -> bool:
         return fitted.deviation <= tolerance and fitted.query_covered >= self._settings.whole
@@ -218,7 +214,7 @@ class Explainer:
         """Check whether the smaller surface lies on the larger one."""
         factor = self._factor(fitted, match.sample)
         # Areas of the meshes as they were read: preprocessing has put lids on cuts.
-        share = match.area / (self._query.area * factor**2)
+        share = match.shape.area / (self._query.shape.area * factor**2)
         on_query = share < 1
         share = share if on_query else 1 / share
         covered = fitted.covered(self._near) if on_query else fitted.query_covered
@@ -234,7 +230,7 @@ class Explainer:
 
     def _posed(self, match: Compared, distance: float) -> Evidence:
         difference = spectral_difference(self._sample, match.sample)
-        factor = _digits(math.sqrt(match.area / self._query.area))
+        factor = _digits(math.sqrt(match.shape.area / self._query.shape.area))
         if difference > self._settings.other_spectrum:
             return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
         found = functional_map(self._sample, match.sample)

@@ -70,6 +70,15 @@ class Query:
         Negative examples.
     unlike_weight : float, optional
         w above.
+
+    Attributes
+    ----------
+    several, has_unlike : bool
+        Whether there are several positive examples, and negative ones.
+    codes, projections : list of (s/8,) array of uint8, list of (s,) array
+        Binary code of each positive example, and its projections before taking signs.
+    samples : list of SurfaceSample
+        Of the positive examples that have one.
     """
 
     def __init__(
@@ -86,6 +95,8 @@ class Query:
         examples = [(one, model.embed(one)) for one in bags]
         self._like = [model.comparable(*example) for example in examples]
         self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
+        self.several = len(like) > 1
+        self.has_unlike = bool(unlike)
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
         self.projections: list[NDArray[np.float32]] = [
             model.code_projections(*example)[0] for example in examples
@@ -94,16 +105,6 @@ class Query:
         self.samples: list[SurfaceSample] = [
             signature.sample for signature in like if signature.sample is not None
         ]
-
-    @property
-    def several(self) -> bool:
-        """Whether it has several positive examples."""
-        return len(self._like) > 1
-
-    @property
-    def has_unlike(self) -> bool:
-        """Whether it has negative examples."""
-        return bool(self._unlike)
 
     def distances(self, bags: NDArray[np.float32]) -> FloatArray:
         """Compute the distances of shapes from the query.

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,23 +15,7 @@ from shapegoogle_core.library.search.settings import RerankSettings
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 
-__all__ = ["Ranking", "Reranker"]
-
-
-@dataclass(frozen=True)
-class Ranking:
-    """Candidates in the order of their distances.
-
-    Attributes
-    ----------
-    matches : list of Match
-        Best first.
-    gone : set of int
-        Ids of candidates that were removed from the library meanwhile.
-    """
-
-    matches: list[Match]
-    gone: set[int]
+__all__ = ["Reranker"]
 
 
 class Reranker:
@@ -51,7 +34,7 @@ class Reranker:
         self._model = model
         self._at_once = max(1, settings.entries_at_once // model.bag_size)
 
-    def rank(self, query: Query, candidates: Sequence[int], count: int) -> Ranking:
+    def rank(self, query: Query, candidates: Sequence[int], count: int) -> tuple[list[Match], set[int]]:
         """Compare candidates with the query.
 
         Parameters
@@ -64,7 +47,10 @@ class Reranker:
 
         Returns
         -------
-        ranking : Ranking
+        matches : list of Match
+            Best first.
+        gone : set of int
+            Ids of candidates that were removed from the library meanwhile.
         """
         best: list[Match] = []
         gone: set[int] = set()
@@ -73,7 +59,7 @@ class Reranker:
             shape_ids, bags = self._store.bags(portion, self._model.bag_size)
             gone |= set(portion).difference(shape_ids)
             best = self._merge(best, query, shape_ids, bags, count)
-        return Ranking(best, gone)
+        return best, gone
 
     def rank_all(self, query: Query, count: int, among: NDArray[np.int64] | None = None) -> list[Match]:
         """Compare all shapes with the query.

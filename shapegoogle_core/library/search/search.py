@@ -91,14 +91,14 @@ class Search:
     ) -> list[Match]:
         """Compare the bags of the shapes that are found in an index of codes."""
         for _ in range(2):
-            ranking = self._reranker.rank(query, find(), count)
-            if not ranking.gone:
-                return ranking.matches
+            matches, gone = self._reranker.rank(query, find(), count)
+            if not gone:
+                return matches
             # Removed since their codes were read; other shapes take their places.
-            index.discard(ranking.gone)
+            index.discard(gone)
         # More were removed than just these, so read all codes again.
         index.forget()
-        return self._reranker.rank(query, find(), count).matches
+        return self._reranker.rank(query, find(), count)[0]
 
     def _verified(self, query: Query, matches: list[Match], among: ShapeIds | None) -> list[Match]:
         if query.samples:

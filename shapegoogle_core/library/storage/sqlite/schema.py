@@ -12,7 +12,10 @@ APPLICATION_ID = 0x53474C42
 FORMAT = 6
 """Version of the library format; a library of another one is refused."""
 
-SCHEMA = """
+# Key of the tables with one row for each shape.
+_OF_SHAPE = "shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE"
+
+SCHEMA = f"""
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE model (identifier TEXT NOT NULL, content BLOB NOT NULL);
 CREATE TABLE sources (
@@ -42,31 +45,16 @@ CREATE TABLE tags (
     PRIMARY KEY (shape_id, tag)
 ) WITHOUT ROWID;
 CREATE INDEX shapes_with_tag ON tags (tag);
-CREATE TABLE codes (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    code BLOB NOT NULL
-);
-CREATE TABLE local_words (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    code BLOB NOT NULL
-);
+CREATE TABLE codes ({_OF_SHAPE}, code BLOB NOT NULL);
+CREATE TABLE local_words ({_OF_SHAPE}, code BLOB NOT NULL);
 CREATE TABLE code_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
 CREATE TABLE local_word_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
 CREATE TRIGGER code_removed AFTER DELETE ON codes
-    BEGIN DELETE FROM code_blocks WHERE block = (old.shape_id - 1) / {block_ids}; END;
+    BEGIN DELETE FROM code_blocks WHERE block = (old.shape_id - 1) / {{block_ids}}; END;
 CREATE TRIGGER local_words_removed AFTER DELETE ON local_words
-    BEGIN DELETE FROM local_word_blocks WHERE block = (old.shape_id - 1) / {block_ids}; END;
-CREATE TABLE bags (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    halves BLOB NOT NULL
-);
-CREATE TABLE samples (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    content BLOB NOT NULL
-);
-CREATE TABLE thumbnails (
-    shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
-    png BLOB NOT NULL
-);
+    BEGIN DELETE FROM local_word_blocks WHERE block = (old.shape_id - 1) / {{block_ids}}; END;
+CREATE TABLE bags ({_OF_SHAPE}, halves BLOB NOT NULL);
+CREATE TABLE samples ({_OF_SHAPE}, content BLOB NOT NULL);
+CREATE TABLE thumbnails ({_OF_SHAPE}, png BLOB NOT NULL);
 """
 """Statements, each ending a line; `block_ids` is the number of ids in a block of codes, see `CodeBlocks`."""

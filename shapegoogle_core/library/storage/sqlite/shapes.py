@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""SQL of the tables `shapes` and `tags`: names, counts, sizes and tags of shapes, and filters on them."""
+"""SQL of the tables `shapes`, `tags`, `samples` and `thumbnails`: all of a shape but its bags and codes."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ FROM shapes LEFT JOIN sources ON sources.id = source_id
 
 
 class ShapeTable(Database):
-    """Records of the shapes of a library file."""
+    """Records, surface samples and pictures of the shapes of a library file."""
 
     def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
-        """Insert the record and the tags of a new shape, inside `writing`; return its id."""
+        """Insert record, tags, sample and picture of a new shape, inside `writing`; return its id."""
         signature = shape.signature
         shape_id = self.connection.execute(
             "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area,"
@@ -50,6 +50,11 @@ class ShapeTable(Database):
             "INSERT OR IGNORE INTO tags VALUES (?, CAST(? AS TEXT))",
             [(shape_id, encoded(tag)) for tag in shape.tags],
         )
+        if signature.sample is not None:
+            content = signature.sample.to_bytes()
+            self.connection.execute("INSERT INTO samples VALUES (?, ?)", (shape_id, content))
+        if shape.thumbnail is not None:
+            self.connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         return shape_id
 
     def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
@@ -76,6 +81,15 @@ class ShapeTable(Database):
             self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
         rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+
+    def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the surface samples of some shapes, see `Store.samples`."""
+        return dict(self.rows_with_ids("SELECT shape_id, content FROM samples WHERE shape_id", shape_ids))
+
+    def thumbnail(self, shape_id: int) -> bytes | None:
+        """Return the picture of a shape, see `Store.thumbnail`."""
+        picture: bytes | None = self.value("SELECT png FROM thumbnails WHERE shape_id = ?", shape_id)
+        return picture
 
     def _has_tags(self) -> bool:
         """Return whether any shape has a tag: a search then saves one query."""

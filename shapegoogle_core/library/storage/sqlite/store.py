@@ -10,7 +10,6 @@ from shapegoogle_core.library.storage.records import NewShape, SourceRecord, Sto
 from shapegoogle_core.library.storage.sqlite.bags import BagTable
 from shapegoogle_core.library.storage.sqlite.codes import CodeTables
 from shapegoogle_core.library.storage.sqlite.database import encoded
-from shapegoogle_core.library.storage.sqlite.samples_and_thumbnails import SampleAndThumbnailTables
 from shapegoogle_core.library.storage.sqlite.schema import APPLICATION_ID, FORMAT, SCHEMA
 from shapegoogle_core.library.storage.sqlite.shapes import ShapeTable
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
@@ -19,7 +18,7 @@ from shapegoogle_core.model.signature import ShapeSignature
 __all__ = ["SqliteStore"]
 
 
-class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, SourceTable):
+class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
     """A `Store` in one SQLite file. Parameters are those of `CodeTables`."""
 
     # -- the file as a whole --------------------------------------------------------------------------------
@@ -125,7 +124,6 @@ class SqliteStore(CodeTables, BagTable, SampleAndThumbnailTables, ShapeTable, So
     def _insert(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
         shape_id = self.insert_record(source_id, shape)
         self.insert_bags(shape_id, shape.signature.bags)
-        self.insert_sample_and_thumbnail(shape_id, shape)
         self.insert_codes(shape_id, shape.signature)
         return shape_id
 
