@@ -31,27 +31,21 @@ class LibraryContents:
     store : Store
         The open file.
     model : ShapeModel
-        The model of the library.
+        The model that describes the shapes of this library.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    read_only : bool
+        Whether changes are refused: on request, or because the file is write-protected.
     """
 
     def __init__(self, store: Store, model: ShapeModel) -> None:
         self._store = store
-        self._model = model
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return Path(self._store.name)
-
-    @property
-    def model(self) -> ShapeModel:
-        """The model that describes the shapes of this library."""
-        return self._model
-
-    @property
-    def read_only(self) -> bool:
-        """Whether changes are refused: on request, or because the file is write-protected."""
-        return self._store.read_only
+        self.model = model
+        self.path = Path(store.name)
+        self.read_only = store.read_only
 
     # -- changes --------------------------------------------------------------------------------------------
 
@@ -110,7 +104,7 @@ class LibraryContents:
         source = os.fspath(source)
         mesh = as_mesh(mesh, name or Path(source).name)
         return self.add_signature(
-            self._model.describe(mesh),
+            self.model.describe(mesh),
             name or Path(source).name or mesh.name,
             source=source,
             object_name=object_name,
@@ -149,7 +143,7 @@ class LibraryContents:
             If another model made the signature, or the file cannot be written.
         """
         shape = NewShape(signature, name, object_name, thumbnail, tuple(tags))
-        check_signature(signature, name, self._model, self._store.name)
+        check_signature(signature, name, self.model, self._store.name)
         return self._store.add(source, shape)
 
     def replace_source(
@@ -188,7 +182,7 @@ class LibraryContents:
             If another model described one of the shapes, or the file cannot be written.
         """
         for shape in shapes:
-            check_signature(shape.signature, shape.name, self._model, self._store.name)
+            check_signature(shape.signature, shape.name, self.model, self._store.name)
         source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
         return self._store.replace_source(source, shapes)
 
@@ -317,10 +311,10 @@ class LibraryContents:
             "shapes": summary.shapes,
             "sources": summary.sources,
             "failed": summary.failed,
-            "model": self._model.identifier,
-            "model_name": self._model.name,
-            "code_bits": self._model.code_bits,
-            "bag_size": self._model.bag_size,
+            "model": self.model.identifier,
+            "model_name": self.model.name,
+            "code_bits": self.model.code_bits,
+            "bag_size": self.model.bag_size,
             "bytes": summary.bytes,
             "schema": summary.format,
         }
@@ -368,7 +362,7 @@ class LibraryContents:
         LibraryError
             If there is no such shape.
         """
-        signature = read_signature(self._store, self._model, shape_id)
+        signature = read_signature(self._store, self.model, shape_id)
         if signature is None:
             raise self._unknown(shape_id)
         return signature

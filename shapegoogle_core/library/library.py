@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from shapegoogle_core.errors import LibraryError
@@ -126,16 +125,11 @@ class Library(LibraryContents):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        error_type: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}('{self.path}', model {self._model.identifier})"
+        return f"{type(self).__name__}('{self.path}', model {self.model.identifier})"
 
     def query(
         self,
@@ -203,16 +197,16 @@ class Library(LibraryContents):
         if explain < 0:
             raise ValueError(f"explain must be at least 0, not {explain}")
         kind = None if where is None else where.kind
-        if kind is not None and self._model.settings.sample is None:
+        if kind is not None and self.model.settings.sample is None:
             raise LibraryError(
                 f"'{self._store.name}' keeps no samples of surfaces to find the kind {kind!r} with, because "
-                f"its model {self._model.name!r} takes none; leave the kind out"
+                f"its model {self.model.name!r} takes none; leave the kind out"
             )
         examples = self._signatures(shapes, keep_surface=explain > 0 or kind is not None)
         if not examples:
             raise ValueError("there is nothing to search for: give at least one mesh or signature")
         unlike_weight = self._settings.rerank.unlike_weight
-        query = Query(self._model, examples, self._signatures(unlike), unlike_weight)
+        query = Query(self.model, examples, self._signatures(unlike), unlike_weight)
         among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
         search = self._search.among_all if exact else self._search.among_nearest_codes
         kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
@@ -249,7 +243,7 @@ class Library(LibraryContents):
         """
         settings = self._settings.evidence
         count = settings.explained if count is None else count
-        explained = explain_matches(self._store, self._model, signatures, matches[:count], settings)
+        explained = explain_matches(self._store, self.model, signatures, matches[:count], settings)
         return [*explained, *matches[count:]]
 
     def _signatures(self, shapes: QueryShapes, *, keep_surface: bool = False) -> list[ShapeSignature]:
@@ -257,11 +251,11 @@ class Library(LibraryContents):
         signatures = []
         for shape in as_query_shapes(shapes):
             if isinstance(shape, ShapeSignature):
-                check_signature(shape, "the query", self._model, self._store.name)
+                check_signature(shape, "the query", self.model, self._store.name)
                 signatures.append(shape)
             else:
                 mesh = as_mesh(shape, name="the query")
-                signatures.append(self._model.describe(mesh, keep_surface=keep_surface))
+                signatures.append(self.model.describe(mesh, keep_surface=keep_surface))
         return signatures
 
     def _of_kind(
@@ -307,5 +301,5 @@ class Library(LibraryContents):
         ValueError
             If `min_similarity` is out of range.
         """
-        groups = find_duplicates(self._store, self._model, min_similarity, progress)
-        return split_by_evidence(self._store, self._model, groups, explained)
+        groups = find_duplicates(self._store, self.model, min_similarity, progress)
+        return split_by_evidence(self._store, self.model, groups, explained)

@@ -71,8 +71,7 @@ def find_duplicates(
     clusters: list[_ShapeCluster] = []
     with _vectors(store, model, shapes.shape_ids[rows]) as (found, vectors):
         rows, positions = rows[found], np.arange(len(found))
-        counts = np.stack([shapes.vertex_count[rows], shapes.face_count[rows]], axis=1)
-        classes = np.unique(counts, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
+        classes = np.unique(shapes.counts[rows], axis=0, return_inverse=True)[1].ravel().astype(np.int64)
         same_limit = min(limit, distance_at(model, SAME_SIMILARITY))
         for kind, max_distance in (("same", same_limit), ("similar", limit)):
             members = rows[positions]
@@ -203,11 +202,11 @@ def _copy_group(shapes: _ShapeColumns, sources: Sequence[SourceRecord]) -> Dupli
     """
     members, faces, saved_bytes = [], [], 0
     for source in sources:
-        rows = shapes.rows_of(source.path)
+        rows = np.flatnonzero(shapes.source_of == shapes.sources.get(source.path, -1))
         if len(rows):
             name, shape_id = Path(source.path).name, int(shapes.shape_ids[rows[0]])
             members.append(DuplicateMember(name, source.path, "", shape_id, 1.0, 1.0))
-            faces.append(int(shapes.face_count[rows].sum()))
+            faces.append(int(shapes.counts[rows, 1].sum()))
             saved_bytes += (source.size or 0) if len(members) > 1 else 0
     if len(members) < 2:
         return None
@@ -222,7 +221,8 @@ class _ShapeColumns:
     ----------
     shape_ids : (n,) array of int64
     codes : (n, s/8) array of uint8
-    vertex_count, face_count : (n,) array of int64
+    counts : (n, 2) array of int64
+        Vertices and faces.
     source_of : (n,) array of int64
         Number of each shape's source in `sources`.
     sources : dict of str to int
@@ -231,25 +231,9 @@ class _ShapeColumns:
 
     shape_ids: NDArray[np.int64]
     codes: NDArray[np.uint8]
-    vertex_count: NDArray[np.int64]
-    face_count: NDArray[np.int64]
+    counts: NDArray[np.int64]
     source_of: NDArray[np.int64]
     sources: dict[str, int]
-
-    def rows_of(self, source: str) -> NDArray[np.int64]:
-        """Return the rows of the shapes of a source.
-
-        Parameters
-        ----------
-        source : str
-            Its path.
-
-        Returns
-        -------
-        rows : (m,) array of int64
-            Empty for an unknown source.
-        """
-        return np.flatnonzero(self.source_of == self.sources.get(source, -1))
 
 
 def _read_columns(store: Store, code_bytes: int) -> _ShapeColumns:
@@ -279,5 +263,5 @@ def _read_columns(store: Store, code_bytes: int) -> _ShapeColumns:
                 source = sources.setdefault(record.source, len(sources))
                 numbers[row] = record.vertex_count, record.face_count, source
                 known[row] = True
-    vertices, faces, source_of = numbers[known].T
-    return _ShapeColumns(shape_ids[known], codes[known], vertices, faces, source_of, sources)
+    numbers = numbers[known]
+    return _ShapeColumns(shape_ids[known], codes[known], numbers[:, :2], numbers[:, 2], sources)

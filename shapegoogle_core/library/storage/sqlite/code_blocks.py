@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,33 +36,31 @@ CodeRows = tuple[NDArray[np.int64], list[bytes]]
 """Ids of shapes, and their codes: one string of bytes for each, or one for all."""
 
 
+@dataclass(frozen=True)
 class CodeBlocks:
     """The packed codes of an open library file, for use inside its transactions.
 
-    Parameters
+    Attributes
     ----------
     connection : sqlite3.Connection
         Its errors are not translated here.
     kind : {"codes", "local_words"}
-    block_ids : int, optional
+        Also the name of the table of single rows.
+    block_ids : int
         Number of ids in a block, as in the schema.
-    rows_at_once : int, optional
+    rows_at_once : int
         Number of single rows in memory at once.
     """
 
-    def __init__(
-        self,
-        connection: sqlite3.Connection,
-        kind: CodeKind,
-        *,
-        block_ids: int = BLOCK_IDS,
-        rows_at_once: int = ROWS_AT_ONCE,
-    ) -> None:
-        self._connection = connection
-        self._codes = kind
-        self._blocks = BLOCK_TABLES[kind]
-        self._block_ids = block_ids
-        self._rows_at_once = rows_at_once
+    connection: sqlite3.Connection
+    kind: CodeKind
+    block_ids: int = BLOCK_IDS
+    rows_at_once: int = ROWS_AT_ONCE
+
+    @property
+    def table(self) -> str:
+        """Name of the table of blocks."""
+        return BLOCK_TABLES[self.kind]
 
     def pages(self, last_id: int) -> Iterator[CodeRows]:
         """Read all codes after an id in the order of ids; use them up within one transaction.
@@ -77,18 +76,18 @@ class CodeBlocks:
         codes : list of bytes
         """
         # Block b holds the ids from b · 4,096 + 1 on; the first one entirely after `last_id`:
-        first = -(-last_id // self._block_ids)
-        blocks = self._connection.execute(
-            f"SELECT block FROM {self._blocks} WHERE block >= ? ORDER BY block", (first,)
+        first = -(-last_id // self.block_ids)
+        blocks = self.connection.execute(
+            f"SELECT block FROM {self.table} WHERE block >= ? ORDER BY block", (first,)
         ).fetchall()
         for (block,) in blocks:
-            start = block * self._block_ids
+            start = block * self.block_ids
             yield from self._rows(last_id, start)
-            offsets, codes = self._connection.execute(
-                f"SELECT offsets, codes FROM {self._blocks} WHERE block = ?", (block,)
+            offsets, codes = self.connection.execute(
+                f"SELECT offsets, codes FROM {self.table} WHERE block = ?", (block,)
             ).fetchone()
             yield start + 1 + np.frombuffer(offsets, OFFSET_TYPE).astype(np.int64), [codes]
-            last_id = start + self._block_ids
+            last_id = start + self.block_ids
         yield from self._rows(last_id, np.iinfo(np.int64).max)
 
     def complete(self, shape_id: int) -> None:
@@ -99,10 +98,10 @@ class CodeBlocks:
         shape_id : int
             Of the shape that was just added. An id that completes no block does nothing.
         """
-        if shape_id % self._block_ids:
+        if shape_id % self.block_ids:
             return
-        packed = {number for (number,) in self._connection.execute(f"SELECT block FROM {self._blocks}")}
-        self.pack(sorted(set(range(shape_id // self._block_ids)) - packed))
+        packed = {number for (number,) in self.connection.execute(f"SELECT block FROM {self.table}")}
+        self.pack(sorted(set(range(shape_id // self.block_ids)) - packed))
 
     def holding(self, where: str, parameters: Iterable[object]) -> set[int]:
         """Find the blocks that hold the codes of some shapes.
@@ -119,30 +118,30 @@ class CodeBlocks:
         blocks : set of int
         """
         statement = (
-            f"SELECT block FROM {self._blocks} WHERE block IN"
-            f" (SELECT (id - 1) / {self._block_ids} FROM shapes WHERE {where})"
+            f"SELECT block FROM {self.table} WHERE block IN"
+            f" (SELECT (id - 1) / {self.block_ids} FROM shapes WHERE {where})"
         )
-        return {number for (number,) in self._connection.execute(statement, tuple(parameters))}
+        return {number for (number,) in self.connection.execute(statement, tuple(parameters))}
 
     def pack(self, blocks: Iterable[int]) -> None:
         """Write these blocks again from the rows of codes."""
         for block in blocks:
-            first = block * self._block_ids
-            rows = list(self._rows(first, first + self._block_ids))
+            first = block * self.block_ids
+            rows = list(self._rows(first, first + self.block_ids))
             shape_ids = np.concatenate([np.empty(0, np.int64), *(ids for ids, _ in rows)])
             codes = b"".join(code for _, page in rows for code in page)
             offsets = (shape_ids - first - 1).astype(OFFSET_TYPE).tobytes()
-            self._connection.execute(
-                f"INSERT OR REPLACE INTO {self._blocks} VALUES (?, ?, ?)", (block, offsets, codes)
+            self.connection.execute(
+                f"INSERT OR REPLACE INTO {self.table} VALUES (?, ?, ?)", (block, offsets, codes)
             )
 
     def _rows(self, last_id: int, end_id: int) -> Iterator[CodeRows]:
         """Read single codes after one id, up to and including another one, in pages."""
         while True:
-            rows = self._connection.execute(
-                f"SELECT shape_id, code FROM {self._codes} WHERE shape_id > ? AND shape_id <= ?"
+            rows = self.connection.execute(
+                f"SELECT shape_id, code FROM {self.kind} WHERE shape_id > ? AND shape_id <= ?"
                 " ORDER BY shape_id LIMIT ?",
-                (last_id, end_id, self._rows_at_once),
+                (last_id, end_id, self.rows_at_once),
             ).fetchall()
             if not rows:
                 return

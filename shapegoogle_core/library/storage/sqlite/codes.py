@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 
@@ -29,56 +28,43 @@ class CodeTables(Database):
     ----------
     path, create, read_only, timeout
         See `Database`.
-    block_ids, rows_at_once : int, optional
+
+    Attributes
+    ----------
+    block_ids, rows_at_once : int
         See `CodeBlocks`.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        *,
-        create: bool,
-        read_only: bool,
-        timeout: float,
-        block_ids: int = BLOCK_IDS,
-        rows_at_once: int = ROWS_AT_ONCE,
-    ) -> None:
-        super().__init__(path, create=create, read_only=read_only, timeout=timeout)
-        self.block_ids = block_ids
-        self._blocks = {
-            kind: CodeBlocks(self.connection, kind, block_ids=block_ids, rows_at_once=rows_at_once)
-            for kind in BLOCK_TABLES
-        }
-        # Blocks that lose a shape in the running transaction.
-        self._incomplete: dict[CodeKind, set[int]] = {kind: set() for kind in BLOCK_TABLES}
+    block_ids = BLOCK_IDS
+    rows_at_once = ROWS_AT_ONCE
 
     @contextmanager
     def writing(self) -> Iterator[None]:
         """Run changes as one transaction, which ends with packing the blocks that lost shapes."""
         with super().writing():
-            for blocks in self._incomplete.values():
-                blocks.clear()
+            # Blocks that lose a shape in this transaction.
+            self._incomplete: dict[CodeKind, set[int]] = {kind: set() for kind in BLOCK_TABLES}
             yield
             for kind, blocks in self._incomplete.items():
-                self._blocks[kind].pack(blocks)
+                self._blocks(kind).pack(blocks)
 
     def insert_codes(self, shape_id: int, signature: ShapeSignature) -> None:
         """Insert the codes of a new shape, inside `writing`."""
-        for kind, code in (("codes", signature.code), ("local_words", signature.local_code)):
+        for table, code in (("codes", signature.code), ("local_words", signature.local_code)):
             if code is not None:
-                self.connection.execute(f"INSERT INTO {kind} VALUES (?, ?)", (shape_id, code.tobytes()))
-        for blocks in self._blocks.values():
-            blocks.complete(shape_id)
+                self.connection.execute(f"INSERT INTO {table} VALUES (?, ?)", (shape_id, code.tobytes()))
+        for kind in BLOCK_TABLES:
+            self._blocks(kind).complete(shape_id)
 
     def note_removal(self, where: str, parameters: tuple[object, ...]) -> None:
         """Remember the blocks of shapes that are about to be removed; see `CodeBlocks.holding`."""
-        for kind, blocks in self._blocks.items():
-            self._incomplete[kind] |= blocks.holding(where, parameters)
+        for kind, blocks in self._incomplete.items():
+            blocks |= self._blocks(kind).holding(where, parameters)
 
     def code_pages(self, kind: CodeKind, last_id: int, code_bytes: int) -> Iterator[CodePage]:
         """Read the codes of all shapes after an id, see `Store.code_pages`."""
         with self.explained():
-            for shape_ids, blobs in self._blocks[kind].pages(last_id):
+            for shape_ids, blobs in self._blocks(kind).pages(last_id):
                 content = b"".join(blobs)
                 if len(content) != len(shape_ids) * code_bytes:
                     raise self.damaged("a code has another length than its model's")
@@ -93,3 +79,6 @@ class CodeTables(Database):
     def count(self) -> int:
         """Return the number of shapes, from the smallest table with a row for each of them."""
         return int(self.value("SELECT count(*) FROM codes"))
+
+    def _blocks(self, kind: CodeKind) -> CodeBlocks:
+        return CodeBlocks(self.connection, kind, self.block_ids, self.rows_at_once)

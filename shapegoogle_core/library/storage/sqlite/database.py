@@ -54,17 +54,25 @@ class Database:
         Refuse changes.
     timeout : float
         Longest time to wait for another program's lock, in seconds.
+
+    Attributes
+    ----------
+    name : str
+        The path, as error messages name the library.
+    read_only : bool
+        Whether changes are refused: on request, or because the file is write-protected.
     """
 
     def __init__(self, path: Path, *, create: bool, read_only: bool, timeout: float) -> None:
         self.path = path
+        self.name = str(path)
         self.timeout = timeout
         self._next_write = 0.0
         with self.explained():
             self.connection = sqlite3.connect(
                 _uri(path, "rwc" if create else "rw"), uri=True, timeout=timeout, isolation_level=None
             )
-        self._read_only = read_only or not os.access(path, os.W_OK)
+        self.read_only = read_only or not os.access(path, os.W_OK)
         self.connection.text_factory = _decoded
         try:
             with self.explained():
@@ -74,16 +82,6 @@ class Database:
         except BaseException:
             self.connection.close()
             raise
-
-    @property
-    def name(self) -> str:
-        """The path, as error messages name the library."""
-        return str(self.path)
-
-    @property
-    def read_only(self) -> bool:
-        """Whether changes are refused: on request, or because the file is write-protected."""
-        return self._read_only
 
     def close(self) -> None:
         """Close the file. Closing twice does no harm."""

@@ -27,9 +27,15 @@ CHANGES = ["add", "replace", "remove", "remove shape"]
 SignatureMaker = Callable[..., ShapeSignature]
 
 
-def open_store(path: Path, model: ShapeModel) -> SqliteStore:
+class SmallBlocks(SqliteStore):
     """A store with small blocks."""
-    store = SqliteStore(path, create=True, read_only=False, timeout=30, block_ids=BLOCK_IDS, rows_at_once=5)
+
+    block_ids = BLOCK_IDS
+    rows_at_once = 5
+
+
+def open_store(path: Path, model: ShapeModel) -> SqliteStore:
+    store = SmallBlocks(path, create=True, read_only=False, timeout=30)
     if store.is_empty():
         store.initialise(model.identifier, model.to_bytes())
     return store
