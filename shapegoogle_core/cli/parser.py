@@ -13,7 +13,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli import duplicates, index, info, query, train
-from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE, Command
+from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end
@@ -93,32 +93,23 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     parser.add_argument("--version", action="version", version=f"shapegoogle {version}")
     subparsers = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND", required=True)
     for command in COMMANDS:
-        _add_command(subparsers, command, program.format(command=command.name), reader)
+        summary, _, details = command.help.partition("\n\n")
+        options = subparsers.add_parser(
+            command.name,
+            prog=program.format(command=command.name),
+            help=f"{summary[0].lower()}{summary[1:].rstrip('.')}",
+            description=summary,
+            epilog=f"{details}\n{EXIT_CODES}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        options.add_argument("-v", "--verbose", action="store_true", help="show the traceback of errors")
+        command.add_options(options)
+        if command.reads_files and reader is not None:
+            for offer in reader.offers:
+                options.add_argument(
+                    f"--{offer.name}",
+                    choices=offer.choices,
+                    default=offer.choices[0],
+                    help=f"{offer.summary} (%(default)s)",
+                )
     return parser
-
-
-def _add_command(
-    subparsers: argparse._SubParsersAction[argparse.ArgumentParser],
-    command: Command,
-    program: str,
-    reader: ExternalReader | None,
-) -> None:
-    summary, _, details = command.help.partition("\n\n")
-    parser = subparsers.add_parser(
-        command.name,
-        prog=program,
-        help=f"{summary[0].lower()}{summary[1:].rstrip('.')}",
-        description=summary,
-        epilog=f"{details}\n{EXIT_CODES}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("-v", "--verbose", action="store_true", help="show the traceback of errors")
-    command.add_options(parser)
-    if command.reads_files and reader is not None:
-        for offer in reader.offers:
-            parser.add_argument(
-                f"--{offer.name}",
-                choices=offer.choices,
-                default=offer.choices[0],
-                help=f"{offer.summary} (%(default)s)",
-            )

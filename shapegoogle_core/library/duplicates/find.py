@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,13 +117,11 @@ def _vectors(
                 found.append(start + np.searchsorted(page, ids))
         file.flush()
         positions = np.concatenate(found)
-        yield positions, _mapped(file, (len(positions), width))
-
-
-def _mapped(file: IO[bytes], shape: tuple[int, int]) -> FloatBags:
-    if 0 in shape:  # an empty file cannot be mapped
-        return np.empty(shape, np.float32)
-    return np.memmap(file, np.float32, mode="r", shape=shape)
+        shape = len(positions), width
+        if 0 in shape:  # an empty file cannot be mapped
+            yield positions, np.empty(shape, np.float32)
+        else:
+            yield positions, np.memmap(file, np.float32, mode="r", shape=shape)
 
 
 def _shape_groups(

@@ -68,15 +68,10 @@ def prepared_candidates(
     match, prepared : Match, PreparedSample or None
         In the order of `matches`; None for a shape without a surface, or one that was removed meanwhile.
     """
-    waiting = iter(matches)
-    for shape_id, sample in surfaces([match.shape_id for match in matches]):
-        for match in waiting:
-            if match.shape_id == shape_id:
-                yield match, PreparedSample(sample)
-                break
-            yield match, None
-    for match in waiting:
-        yield match, None
+    samples = dict(surfaces([match.shape_id for match in matches]))
+    for match in matches:
+        sample = samples.get(match.shape_id)
+        yield match, None if sample is None else PreparedSample(sample)
 
 
 def candidate_supports(

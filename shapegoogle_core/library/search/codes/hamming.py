@@ -110,10 +110,8 @@ def hamming_distances(words: Words, query: Words, count: BitCounter = count_bits
         Number of differing bits.
     """
     distances = np.zeros(words.shape[1], np.uint16)
-    for start in range(0, words.shape[1], BLOCK):
-        block = slice(start, start + BLOCK)
-        for row, word in zip(words, query, strict=True):
-            distances[block] += count(row[block] ^ word)
+    for row, word in zip(words, query, strict=True):
+        distances += count(row ^ word)
     return distances
 
 

@@ -31,19 +31,13 @@ class ShapeTable(Database):
     def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
         """Insert record, tags, sample and picture of a new shape, inside `writing`; return its id."""
         signature = shape.signature
+        counts = int(signature.vertex_count), int(signature.face_count)
+        sizes = float(signature.area), *map(float, signature.extents)
         shape_id = self.connection.execute(
             "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area,"
             " extent_x, extent_y, extent_z)"
             " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?)",
-            (
-                source_id,
-                encoded(shape.object_name),
-                encoded(shape.name),
-                int(signature.vertex_count),
-                int(signature.face_count),
-                float(signature.area),
-                *map(float, signature.extents),
-            ),
+            (source_id, encoded(shape.object_name), encoded(shape.name), *counts, *sizes),
         ).lastrowid
         assert shape_id is not None  # an INSERT that did not raise has made a row
         self.connection.executemany(

@@ -14,16 +14,11 @@ class SourceTable(Database):
 
     def insert_source(self, source: SourceRecord) -> int:
         """Insert a source, inside `writing`; return its number."""
+        error = None if source.error is None else encoded(source.error)
         row = self.connection.execute(
             "INSERT INTO sources (path, size, mtime_ns, sha256, error)"
             " VALUES (CAST(? AS TEXT), ?, ?, ?, CAST(? AS TEXT))",
-            (
-                encoded(source.path),
-                source.size,
-                source.mtime_ns,
-                source.sha256,
-                None if source.error is None else encoded(source.error),
-            ),
+            (encoded(source.path), source.size, source.mtime_ns, source.sha256, error),
         )
         assert row.lastrowid is not None  # an INSERT that did not raise has made a row
         return row.lastrowid

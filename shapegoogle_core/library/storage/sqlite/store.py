@@ -62,15 +62,12 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
         version = self.value("SELECT value FROM meta WHERE key = 'schema'")
         if not isinstance(version, str) or not version.isdecimal():
             raise self.damaged("it does not say which format it has")
-        if int(version) > FORMAT:
+        if int(version) != FORMAT:
+            newer = int(version) > FORMAT
             raise LibraryError(
-                f"'{self.path}' was made by a newer version of Shape Google (format {version}; this one "
-                f"reads format {FORMAT}); update Shape Google, or index your folders into a new library"
-            )
-        if int(version) < FORMAT:
-            raise LibraryError(
-                f"'{self.path}' was made by an older version of Shape Google (format {version}; this one "
-                f"reads format {FORMAT}); index your folders into a new library"
+                f"'{self.path}' was made by {'a newer' if newer else 'an older'} version of Shape Google "
+                f"(format {version}; this one reads format {FORMAT}); "
+                f"{'update Shape Google, or ' if newer else ''}index your folders into a new library"
             )
 
     def model(self) -> tuple[str, bytes]:

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape
-from shapegoogle_core.library.storage.sqlite.code_blocks import CodeBlocks
+from shapegoogle_core.library.storage.sqlite.codes import CodeBlocks
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import all_codes
 from shapegoogle_core.model import ShapeModel, ShapeSignature
