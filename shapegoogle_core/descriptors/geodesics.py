@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import MeshLike, clean_surface
 from shapegoogle_core.mesh.connectivity import edge_lengths, unique_edges
 from shapegoogle_core.mesh.measures import vertex_areas
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
@@ -141,14 +141,14 @@ def geodesic_histograms(mesh: MeshLike, radius: float = 0.3, bins: int = 8) -> F
     Returns
     -------
     histograms : (n, bins) array
-        Without unit.
+        Dimensionless.
 
     Raises
     ------
     ValueError
         If the radius is not positive or there are no bins.
     MeshError
-        If the shape is not a mesh.
+        If the shape is not a surface, or a vertex has no area.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def geodesic_histograms(mesh: MeshLike, radius: float = 0.3, bins: int = 8) -> F
     >>> bool(np.allclose(histograms, histograms[0]))  # all corners of a tetrahedron are alike
     True
     """
-    mesh = as_mesh(mesh)
+    mesh = clean_surface(mesh)
     check_radius(radius)
     check_bins("bins", bins)
     areas = vertex_areas(mesh) / mesh.area

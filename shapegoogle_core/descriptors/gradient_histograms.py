@@ -10,7 +10,7 @@ import numpy as np
 from shapegoogle_core.descriptors.checks import check_bins, check_radius
 from shapegoogle_core.descriptors.geodesics import geodesic_neighbors
 from shapegoogle_core.laplacian import cotangent, heat_step
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import MeshLike, clean_surface
 from shapegoogle_core.mesh.connectivity import boundary_vertices
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
@@ -127,7 +127,7 @@ def mesh_hog(
     ValueError
         If a parameter is out of range.
     MeshError
-        If the shape is not a mesh.
+        If the shape is not a surface, or a vertex has no area.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def mesh_hog(
     >>> bool((np.linalg.norm(histograms, axis=1) < 1).all())
     True
     """
-    mesh = as_mesh(mesh)
+    mesh = clean_surface(mesh)
     check_radius(radius)
     check_bins("sectors and orientations", sectors, orientations)
     if not 0 < floor < math.inf:

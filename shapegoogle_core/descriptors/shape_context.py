@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from shapegoogle_core.descriptors.checks import check_bins, chunks
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import MeshLike, clean_surface
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray
 
@@ -51,7 +51,7 @@ def shape_contexts(
     ValueError
         If there are no bins, or the radii do not ascend.
     MeshError
-        If the shape is not a mesh.
+        If the shape is not a surface, or a vertex has no area.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def shape_contexts(
     >>> contexts.sum(axis=1).round(3).tolist()  # three of the four corners
     [0.75, 0.75, 0.75, 0.75]
     """
-    mesh = as_mesh(mesh)
+    mesh = clean_surface(mesh)
     check_bins("shells and elevations", shells, elevations)
     if not 0 < inner < outer < math.inf:
         raise ValueError(f"the radii inner and outer must be positive and ascend, not {inner} and {outer}")

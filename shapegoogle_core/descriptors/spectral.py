@@ -8,11 +8,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from shapegoogle_core.arguments import check_count
 from shapegoogle_core.descriptors.times import default_exponents, default_times
 from shapegoogle_core.laplacian import Operator
 from shapegoogle_core.mesh import MeshLike
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import Spectrum, heat_kernel_diagonal
+from shapegoogle_core.spectral import Spectrum, check_spectrum, checked_shape, heat_kernel_diagonal
 from shapegoogle_core.spectral.truncated import checked_times
 
 __all__ = [
@@ -54,7 +55,7 @@ def heat_kernel_signature(
     normalize : bool
         Scale the values of each vertex to unit Euclidean norm, the c(x) of equation 2. Otherwise c(x) = 1.
     method : {"spectral", "rational"}
-        "spectral" sums over the eigenpairs of the spectrum, which is exact once those left out have died out.
+        "spectral" sums over the eigenpairs of the spectrum, exact once the omitted terms have decayed.
         "rational" gives the sum over all eigenpairs, of which few or none are computed, at any time however
         small.
     spectrum : Spectrum, optional
@@ -72,17 +73,14 @@ def heat_kernel_signature(
     Raises
     ------
     ValueError
-        If the method is unknown, a time is not positive, or, with "rational", times and spectrum are missing,
+        If the method is unknown or needs another kind of shape, a time is not positive, or, with
+        "rational", times and spectrum are missing,
         another parameter is out of range, the spectrum is of another operator, the operator has values
         elsewhere than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on very
         uneven meshes.
-    TypeError
-        If the method needs another kind of shape.
     MeshError
         If the operator of the mesh cannot be assembled, or there are no default times as all eigenvalues
-        are 0.
-    numpy.linalg.LinAlgError
-        If the stiffness of an operator has negative eigenvalues.
+        are 0, or the stiffness of the operator has negative eigenvalues.
 
     See Also
     --------
@@ -104,6 +102,7 @@ def heat_kernel_signature(
     >>> exact.round(3).tolist()[0]
     [0.227, 0.08]
     """
+    shape = checked_shape(shape, method)
     if times is None:
         known = shape if isinstance(shape, Spectrum) else spectrum
         if known is None:
@@ -118,7 +117,7 @@ def heat_kernel_signature(
 
 
 def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArray:
-    """Logarithm of the heat kernel signature of every vertex, without unit.
+    """Logarithm of the heat kernel signature of every vertex, dimensionless.
 
     log(t·K_t(x, x)), but at least -10
 
@@ -137,7 +136,7 @@ def log_heat_kernel_signature(spectrum: Spectrum, times: ArrayLike) -> FloatArra
     Raises
     ------
     ValueError
-        If a time is not positive.
+        If the spectrum is not a `Spectrum`, or a time is not positive.
 
     See Also
     --------
@@ -180,12 +179,13 @@ def scale_invariant_hks(
     Returns
     -------
     values : (n, frequencies) array
-        Without unit.
+        Dimensionless.
 
     Raises
     ------
     ValueError
-        If `tau` has too few values for the frequencies, or a parameter is out of range.
+        If the spectrum is not a `Spectrum`, `tau` has too few values for the frequencies, or a
+        parameter is out of range.
 
     See Also
     --------
@@ -202,6 +202,7 @@ def scale_invariant_hks(
     >>> values.shape, bool(np.allclose(sg.scale_invariant_hks(large), values))
     ((4, 6), True)
     """
+    check_spectrum(spectrum)
     if alpha <= 1:
         raise ValueError(f"alpha must be greater than 1, not {alpha}")
     exponents = default_exponents(spectrum.area, alpha) if tau is None else np.asarray(tau, dtype=np.float64)
@@ -251,8 +252,8 @@ def wave_kernel_signature(
     Raises
     ------
     ValueError
-        If the spectrum has fewer than two positive eigenvalues, the number of energies is less than 1, or
-        explicit energies come without a positive sigma.
+        If the spectrum is not a `Spectrum` or has fewer than two positive eigenvalues, the number of
+        energies is less than 1, or explicit energies come without a positive sigma.
 
     Examples
     --------
@@ -266,6 +267,7 @@ def wave_kernel_signature(
     >>> (values.T @ spectrum.mass).round(6).tolist()  # means of squared eigenfunctions
     [1.0, 1.0, 1.0, 1.0, 1.0]
     """
+    check_spectrum(spectrum)
     # The zeros of the components have no logarithm. The bound is relative to the largest, for any unit.
     positive = spectrum.eigenvalues > 1e-8 * spectrum.eigenvalues[-1]
     if positive.sum() < 2:
@@ -310,13 +312,13 @@ def global_point_signature(spectrum: Spectrum, count: int = 25) -> FloatArray:
     Returns
     -------
     values : (n, count) array
-        Without unit: the size of the shape does not matter. If the spectrum has fewer positive eigenvalues,
+        Dimensionless: the size of the shape does not matter. If the spectrum has fewer positive eigenvalues,
         the remaining columns are 0, the limit of the values.
 
     Raises
     ------
     ValueError
-        If count < 1.
+        If the spectrum is not a `Spectrum`, or count is not a whole number ≥ 1.
 
     Examples
     --------
@@ -326,8 +328,8 @@ def global_point_signature(spectrum: Spectrum, count: int = 25) -> FloatArray:
     >>> sg.global_point_signature(spectrum, 2).round(3).tolist()
     [[0.4, 0.0], [-0.3, 0.0]]
     """
-    if count < 1:
-        raise ValueError(f"a global point signature needs at least one eigenfunction, not {count}")
+    check_spectrum(spectrum)
+    check_count("count", count)
     # The zeros of the components are left out. The bound is relative to the largest, for any unit.
     positive = np.flatnonzero(spectrum.eigenvalues > 1e-8 * spectrum.eigenvalues[-1])[:count]
     values = np.zeros((len(spectrum.mass), count))

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from shapegoogle_core.descriptors.checks import check_bins, check_radius, chunks
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import MeshLike, clean_surface
 from shapegoogle_core.mesh.measures import vertex_areas, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray
 
@@ -87,7 +87,7 @@ def vertex_spin_images(mesh: MeshLike, radius: float = 0.4, bins: tuple[int, int
     ValueError
         If the radius is not positive or there are no bins.
     MeshError
-        If the shape is not a mesh.
+        If the shape is not a surface, or a vertex has no area.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def vertex_spin_images(mesh: MeshLike, radius: float = 0.4, bins: tuple[int, int
     >>> images[0].round(3).tolist()  # the vertex itself, and the three others on a ring around its normal
     [0.25, 0.0, 0.0, 0.75]
     """
-    mesh = as_mesh(mesh)
+    mesh = clean_surface(mesh)
     check_radius(radius)
     check_bins("bins", *bins)
     unit = math.sqrt(mesh.area)

@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
+from shapegoogle_core.arguments import check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import Spectrum
+from shapegoogle_core.spectral import Spectrum, check_spectrum
 
 __all__ = ["default_exponents", "default_times", "time_at", "time_range"]
 
@@ -26,7 +27,6 @@ def time_range(spectrum: Spectrum) -> tuple[float, float]:
     ----------
     spectrum : Spectrum
         Eigenpairs of the shape.
-        Eigenpairs of the shape.
 
     Returns
     -------
@@ -36,6 +36,8 @@ def time_range(spectrum: Spectrum) -> tuple[float, float]:
 
     Raises
     ------
+    ValueError
+        If the spectrum is not a `Spectrum`.
     MeshError
         If all eigenvalues are 0: the shape has as many loose parts as the spectrum has eigenpairs, or more.
 
@@ -43,12 +45,13 @@ def time_range(spectrum: Spectrum) -> tuple[float, float]:
     --------
     >>> import numpy as np
     >>> from shapegoogle_core.descriptors import time_range
-    >>> from shapegoogle_core.spectral import Spectrum
+    >>> from shapegoogle_core.spectral import Spectrum, check_spectrum
     >>> spectrum = Spectrum(np.array([0.0, 1.0, 10.0]), np.eye(3), np.ones(3))
     >>> shortest, longest = time_range(spectrum)
     >>> round(shortest, 3), round(longest, 3)
     (0.921, 9.21)
     """
+    check_spectrum(spectrum)
     last = float(spectrum.eigenvalues[-1])
     # Each connected component has an eigenvalue 0.
     positive = spectrum.eigenvalues[spectrum.eigenvalues > 1e-8 * last] if last > 0 else np.empty(0)
@@ -78,6 +81,8 @@ def time_at(spectrum: Spectrum, scale: float) -> float:
 
     Raises
     ------
+    ValueError
+        If the spectrum is not a `Spectrum`.
     MeshError
         If all eigenvalues are 0, see `time_range`.
     """
@@ -103,7 +108,7 @@ def default_times(spectrum: Spectrum, count: int = 100) -> FloatArray:
     Raises
     ------
     ValueError
-        If the count is less than 1.
+        If the spectrum is not a `Spectrum`, or the count is not a whole number ≥ 1.
     MeshError
         If all eigenvalues are 0, see `time_range`.
 
@@ -111,13 +116,12 @@ def default_times(spectrum: Spectrum, count: int = 100) -> FloatArray:
     --------
     >>> import numpy as np
     >>> from shapegoogle_core.descriptors import default_times
-    >>> from shapegoogle_core.spectral import Spectrum
+    >>> from shapegoogle_core.spectral import Spectrum, check_spectrum
     >>> spectrum = Spectrum(np.array([0.0, 1.0, 100.0]), np.eye(3), np.ones(3))
     >>> default_times(spectrum, 3).round(3).tolist()
     [0.092, 0.921, 9.21]
     """
-    if count < 1:
-        raise ValueError(f"the number of times must be at least 1, not {count}")
+    check_count("count", count)
     return np.array([time_at(spectrum, float(scale)) for scale in np.linspace(0, 1, count)])
 
 

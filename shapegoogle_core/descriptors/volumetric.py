@@ -12,7 +12,7 @@ from scipy.sparse import coo_array, csc_array, diags_array, eye_array
 
 from shapegoogle_core.descriptors.spectral import LEAST_HEAT, heat_kernel_signature
 from shapegoogle_core.laplacian import Operator
-from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh import MeshLike, clean_surface
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import operator_spectrum
 
@@ -49,7 +49,7 @@ def volumetric_hks(
     Returns
     -------
     values : (n, d) array
-        Interpolated linearly between the centres of cubes. Without unit; falls to 0 for large t. At least
+        Interpolated linearly between the centres of cubes. Dimensionless; falls to 0 for large t. At least
         -10, which stands for no heat, see `log_heat_kernel_signature`.
 
     Raises
@@ -57,7 +57,7 @@ def volumetric_hks(
     ValueError
         If a parameter is out of range.
     MeshError
-        If the shape is not a mesh.
+        If the shape is not a surface, or a vertex has no area.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def volumetric_hks(
     >>> values.shape, abs(round(float(values[0, 2]), 6))
     ((4, 3), 0.0)
     """
-    mesh = as_mesh(mesh)
+    mesh = clean_surface(mesh)
     if resolution < 1 or eigenpairs < 1:
         raise ValueError(f"resolution and eigenpairs must be at least 1, not {resolution} and {eigenpairs}")
     import trimesh  # slow to import, and only needed here

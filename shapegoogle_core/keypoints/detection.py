@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 import inspect
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.arguments import check_number
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints.registry import DETECTORS
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import Spectrum
+from shapegoogle_core.spectral import Spectrum, check_spectrum
 
 __all__ = ["Keypoints", "detect_keypoints"]
 
@@ -79,7 +79,8 @@ def detect_keypoints(
     Raises
     ------
     ValueError
-        If the detector is unknown, it has no parameter of that name, or a parameter is not positive.
+        If the spectrum is not a `Spectrum`, the detector is unknown, it has no parameter of that name,
+        or a parameter is not positive.
     MeshError
         If the mesh has no faces, the spectrum is of another mesh, or an operator cannot be assembled.
 
@@ -98,6 +99,7 @@ def detect_keypoints(
     mesh = as_mesh(mesh)
     if detector not in DETECTORS:
         raise ValueError(f"detector must be one of {', '.join(DETECTORS)}, not {detector!r}")
+    check_spectrum(spectrum)
     if len(mesh.vertices) != len(spectrum.mass) or mesh.is_point_cloud:
         raise MeshError(
             f"{mesh.name!r} has {len(mesh.vertices)} vertices and {len(mesh.faces)} faces, its spectrum "
@@ -107,8 +109,7 @@ def detect_keypoints(
     for name, value in parameters.items():
         if name not in known:
             raise ValueError(f"{detector!r} has no parameter {name!r}; it has {', '.join(known)}")
-        if not 0 < value < math.inf:
-            raise ValueError(f"{name} of {detector!r} must be positive, not {value!r}")
+        check_number(f"{name} of {detector!r}", value, positive=True)
     response = DETECTORS[detector](mesh, spectrum, **parameters)
     indices = np.flatnonzero(response > 0)
     indices = indices[np.argsort(-response[indices], kind="stable")]

@@ -43,7 +43,7 @@ def harris_3d(
     Returns
     -------
     response : (n,) array
-        h at the keypoints, 0 at the other vertices; without unit.
+        h at the keypoints, 0 at the other vertices; dimensionless.
 
     Notes
     -----

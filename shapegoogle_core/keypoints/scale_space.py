@@ -107,7 +107,7 @@ def mesh_dog(
     Returns
     -------
     response : (n,) array
-        |f(√2 σ) - f(σ)| √area at the keypoints, 0 at the other vertices; without unit.
+        |f(√2 σ) - f(σ)| √area at the keypoints, 0 at the other vertices; dimensionless.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def salient_points(
     Returns
     -------
     response : (n,) array
-        The sum at the keypoints, 0 at the other vertices; without unit.
+        The sum at the keypoints, 0 at the other vertices; dimensionless.
 
     Raises
     ------

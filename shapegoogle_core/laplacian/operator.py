@@ -24,7 +24,7 @@ class Operator:
     Attributes
     ----------
     stiffness : (d, d) sparse array
-        W, symmetric positive semi-definite, without unit; rows sum to 0. The first n of the d degrees of
+        W, symmetric positive semi-definite, dimensionless; rows sum to 0. The first n of the d degrees of
         freedom are the values at the vertices of the mesh; most operators have no others.
     mass : (d, d) sparse array
         A, symmetric positive definite, in squared mesh units; sums to the area. Diagonal if lumped.

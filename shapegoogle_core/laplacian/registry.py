@@ -14,6 +14,7 @@ from shapegoogle_core.laplacian.fem import fem1, fem2, fem3
 from shapegoogle_core.laplacian.operator import Operator
 from shapegoogle_core.laplacian.tufted import point_cloud, robust
 from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh.checks import REPAIR, check_cloud, check_surface, check_used
 from shapegoogle_core.mesh.connectivity import boundary_vertices
 from shapegoogle_core.mesh.mesh import Mesh
 
@@ -32,8 +33,6 @@ LAPLACIANS: dict[str, Callable[[Mesh], Operator]] = {
     POINT_CLOUD: point_cloud,
 }
 """Functions that assemble an operator, by name."""
-
-_REPAIR = "repair it first, with shapegoogle_core.preprocessing.repair(mesh)"
 
 
 def build_operator(mesh: MeshLike, laplacian: str = "robust") -> Operator:
@@ -88,14 +87,15 @@ def build_operator(mesh: MeshLike, laplacian: str = "robust") -> Operator:
         raise MeshError(
             f"{mesh.name!r} has no faces, which the Laplacian {laplacian!r} needs; use {POINT_CLOUD!r}"
         )
-    elif unused := int((np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) == 0).sum()):
-        raise MeshError(f"{mesh.name!r} has {unused} vertices that no face uses; {_REPAIR}")
+    else:
+        check_used(mesh)
     try:
         operator = LAPLACIANS[laplacian](mesh)
     except RuntimeError as error:  # from the library robust_laplacian
-        raise MeshError(f"{mesh.name!r}: the Laplacian could not be assembled ({error})") from error
+        (check_cloud if laplacian == POINT_CLOUD else check_surface)(mesh)  # knows the usual causes
+        raise MeshError(f"{mesh.name!r}: the Laplacian could not be assembled; {REPAIR}") from error
     if not (np.isfinite(operator.stiffness.data).all() and (operator.lumped_mass > 0).all()):
-        raise MeshError(f"{mesh.name!r} has vertices without area; {_REPAIR}")
+        raise MeshError(f"{mesh.name!r} has vertices without area; {REPAIR}")
     if operator.boundary is None and laplacian != POINT_CLOUD:
         operator = replace(operator, boundary=np.flatnonzero(boundary_vertices(mesh)).astype(np.int64))
     return operator

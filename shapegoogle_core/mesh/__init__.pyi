@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 from shapegoogle_core.mesh.checks import check_cloud as check_cloud
 from shapegoogle_core.mesh.checks import check_surface as check_surface
+from shapegoogle_core.mesh.checks import clean_surface as clean_surface
 from shapegoogle_core.mesh.connectivity import unique_edges as unique_edges
 from shapegoogle_core.mesh.io.reading import MESH_SUFFIXES as MESH_SUFFIXES
 from shapegoogle_core.mesh.io.reading import read_mesh as read_mesh

@@ -6,10 +6,15 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import face_areas, vertex_areas
 from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
 
-__all__ = ["FEWEST_POINTS", "check_cloud", "check_surface"]
+__all__ = ["FEWEST_POINTS", "REPAIR", "check_cloud", "check_surface", "check_used", "clean_surface"]
+
+REPAIR = "repair it first, with shapegoogle_core.preprocessing.repair(mesh)"
+"""The advice in errors about a mesh that repair makes usable."""
 
 FEWEST_POINTS = 10
 """Fewest different points of a point cloud that can be described."""
@@ -32,7 +37,7 @@ def check_surface(mesh: Mesh) -> None:
     ------
     MeshError
         If there are no faces or fewer than four vertices, all points coincide, the surface has no area, or
-        the coordinates are so large or small that areas leave the range of floating-point numbers.
+        the coordinates are so large or small that areas overflow.
     """
     count = len(mesh.vertices)
     if mesh.is_point_cloud:
@@ -62,9 +67,50 @@ def check_surface(mesh: Mesh) -> None:
         )
     if not 0 < area < np.inf:
         raise MeshError(
-            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
-            "scale the mesh to a usual size"
+            f"{mesh.name!r} is {extent:g} units long, so that areas overflow; scale the mesh to a usual size"
         )
+
+
+def check_used(mesh: Mesh) -> None:
+    """Raise MeshError if a mesh has vertices that no face uses.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If there are any.
+    """
+    unused = len(mesh.vertices) - len(used_vertices(mesh.faces, len(mesh.vertices))[0])
+    if unused:
+        vertices = "vertex" if unused == 1 else "vertices"
+        raise MeshError(f"{mesh.name!r} has {unused} {vertices} that no face uses; {REPAIR}")
+
+
+def clean_surface(shape: MeshLike) -> Mesh:
+    """Convert to a mesh on which descriptors of surfaces are defined.
+
+    Parameters
+    ----------
+    shape : MeshLike
+
+    Returns
+    -------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If it is not a mesh, not a surface (see `check_surface`), or a vertex has no area.
+    """
+    mesh = as_mesh(shape)
+    check_surface(mesh)
+    check_used(mesh)
+    if not (vertex_areas(mesh) > 0).all():
+        raise MeshError(f"{mesh.name!r} has vertices without area; {REPAIR}")
+    return mesh
 
 
 def check_cloud(mesh: Mesh) -> None:
@@ -83,7 +129,7 @@ def check_cloud(mesh: Mesh) -> None:
     """
     count = len(np.unique(mesh.vertices, axis=0))
     if count < FEWEST_POINTS:
-        different = "" if count == len(mesh.vertices) else f", {count} of them at different places"
+        different = "" if count == len(mesh.vertices) else f", only {count} distinct"
         raise MeshError(
             f"{mesh.name!r} has no faces and {len(mesh.vertices)} points{different}; a point cloud needs at "
             f"least {FEWEST_POINTS}, a mesh its faces: export it again"
@@ -93,7 +139,7 @@ def check_cloud(mesh: Mesh) -> None:
         area = extent**2
     if not 0 < area < np.inf:
         raise MeshError(
-            f"{mesh.name!r} is {extent:g} units long, so that areas leave the range of numbers; "
+            f"{mesh.name!r} is {extent:g} units long, so that areas overflow; "
             "scale the points to a usual size"
         )
     centered = (mesh.vertices - mesh.vertices.mean(axis=0)) / extent

@@ -244,7 +244,7 @@ def _factorise(pencil: _Pencil, shift: float, earlier: _Factor | None = None) ->
             options={"SymmetricMode": True},
         )
     except RuntimeError as error:  # "Factor is exactly singular"
-        raise np.linalg.LinAlgError(str(error)) from error
+        raise np.linalg.LinAlgError(f"the matrix is singular at the shift {shift:.6g}") from error
     if not np.array_equal(lu.perm_r, lu.perm_c):
         raise np.linalg.LinAlgError(f"a pivot is zero at the shift {shift:.6g}")
     return _Factor(shift, lu, int((lu.U.diagonal() < 0).sum()))

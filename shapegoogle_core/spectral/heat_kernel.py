@@ -12,7 +12,7 @@ from shapegoogle_core.spectral.rational import rational_diagonal, rational_kerne
 from shapegoogle_core.spectral.spectrum import Spectrum
 from shapegoogle_core.spectral.truncated import truncated_diagonal, truncated_kernel
 
-__all__ = ["METHODS", "heat_kernel", "heat_kernel_diagonal"]
+__all__ = ["METHODS", "checked_shape", "heat_kernel", "heat_kernel_diagonal"]
 
 METHODS = ("spectral", "rational")
 """Ways to compute a heat kernel: from a truncated spectrum, or from an operator by rational approximation."""
@@ -26,7 +26,7 @@ def heat_kernel(
     method: str = "spectral",
     tolerance: float = 0.01,
 ) -> FloatArray:
-    """Heat at every vertex, a time after a unit of it was put on one vertex (paper, equation 5).
+    """Heat at every vertex at time t after one unit was placed at the source (paper, equation 5).
 
     K_t(x, y) = Σ_l exp(-λ_l t) φ_l(x) φ_l(y)
 
@@ -41,7 +41,7 @@ def heat_kernel(
         t > 0, in squared mesh units. With "rational" at most ten times the area; a spectrum serves all later
         times.
     method : {"spectral", "rational"}
-        "spectral" sums over the eigenpairs of the spectrum, which is exact once those left out have died out.
+        "spectral" sums over the eigenpairs of the spectrum, exact once the omitted terms have decayed.
         "rational" gives the sum over all eigenpairs, of which none are computed, at any time however small.
     tolerance : float
         Of "rational" only: largest error as a share of √(K_t(x, x) K_t(y, y)), which the kernel itself
@@ -57,11 +57,9 @@ def heat_kernel(
     Raises
     ------
     ValueError
-        If the method is unknown, the source is not a vertex, the time is not positive, or, with "rational",
-        another parameter is out of range, the operator has values elsewhere than at vertices ("fem2",
-        "fem3"), or the tolerance cannot be proved.
-    TypeError
-        If the method needs another kind of shape.
+        If the method is unknown or needs another kind of shape, the source is not a vertex, the time
+        is not positive, or, with "rational", another parameter is out of range, the operator has values
+        elsewhere than at vertices ("fem2", "fem3"), or the tolerance cannot be proved.
     MeshError
         If the operator of the mesh cannot be assembled.
 
@@ -83,7 +81,7 @@ def heat_kernel(
     >>> bool(np.allclose(exact, heat, rtol=1e-3))
     True
     """
-    checked = _checked_shape(shape, method)
+    checked = checked_shape(shape, method)
     if isinstance(checked, Spectrum):
         return truncated_kernel(checked, source, time)
     return rational_kernel(checked, source, time, tolerance)
@@ -97,7 +95,7 @@ def heat_kernel_diagonal(
     spectrum: Spectrum | None = None,
     tolerance: float = 0.01,
 ) -> FloatArray:
-    """Heat that remains at every vertex, a time after a unit of it was put there (paper, equation 6).
+    """Heat that remains at every vertex at time t after one unit was placed there (paper, equation 6).
 
     K_t(x, x) = Σ_l exp(-λ_l t) φ_l(x)²
 
@@ -124,35 +122,49 @@ def heat_kernel_diagonal(
     Raises
     ------
     ValueError
-        If the method is unknown, a time is not positive, or, with "rational", another parameter is out of
-        range, the spectrum is of another operator, the operator has values elsewhere than at vertices
-        ("fem2", "fem3"), or the tolerance cannot be proved, which happens on very uneven meshes.
-    TypeError
-        If the method needs another kind of shape.
+        If the method is unknown or needs another kind of shape, a time is not positive, or, with
+        "rational", another parameter is out of range, the spectrum is of another operator, the operator has
+        values elsewhere than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens
+        on very uneven meshes.
     MeshError
-        If the operator of the mesh cannot be assembled.
-    numpy.linalg.LinAlgError
-        If the stiffness of an operator has negative eigenvalues.
+        If the operator of the mesh cannot be assembled, or its stiffness has negative eigenvalues.
     """
-    checked = _checked_shape(shape, method)
+    checked = checked_shape(shape, method)
     if isinstance(checked, Spectrum):
         return truncated_diagonal(checked, times)
     return rational_diagonal(checked, times, spectrum, tolerance)
 
 
-def _checked_shape(shape: Spectrum | Operator | MeshLike, method: str) -> Spectrum | Operator:
-    """Return the spectrum or the operator that the method works on."""
+def checked_shape(shape: Spectrum | Operator | MeshLike, method: str) -> Spectrum | Operator:
+    """Return the spectrum or the operator that a method works on.
+
+    Parameters
+    ----------
+    shape : Spectrum, Operator or MeshLike
+    method : {"spectral", "rational"}
+
+    Returns
+    -------
+    checked : Spectrum or Operator
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown, or needs another kind of shape.
+    MeshError
+        If the operator of the mesh cannot be assembled.
+    """
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     if method == "spectral":
         if not isinstance(shape, Spectrum):
-            raise TypeError(
+            raise ValueError(
                 f"method='spectral' needs a Spectrum, not {type(shape).__name__}; call compute_spectrum() "
                 "first, or use method='rational'"
             )
         return shape
     if isinstance(shape, Spectrum):
-        raise TypeError(
+        raise ValueError(
             "method='rational' needs a mesh or an operator, not a Spectrum; pass the mesh, or use "
             "method='spectral'"
         )

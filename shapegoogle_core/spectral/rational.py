@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Heat kernels of the full spectrum at any time, without computing the spectrum (paper, section 3.3).
 
-With k eigenpairs the heat kernel is known only at times at which all other eigenpairs have died out. For
+With k eigenpairs the heat kernel is known only at times at which all other eigenpairs have decayed. For
 smaller times the paper cites a multiresolution approach (Vaxman, Ben-Chen, Gotsman 2010). Here K_t is instead
 a sum of resolvents R(z) = (W + zA)⁻¹, the Green's functions of the screened Poisson equation. For real z > 0
 in a geometric ladder, the same for all times,
@@ -26,11 +26,12 @@ import scipy.sparse as sparse
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.csgraph import connected_components
 
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import Operator, factor_definite
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.selected_inverse import Levels, inverse_diagonal, level_structure
 from shapegoogle_core.spectral.spectrum import Spectrum
-from shapegoogle_core.spectral.truncated import checked_times, truncated_diagonal
+from shapegoogle_core.spectral.truncated import check_source, checked_time, checked_times, truncated_diagonal
 
 __all__ = ["rational_diagonal", "rational_kernel"]
 
@@ -51,7 +52,7 @@ class _Ladder:
     poles : (p,) array
         z, ascending, in 1 / squared mesh units.
     weights : (p - 1, d) array
-        c of each pair of neighbouring poles, for each of d times; without unit. Many are 0.
+        c of each pair of neighbouring poles, for each of d times; dimensionless. Many are 0.
     errors : (d,) array
         ε, the largest error of exp(-tλ) as a multiple of 1 / (1 + tλ)².
     bounding : (d,) array of int
@@ -101,11 +102,10 @@ def rational_kernel(operator: Operator, source: int, time: float, tolerance: flo
         If a parameter is out of range, the operator has values elsewhere than at vertices ("fem2", "fem3"),
         or the tolerance cannot be proved.
     """
-    t = _small_times(operator, [time])
+    t = _small_times(operator, checked_time(time))
     _check_operator_and_tolerance(operator, tolerance)
     n = len(operator.lumped_mass)
-    if not 0 <= source < n:
-        raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
+    check_source(source, n)
     # In this order of small bandwidth the factorisations are far faster than in that of the mesh.
     order = level_structure(_pattern(operator)).order
     stiffness = operator.stiffness[order][:, order]
@@ -158,7 +158,7 @@ def rational_diagonal(
         If a parameter is out of range, the spectrum is of another operator, the operator has values elsewhere
         than at vertices ("fem2", "fem3"), or the tolerance cannot be proved, which happens on very uneven
         meshes.
-    numpy.linalg.LinAlgError
+    MeshError
         If the stiffness has negative eigenvalues.
     """
     _check_operator_and_tolerance(operator, tolerance)
@@ -220,7 +220,12 @@ def _left_out(operator: Operator, levels: Levels, spectrum: Spectrum, times: Flo
 
 
 def _resolvent_diagonal(operator: Operator, levels: Levels, pole: float) -> FloatArray:
-    return inverse_diagonal(sparse.csr_array(operator.stiffness + pole * operator.mass), levels)
+    try:
+        return inverse_diagonal(sparse.csr_array(operator.stiffness + pole * operator.mass), levels)
+    except np.linalg.LinAlgError as error:
+        raise MeshError(
+            "the stiffness of the operator has negative eigenvalues; use another Laplacian, such as 'robust'"
+        ) from error
 
 
 def _ladder(times: FloatArray) -> _Ladder:
@@ -264,8 +269,6 @@ def _fractions(values: FloatArray, poles: FloatArray) -> FloatArray:
 def _small_times(operator: Operator, times: ArrayLike) -> FloatArray:
     """Raise ValueError if there are no times, or one is later than the method serves."""
     t = checked_times(times)
-    if t.size == 0:
-        raise ValueError("times must be a list of positive numbers, in squared mesh units, not an empty one")
     area = float(operator.lumped_mass.sum())
     if (t > LATEST * area).any():
         raise ValueError(

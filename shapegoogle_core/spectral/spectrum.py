@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import ThreadpoolController
 
+from shapegoogle_core.arguments import check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import BOUNDARIES, Operator, build_operator
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.eigensolver import smallest_pairs
 
-__all__ = ["Spectrum", "compute_spectrum", "operator_spectrum"]
+__all__ = ["Spectrum", "check_spectrum", "compute_spectrum", "operator_spectrum"]
 
 # Up to this number of vertices a dense solver is as fast as an iterative one, and cannot miss a pair.
 DENSE_SIZE = 200
@@ -85,6 +86,24 @@ class Spectrum:
         return Spectrum(self.eigenvalues, self.eigenvectors[vertices], self.mass[vertices])
 
 
+def check_spectrum(spectrum: object) -> None:
+    """Raise ValueError unless an argument is a `Spectrum`.
+
+    Parameters
+    ----------
+    spectrum : object
+
+    Raises
+    ------
+    ValueError
+        If it is something else, such as the mesh itself.
+    """
+    if not isinstance(spectrum, Spectrum):
+        raise ValueError(
+            f"a Spectrum is needed, not {type(spectrum).__name__}; pass compute_spectrum(mesh) of the mesh"
+        )
+
+
 def compute_spectrum(
     mesh: MeshLike, k: int = 100, laplacian: str = "robust", boundary: str = "neumann"
 ) -> Spectrum:
@@ -111,7 +130,7 @@ def compute_spectrum(
     Raises
     ------
     ValueError
-        If k < 1, or the operator or the boundary condition is unknown.
+        If k is not a whole number ≥ 1, or the operator or the boundary condition is unknown.
     MeshError
         If the operator cannot be assembled or its eigenproblem cannot be solved; with "dirichlet" also if
         all vertices lie on the boundary, or the mesh is a point cloud, whose boundary is not known.
@@ -167,8 +186,8 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
     Raises
     ------
     ValueError
-        If k < 1, the boundary condition is unknown, or, with "dirichlet", the boundary is not known or all
-        degrees of freedom lie on it.
+        If k is not a whole number ≥ 1, the boundary condition is unknown, or, with "dirichlet", the
+        boundary is not known or all degrees of freedom lie on it.
     numpy.linalg.LinAlgError
         If the eigenproblem cannot be solved.
 
@@ -180,8 +199,7 @@ def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann
     BLAS is limited to one thread meanwhile: the products are so small that several threads mostly wait for
     each other (docs/measurements/speed.md).
     """
-    if k < 1:
-        raise ValueError(f"k must be at least 1, not {k}")
+    check_count("k", k)
     if boundary not in BOUNDARIES:
         raise ValueError(f"boundary must be one of {', '.join(BOUNDARIES)}, not {boundary!r}")
     with _LIBRARIES.limit(limits=1, user_api="blas"):

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from numbers import Integral
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from shapegoogle_core.arguments import check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.spectrum import Spectrum
 
-__all__ = ["checked_times", "truncated_diagonal", "truncated_kernel"]
+__all__ = ["check_source", "checked_time", "checked_times", "truncated_diagonal", "truncated_kernel"]
 
 
 def checked_times(times: ArrayLike) -> FloatArray:
@@ -27,12 +30,54 @@ def checked_times(times: ArrayLike) -> FloatArray:
     Raises
     ------
     ValueError
-        If there are more axes than one, or a time is not positive and finite.
+        If there are none, more axes than one, or a time is not positive and finite.
     """
-    array = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    if array.ndim != 1 or not (np.isfinite(array).all() and (array > 0).all()):
+    try:
+        array = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 1 or not len(array) or not (np.isfinite(array).all() and (array > 0).all()):
         raise ValueError("times must be a list of positive numbers, in squared mesh units")
     return array
+
+
+def checked_time(time: float) -> FloatArray:
+    """Convert a time to an array and check that it is positive.
+
+    Parameters
+    ----------
+    time : float
+        In squared mesh units.
+
+    Returns
+    -------
+    times : (1,) array
+
+    Raises
+    ------
+    ValueError
+        If it is not a positive number.
+    """
+    check_number("time", time, positive=True)
+    return np.array([time], dtype=np.float64)
+
+
+def check_source(source: object, count: int) -> None:
+    """Raise ValueError unless a source of heat is a vertex.
+
+    Parameters
+    ----------
+    source : object
+    count : int
+        Number of vertices.
+
+    Raises
+    ------
+    ValueError
+        If it is not a whole number from 0 to `count` - 1.
+    """
+    if not (isinstance(source, Integral) and 0 <= int(source) < count):
+        raise ValueError(f"source must be a vertex from 0 to {count - 1}, not {source!r}")
 
 
 def truncated_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray:
@@ -57,10 +102,8 @@ def truncated_kernel(spectrum: Spectrum, source: int, time: float) -> FloatArray
     ValueError
         If the source is not a vertex, or the time is not positive and finite.
     """
-    n = len(spectrum.mass)
-    if not 0 <= source < n:
-        raise ValueError(f"source must be a vertex from 0 to {n - 1}, not {source}")
-    decay = np.exp(-spectrum.eigenvalues * checked_times(time))
+    check_source(source, len(spectrum.mass))
+    decay = np.exp(-spectrum.eigenvalues * checked_time(time))
     return np.asarray(spectrum.eigenvectors @ (decay * spectrum.eigenvectors[source]))
 
 

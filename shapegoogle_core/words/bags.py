@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from shapegoogle_core.arguments import check_number
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import Spectrum
+from shapegoogle_core.spectral import Spectrum, check_spectrum
+from shapegoogle_core.words.assignment import checked_table
 
 __all__ = ["bag_of_features", "spatially_sensitive_bag"]
 
@@ -28,6 +30,11 @@ def bag_of_features(words: FloatArray, mass: FloatArray | None = None) -> FloatA
     bag : (V,) array
         f(X), which sums to 1.
 
+    Raises
+    ------
+    ValueError
+        If there is not one mass for each row of words.
+
     See Also
     --------
     spatially_sensitive_bag : Frequencies of pairs of words.
@@ -40,7 +47,12 @@ def bag_of_features(words: FloatArray, mass: FloatArray | None = None) -> FloatA
     >>> sg.bag_of_features(words, mass=np.array([3.0, 1.0])).tolist()
     [0.875, 0.125]
     """
-    weights = np.full(len(words), 1 / len(words)) if mass is None else mass / mass.sum()
+    words = checked_table("words", words)
+    if mass is None:
+        weights = np.full(len(words), 1 / max(len(words), 1))
+    else:
+        mass = checked_table("mass", np.reshape(mass, (-1, 1)), len(words))[:, 0]
+        weights = mass / mass.sum()
     bag: FloatArray = weights @ words
     bag /= bag.sum()
     return bag
@@ -71,6 +83,12 @@ def spatially_sensitive_bag(
     bag : (V, V) array
         F(X), symmetric, sums to 1. Entries can be slightly negative where the truncated kernel is.
 
+    Raises
+    ------
+    ValueError
+        If the spectrum is not a `Spectrum`, has not one vertex for each row of words, or the time is
+        negative.
+
     See Also
     --------
     bag_of_features : Frequencies of single words.
@@ -87,6 +105,9 @@ def spatially_sensitive_bag(
     >>> sg.spatially_sensitive_bag(words, spectrum, time=100.0).round(3).tolist()  # all vertices together
     [[0.062, 0.188], [0.188, 0.562]]
     """
+    check_spectrum(spectrum)
+    check_number("time", time)
+    words = checked_table("words", words, len(spectrum.mass))
     weights = spectrum.mass if area_weighted else np.full(len(words), spectrum.area / len(words))
     projected = spectrum.eigenvectors.T @ (weights[:, None] * words)
     bag: FloatArray = projected.T @ (np.exp(-spectrum.eigenvalues * time)[:, None] * projected)

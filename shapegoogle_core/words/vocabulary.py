@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin
 
+from shapegoogle_core.arguments import check_count, check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.words.assignment import hard_words, soft_words
 from shapegoogle_core.words.estimators import check_features, learn_features
@@ -92,10 +93,15 @@ class Vocabulary(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         Raises
         ------
         ValueError
-            If there are fewer descriptors than words, or X is not a finite array.
+            If a parameter is out of range, there are fewer descriptors than words, or X is not a finite
+            array.
         """
         from sklearn.cluster import KMeans  # slow to import, and only needed here
 
+        check_count("words", self.words)
+        check_count("restarts", self.restarts)
+        check_number("sigma_factor", self.sigma_factor)
+        check_number("outlier_share", self.outlier_share, most=1)
         descriptors = learn_features(self, X, min_samples=self.words)
         kmeans = KMeans(self.words, n_init=self.restarts, max_iter=250, random_state=self.random_state)
         kmeans.fit(descriptors)

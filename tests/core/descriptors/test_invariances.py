@@ -16,7 +16,9 @@ from shapegoogle_core.descriptors import (
     vertex_spin_images,
     volumetric_hks,
 )
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.mesh import Mesh, MeshLike
+from shapegoogle_core.mesh.mesh import FloatArray
 from tests.core.conftest import Shapes
 
 HISTOGRAMS: dict[str, Callable[..., np.ndarray]] = {
@@ -77,3 +79,28 @@ def test_refuses_parameters_out_of_range(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         describe(shapes.sphere(1), **options)
+
+
+SURFACE_DESCRIPTORS: dict[str, Callable[[MeshLike], FloatArray]] = {
+    "geodesic_histograms": geodesic_histograms,
+    "mesh_hog": mesh_hog,
+    "shape_contexts": shape_contexts,
+    "vertex_spin_images": vertex_spin_images,
+    "volumetric_hks": lambda mesh: volumetric_hks(mesh, [0.1]),
+}
+
+
+@pytest.mark.parametrize("name", SURFACE_DESCRIPTORS)
+def test_refuses_what_is_not_a_clean_surface(shapes: type[Shapes], name: str) -> None:
+    sphere = shapes.sphere(1)
+    far = np.concatenate([sphere.vertices, [[2.0, 0.0, 0.0]]])
+    flat = np.concatenate([sphere.faces, [[42, 42, 42]]])
+    cases: list[tuple[MeshLike, str]] = [
+        ((sphere.vertices, None), "no faces and 42 points"),
+        ((0 * sphere.vertices, sphere.faces), "coincide"),
+        ((far, sphere.faces), r"has 1 vertex that no face uses; repair it first"),
+        ((far, flat), "vertices without area; repair it first"),
+    ]
+    for shape, message in cases:
+        with pytest.raises(MeshError, match=message):
+            SURFACE_DESCRIPTORS[name](shape)

@@ -17,12 +17,15 @@ from shapegoogle_core.descriptors import (
     heat_kernel_signature,
     log_heat_kernel_signature,
     scale_invariant_hks,
+    time_range,
     wave_kernel_signature,
 )
+from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.laplacian import build_operator
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import Spectrum, compute_spectrum, heat_kernel
+from shapegoogle_core.words import spatially_sensitive_bag
 from tests.core.conftest import Shapes
 
 
@@ -85,11 +88,7 @@ def test_hks_options(spectrum: Spectrum) -> None:
     np.testing.assert_allclose(unit * np.linalg.norm(raw * times, axis=1, keepdims=True), raw * times)
 
 
-def test_no_times_have_no_values(spectrum: Spectrum) -> None:
-    assert heat_kernel_signature(spectrum, []).shape == (len(spectrum.mass), 0)
-
-
-@pytest.mark.parametrize("times", [[-1.0], [0.0], [np.nan], [[1.0, 2.0]]])
+@pytest.mark.parametrize("times", [[], [-1.0], [0.0], [np.nan], [[1.0, 2.0]]])
 def test_times_must_be_positive(spectrum: Spectrum, times: list[Any]) -> None:
     with pytest.raises(ValueError, match="positive numbers"):
         heat_kernel_signature(spectrum, times)
@@ -243,5 +242,29 @@ def test_gps_has_no_unit_and_fades_beyond_the_spectrum(bumpy: Mesh) -> None:
     np.testing.assert_allclose(other, one, atol=1e-6)
     assert (one[:, :11] > 0).any(axis=0).all()
     assert (one[:, 11:] == 0).all()
-    with pytest.raises(ValueError, match="at least one eigenfunction"):
+    with pytest.raises(ValueError, match="count must be a whole number of at least 1"):
         global_point_signature(spectra[0], 0)
+
+
+@pytest.mark.parametrize(
+    "describe",
+    [
+        default_times,
+        global_point_signature,
+        scale_invariant_hks,
+        time_range,
+        wave_kernel_signature,
+        lambda shape: detect_keypoints(shape, shape),
+        lambda shape: spatially_sensitive_bag(np.ones((642, 2)), shape, 1.0),
+    ],
+)
+def test_a_mesh_is_not_a_spectrum(describe: Callable[..., object], bumpy: Mesh) -> None:
+    with pytest.raises(ValueError, match=r"a Spectrum is needed, not Mesh; pass compute_spectrum\(mesh\)"):
+        describe(bumpy)
+
+
+def test_the_kind_of_shape_is_checked_before_the_times(bumpy: Mesh) -> None:
+    with pytest.raises(ValueError, match="'spectral' needs a Spectrum, not Mesh"):
+        heat_kernel_signature(bumpy)
+    with pytest.raises(ValueError, match="without a spectrum there are no default times"):
+        heat_kernel_signature(bumpy, method="rational")

@@ -63,7 +63,7 @@ class TestRefusals:
             detect_keypoints(bumpy, spectrum, "sift")
         with pytest.raises(ValueError, match="no parameter 'radius'; it has time, persistence"):
             detect_keypoints(bumpy, spectrum, "hks-maxima", radius=1.0)
-        with pytest.raises(ValueError, match="time of 'hks-maxima' must be positive, not -1"):
+        with pytest.raises(ValueError, match="time of 'hks-maxima' must be a positive number, not -1"):
             detect_keypoints(bumpy, spectrum, "hks-maxima", time=-1.0)
         with pytest.raises(ValueError, match=r"largest=0\.1 must not be below smallest=0\.2"):
             detect_keypoints(bumpy, spectrum, "mesh-dog", smallest=0.2, largest=0.1)

@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import LAPLACIANS, build_operator
+from shapegoogle_core.mesh import Mesh
 from tests.core.conftest import Shapes
 
 
@@ -26,3 +28,9 @@ def test_is_symmetric_and_semidefinite_and_its_masses_sum_to_the_area(
     assert operator.mass.sum() == pytest.approx(mesh.area, rel=accuracy)
     assert operator.lumped_mass.shape == (len(mesh.vertices),)
     assert operator.lumped_mass.sum() == pytest.approx(mesh.area, rel=accuracy)
+
+
+def test_points_on_a_line_have_no_operator() -> None:
+    line = Mesh(np.outer(np.arange(50.0), [1, 2, 3]), name="ray")
+    with pytest.raises(MeshError, match="'ray': all its points lie on a line"):
+        build_operator(line, "point-cloud")

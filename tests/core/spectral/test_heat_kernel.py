@@ -3,9 +3,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import build_operator
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.spectral import compute_spectrum, heat_kernel, heat_kernel_diagonal
@@ -33,11 +37,31 @@ def test_the_source_is_a_vertex(bumpy: Mesh) -> None:
 
 def test_each_method_needs_its_kind_of_shape(bumpy: Mesh) -> None:
     spectrum = compute_spectrum(bumpy, 10)
-    with pytest.raises(TypeError, match=r"'spectral' needs a Spectrum, not Mesh; call compute_spectrum\(\)"):
+    with pytest.raises(ValueError, match=r"'spectral' needs a Spectrum, not Mesh; call compute_spectrum\(\)"):
         heat_kernel(bumpy, 0, 0.1)
-    with pytest.raises(TypeError, match="'spectral' needs a Spectrum, not Operator"):
+    with pytest.raises(ValueError, match="'spectral' needs a Spectrum, not Operator"):
         heat_kernel_diagonal(build_operator(bumpy), 0.1)
-    with pytest.raises(TypeError, match="'rational' needs a mesh or an operator, not a Spectrum"):
+    with pytest.raises(ValueError, match="'rational' needs a mesh or an operator, not a Spectrum"):
         heat_kernel(spectrum, 0, 0.1, method="rational")
     with pytest.raises(ValueError, match="method must be one of spectral, rational, not 'exact'"):
         heat_kernel(spectrum, 0, 0.1, method="exact")
+
+
+def test_times_are_positive_numbers(bumpy: Mesh) -> None:
+    spectrum = compute_spectrum(bumpy, 10)
+    for shape, method in ((spectrum, "spectral"), (bumpy, "rational")):
+        wrong: list[Any] = [[], "abc", [0.0], [[1.0]], [np.nan], None]
+        for times in wrong:
+            with pytest.raises(ValueError, match="times must be a list of positive numbers"):
+                heat_kernel_diagonal(shape, times, method=method)
+        for time in (0, -1.0, np.inf, [1.0, 2.0], "a"):
+            with pytest.raises(ValueError, match="time must be a positive number, not"):
+                heat_kernel(shape, 0, time, method=method)  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match=r"source must be a vertex from 0 to 641, not 1\.5"):
+            heat_kernel(shape, 1.5, 0.1, method=method)  # type: ignore[arg-type]
+
+
+def test_negative_eigenvalues_are_refused(bumpy: Mesh) -> None:
+    operator = build_operator(bumpy, "cotangent")
+    with pytest.raises(MeshError, match="negative eigenvalues; use another Laplacian"):
+        heat_kernel_diagonal(replace(operator, stiffness=-operator.stiffness), [0.1], method="rational")

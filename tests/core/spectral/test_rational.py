@@ -238,7 +238,7 @@ def test_refuses_what_it_cannot_do(bumpy: Mesh, shapes: type[Shapes]) -> None:
     for source in (-1, len(bumpy.vertices)):
         with pytest.raises(ValueError, match="source"):
             rational_kernel(operator, source, 0.1)
-    with pytest.raises(ValueError, match="positive numbers"):
+    with pytest.raises(ValueError, match="time must be a positive number"):
         rational_kernel(operator, 0, 0.0)
     for other in (shapes.sphere(2), shapes.sphere(3)):
         with pytest.raises(ValueError, match="another mesh"):

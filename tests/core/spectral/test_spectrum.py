@@ -210,7 +210,7 @@ def test_refuses_what_has_no_operator(bumpy: Mesh) -> None:
     with pytest.raises(MeshError, match="'cloud' has no faces"):
         compute_spectrum(Mesh(bumpy.vertices, name="cloud"))
     loose = Mesh(np.concatenate([bumpy.vertices, [[9, 9, 9]]]), bumpy.faces, name="loose")
-    with pytest.raises(MeshError, match="'loose' has 1 vertices that no face uses"):
+    with pytest.raises(MeshError, match="'loose' has 1 vertex that no face uses"):
         compute_spectrum(loose)
 
 

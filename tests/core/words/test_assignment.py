@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -39,3 +40,16 @@ def test_words_are_distributions(points: FloatArray, centers: FloatArray, sigma:
 def test_soft_words_become_hard() -> None:
     points, centers = blobs(), Vocabulary(3).fit(blobs()).centers_
     np.testing.assert_allclose(soft_words(points, centers, 1e-3), hard_words(points, centers), atol=1e-12)
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    points = np.zeros((4, 3))
+    for sigma in (0, -1.0, np.nan):
+        with pytest.raises(ValueError, match="sigma must be a positive number"):
+            soft_words(points, points, sigma)
+    with pytest.raises(ValueError, match="descriptors of 3 values do not fit 4 words of 2"):
+        hard_words(points, points[:, :2])
+    with pytest.raises(ValueError, match="do not fit 0 words"):
+        hard_words(points, points[:0])
+    with pytest.raises(ValueError, match="descriptors must be numbers in rows and columns"):
+        soft_words(points[0], points, 1.0)

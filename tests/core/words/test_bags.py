@@ -48,3 +48,15 @@ def test_pair_bag_at_late_times_forgets_the_places(bumpy: Mesh) -> None:
     plain = bag_of_features(words, spectrum.mass)
     late = spatially_sensitive_bag(words, spectrum, 1e3 / spectrum.eigenvalues[1])
     np.testing.assert_allclose(late, np.outer(plain, plain), rtol=1e-6)
+
+
+def test_lists_are_arrays_and_lengths_must_fit(bumpy: Mesh) -> None:
+    words = [[1.0, 0.0], [0.5, 0.5]]
+    np.testing.assert_allclose(bag_of_features(words, [3.0, 1.0]), [0.875, 0.125])  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="mass must have a row for each of 2 vertices, not 3"):
+        bag_of_features(np.array(words), np.ones(3))
+    spectrum = compute_spectrum(bumpy, 5)
+    with pytest.raises(ValueError, match="words must have a row for each of 642 vertices, not 2"):
+        spatially_sensitive_bag(np.array(words), spectrum, 1.0)
+    with pytest.raises(ValueError, match="time must be a number ≥ 0, not -1"):
+        spatially_sensitive_bag(np.ones((642, 2)), spectrum, -1.0)

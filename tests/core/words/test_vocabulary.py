@@ -39,3 +39,11 @@ def test_descriptors_that_equal_their_words_are_quantised_hard(scale: float) -> 
 def test_vocabulary_is_reproducible() -> None:
     first, second = (Vocabulary(8, random_state=3).fit(blobs()).centers_ for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value"), [("words", 0), ("restarts", 0), ("sigma_factor", -1.0), ("outlier_share", 2)]
+)
+def test_parameters_out_of_range_are_named(parameter: str, value: float) -> None:
+    with pytest.raises(ValueError, match=f"{parameter} must be a .*number"):
+        Vocabulary().set_params(**{parameter: value}).fit(blobs())

@@ -151,7 +151,7 @@ def test_what_trimesh_writes(tmp_path: Path) -> None:
         ("a.xyz", "3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n", "not a point"),
         ("a.xyz", xyz() + "nan 0 0\n", "NaN"),
         ("a.xyz", xyz(POINTS[:9]), "no faces and 9 points"),
-        ("a.xyz", xyz(np.repeat(POINTS[:3], 10, axis=0)), "3 of them at different places"),
+        ("a.xyz", xyz(np.repeat(POINTS[:3], 10, axis=0)), "only 3 distinct"),
         ("a.xyz", xyz(np.outer(np.arange(30.0), [1, 2, 3])), "on a line"),
         ("a.xyz", xyz(POINTS * 1e200), "scale the points"),
         ("a.pcd", pcd("binary")[:-1], "cut short"),
