@@ -8,8 +8,10 @@ import os
 from collections.abc import Iterable
 from numbers import Integral, Real
 from pathlib import Path
+from reprlib import repr as short
+from typing import Any
 
-__all__ = ["as_path", "as_paths", "check_count", "check_number"]
+__all__ = ["as_path", "as_paths", "as_tuple", "check_count", "check_number", "check_type", "path_text"]
 
 
 def check_count(name: str, value: object, least: int = 1) -> None:
@@ -59,6 +61,76 @@ def check_number(
         raise ValueError(f"{name} must be {wanted}, not {value!r}")
 
 
+def check_type(name: str, value: object, types: type | tuple[type, ...], expected: str) -> None:
+    """Raise ValueError unless an argument is of one of some types.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+    types : type or tuple of type
+    expected : str
+        Their description in the error, such as "a text".
+
+    Raises
+    ------
+    ValueError
+        If it is of another type.
+    """
+    if not isinstance(value, types):
+        raise ValueError(f"{name} must be {expected}, not {short(value)}")
+
+
+def as_tuple(name: str, values: object, types: type | tuple[type, ...], expected: str) -> tuple[Any, ...]:
+    """Make a tuple of one value or several, so that a single text is not taken apart into its letters.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : object
+        One value of the accepted types, or an iterable of them.
+    types : type or tuple of type
+    expected : str
+        Their description in the error.
+
+    Returns
+    -------
+    values : tuple
+
+    Raises
+    ------
+    ValueError
+        If one of them is of another type.
+    """
+    several = isinstance(values, Iterable) and not isinstance(values, types)
+    made = tuple(values) if several else (values,)  # type: ignore[arg-type]
+    for value in made:
+        check_type(name, value, types, expected)
+    return made
+
+
+def path_text(path: str | os.PathLike[str]) -> str:
+    """Convert a path to text, as it is.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    text : str
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    check_type("a path", path, (str, os.PathLike), "a str or a pathlib.Path")
+    return os.fspath(path)
+
+
 def as_path(path: str | os.PathLike[str]) -> Path:
     """Convert to a path; "~" stands for the user's own folder.
 
@@ -75,9 +147,7 @@ def as_path(path: str | os.PathLike[str]) -> Path:
     ValueError
         If it is neither.
     """
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"a path must be a str or a pathlib.Path, not {path!r}")
-    return Path(os.path.expanduser(path))  # noqa: PTH111 - `Path.expanduser` fails without a home folder
+    return Path(os.path.expanduser(path_text(path)))  # noqa: PTH111 - `Path.expanduser` fails without a home folder
 
 
 def as_paths(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[Path]:

@@ -2,12 +2,13 @@
 r"""Find the shapes of a library that are most like a mesh.
 
 With --json, one line for each mesh:
-  {"query": path, "matches": [{"name", "source", "similarity", "distance", "evidence"}, …]}
+  {"query": path, "matches": [
+    {"name", "source", "object_name", "similarity", "distance", "evidence"}, …]}
 A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
 With --together, all meshes are examples of what you search, and give one line:
   {"query": [path, …], "unlike": [path, …], "matches": […]}
 Shapes close to all of them come first; if one example cannot be read, the whole query fails. With
---unlike, also without --together, shapes close to one of its meshes move to the end.
+--unlike, also without --together, shapes close to one of its meshes are ranked lower.
 
 similarity  0 to 1: probability that it is the same shape, transformed, and not merely the nearest of many
 distance    what the list is sorted by, from 0 (identical) to 2
@@ -76,7 +77,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
     add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
     add_flag(parser, "--together", "the meshes are examples of one thing: run one query with all of them")
-    unlike = "mesh files of what you do not search"
+    unlike = "meshes of shapes you do not want"
     parser.add_argument("--unlike", nargs="+", action="extend", default=[], metavar="MESH", help=unlike)
     add_filters(parser)
     add_flag(parser, "--json", "print one JSON object for each query")

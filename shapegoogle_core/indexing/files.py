@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from shapegoogle_core.arguments import as_paths
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import MESH_SUFFIXES
 
@@ -48,18 +49,18 @@ def absolute(path: str | Path) -> Path:
 
 
 def find_meshes(
-    inputs: Iterable[str | Path],
+    inputs: str | Path | Iterable[str | Path],
     on_error: Callable[[Path, str], None] | None = None,
     suffixes: Collection[str] = MESH_SUFFIXES,
 ) -> list[Path]:
     """List the mesh files in folders and all folders below them.
 
-    Names that begin with a dot are skipped. Links to folders are followed, each folder once, so that circles
-    of links end. An input that is a file is listed whatever its name.
+    Names that begin with a dot are skipped. Links to folders are followed, each folder once, so cyclic
+    links cause no endless loop. An input that is a file is listed whatever its name.
 
     Parameters
     ----------
-    inputs : iterable of str or Path
+    inputs : str, Path, or iterable of them
         Folders and files.
     on_error : callable, optional
         Called with the path and a sentence for each input that is missing, cannot be read or contains no
@@ -95,8 +96,7 @@ def find_meshes(
         on_error(path, f"{path.name!r} {reason}")
 
     found: set[Path] = set()
-    for entry in inputs:
-        path = absolute(entry)
+    for path in map(absolute, as_paths(inputs)):
         if not path.is_dir():
             if os.path.lexists(path):
                 found.add(path)

@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
+from shapegoogle_core.arguments import as_paths
 from shapegoogle_core.indexing.describing import Failure, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
@@ -94,7 +95,7 @@ class IndexReport:
 
 def index_files(
     library: Library,
-    paths: Sequence[str | Path],
+    paths: str | Path | Iterable[str | Path],
     settings: IndexSettings | None = None,
     *,
     progress: Callable[[FileOutcome], None] | None = None,
@@ -113,7 +114,7 @@ def index_files(
     ----------
     library : Library
         Open for writing.
-    paths : sequence of str or Path
+    paths : str, Path, or iterable of them
         Mesh files, such as those listed by `find_meshes`.
     settings : IndexSettings, optional
         Number of processes, time and memory limits, and which files are read again.
@@ -160,7 +161,7 @@ def index_files(
     started = time.monotonic()
     settings = settings or IndexSettings()
     run = _Run(library, settings, reader, progress)
-    changed = run.pass_over_unchanged(paths)
+    changed = run.pass_over_unchanged(as_paths(paths))
     jobs = settings.jobs or default_jobs()
     # A mesh file is one shape; a file that another program reads may contain thousands.
     if reader is None or not any(reader.reads(path) for path in changed):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
@@ -14,13 +15,14 @@ from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh
-from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.loading import as_model
 from shapegoogle_core.registration import SHARED_SCALES, SurfaceSample
 
 __all__ = ["compare"]
 
 
-def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None) -> Match:
+def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path | None = None) -> Match:
     """Compare two shapes: how likely they are the same shape, and what they have in common.
 
     The method is that of a search in a library with `mesh_b` as its only shape. Both shapes are described by
@@ -35,8 +37,8 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
         The query: a `Mesh`, a tuple ``(vertices, faces)``, or an object with ``.vertices`` and ``.faces``.
     mesh_b : MeshLike
         The shape that it is compared with.
-    model : ShapeModel, optional
-        Model that describes both; the shipped one by default.
+    model : ShapeModel, str or Path, optional
+        Model that describes both, or its name or path as for `load_model`; the shipped one by default.
 
     Returns
     -------
@@ -47,7 +49,9 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
     Raises
     ------
     MeshError
-        If one of the shapes is no mesh, or the model cannot describe it.
+        If one of the shapes is not a mesh, or the model cannot describe it.
+    ModelError
+        If the model cannot be loaded.
 
     See Also
     --------
@@ -67,7 +71,7 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | None = None)
     >>> match.evidence.kind, match.evidence.factor
     ('scaled', 2.0)
     """
-    model = load_model() if model is None else model
+    model = as_model(model)
     settings = SearchSettings()
     first, second = as_mesh(mesh_a, "mesh_a"), as_mesh(mesh_b, "mesh_b")
     signature, other = model.describe(first, keep_surface=True), model.describe(second)

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from shapegoogle_core.arguments import as_paths, as_tuple, check_type, path_text
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature, read_signature
@@ -56,7 +57,7 @@ class LibraryContents:
         source: PathLike = "",
         object_name: str = "",
         thumbnail: bytes | None = None,
-        tags: Sequence[str] = (),
+        tags: str | Sequence[str] = (),
     ) -> int:
         """Describe a shape and add it.
 
@@ -76,7 +77,7 @@ class LibraryContents:
             Name of the object inside the source.
         thumbnail : bytes, optional
             A picture as PNG.
-        tags : sequence of str, optional
+        tags : str or sequence of str, optional
             Labels to filter searches by.
 
         Returns
@@ -87,9 +88,11 @@ class LibraryContents:
         Raises
         ------
         MeshError
-            If it is no mesh, or the model cannot describe it.
+            If it is not a mesh, or the model cannot describe it.
         LibraryError
             If the file cannot be written.
+        ValueError
+            If another argument is of a wrong type.
 
         Examples
         --------
@@ -101,7 +104,9 @@ class LibraryContents:
         ...         [shape.name for shape in library.shapes()]
         ['box.stl']
         """
-        source = os.fspath(source)
+        source = path_text(source)
+        # Before the mesh is described, which takes longer.
+        _check_labels(name, object_name, thumbnail, tags)
         mesh = as_mesh(mesh, name or Path(source).name)
         return self.add_signature(
             self.model.describe(mesh),
@@ -116,10 +121,10 @@ class LibraryContents:
         self,
         signature: ShapeSignature,
         name: str,
-        source: str = "",
+        source: PathLike = "",
         object_name: str = "",
         thumbnail: bytes | None = None,
-        tags: Sequence[str] = (),
+        tags: str | Sequence[str] = (),
     ) -> int:
         """Add a shape that the model of this library has described already; otherwise like `add`.
 
@@ -141,10 +146,14 @@ class LibraryContents:
         ------
         LibraryError
             If another model made the signature, or the file cannot be written.
+        ValueError
+            If another argument is of a wrong type.
         """
-        shape = NewShape(signature, name, object_name, thumbnail, tuple(tags))
+        _check_labels(name, object_name, thumbnail, tags)
+        tags = as_tuple("tags", tags, str, "a text, or several")
+        shape = NewShape(signature, name, object_name, thumbnail, tags)
         check_signature(signature, name, self.model, self._store.name)
-        return self._store.add(source, shape)
+        return self._store.add(path_text(source), shape)
 
     def replace_source(
         self,
@@ -183,7 +192,7 @@ class LibraryContents:
         """
         for shape in shapes:
             check_signature(shape.signature, shape.name, self.model, self._store.name)
-        source = SourceRecord(os.fspath(path), size, mtime_ns, sha256, error, len(shapes))
+        source = SourceRecord(path_text(path), size, mtime_ns, sha256, error, len(shapes))
         return self._store.replace_source(source, shapes)
 
     def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
@@ -201,7 +210,7 @@ class LibraryContents:
         known : bool
             Whether the file is a source of this library.
         """
-        return self._store.update_source(os.fspath(path), size, mtime_ns)
+        return self._store.update_source(path_text(path), size, mtime_ns)
 
     def remove(self, source: PathLike) -> bool:
         """Remove a source with all its shapes.
@@ -216,7 +225,7 @@ class LibraryContents:
         known : bool
             Whether it was a source of this library.
         """
-        return self._store.remove_sources([os.fspath(source)]) > 0
+        return self._store.remove_sources([path_text(source)]) > 0
 
     def remove_shape(self, shape_id: int) -> bool:
         """Remove one shape.
@@ -233,12 +242,12 @@ class LibraryContents:
         """
         return self._store.remove_shapes([shape_id]) > 0
 
-    def remove_missing(self, folders: Iterable[PathLike]) -> list[str]:
+    def remove_missing(self, folders: PathLike | Iterable[PathLike]) -> list[str]:
         """Remove the indexed files that no longer exist. This never happens without a request.
 
         Parameters
         ----------
-        folders : iterable of str or path-like
+        folders : str, path-like, or iterable of them
             Only files below these folders are checked. Each folder must exist: on a drive that is not
             connected all files are missing.
 
@@ -257,12 +266,12 @@ class LibraryContents:
             self._store.remove_sources(missing)
         return missing
 
-    def missing(self, folders: Iterable[PathLike]) -> list[str]:
+    def missing(self, folders: PathLike | Iterable[PathLike]) -> list[str]:
         """List the indexed files that no longer exist.
 
         Parameters
         ----------
-        folders : iterable of str or path-like
+        folders : str, path-like, or iterable of them
             As for `remove_missing`.
 
         Returns
@@ -275,7 +284,7 @@ class LibraryContents:
         LibraryError
             If a folder does not exist.
         """
-        roots = [Path(folder).resolve() for folder in folders]
+        roots = [folder.resolve() for folder in as_paths(folders)]
         for root in roots:
             if not root.is_dir():
                 raise LibraryError(
@@ -394,6 +403,14 @@ class LibraryContents:
         return LibraryError(
             f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
         )
+
+
+def _check_labels(name: str, object_name: str, thumbnail: bytes | None, tags: str | Sequence[str]) -> None:
+    """Raise ValueError if what is stored with a shape is of a wrong type."""
+    check_type("name", name, str, "a text")
+    check_type("object_name", object_name, str, "a text")
+    check_type("thumbnail", thumbnail, (bytes, type(None)), "the bytes of a PNG file")
+    as_tuple("tags", tags, str, "a text, or several")
 
 
 def _is_gone(path: str) -> bool:

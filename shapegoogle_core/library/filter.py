@@ -6,7 +6,9 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
+from numbers import Real
 
+from shapegoogle_core.arguments import check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
 
 __all__ = ["Filter"]
@@ -44,8 +46,8 @@ class Filter:
     Raises
     ------
     ValueError
-        If a condition cannot be met by any shape: an empty text, a range without an order, a kind that does
-        not exist, a similarity outside 0 to 1.
+        If a condition is of a wrong type, or cannot be met by any shape: an empty text, a low limit above the
+        high limit, a kind that does not exist, a similarity outside 0 to 1.
 
     Examples
     --------
@@ -68,7 +70,7 @@ class Filter:
     min_similarity: float | None = None
 
     def __post_init__(self) -> None:
-        if self.folder is not None:
+        if isinstance(self.folder, os.PathLike):
             object.__setattr__(self, "folder", os.fspath(self.folder))
         for field, text in (("name", self.name), ("folder", self.folder), ("tag", self.tag)):
             if text is not None and (not isinstance(text, str) or not text.strip()):
@@ -80,8 +82,8 @@ class Filter:
                 _check_range(field, limits)
         if self.kind is not None and self.kind not in KINDS:
             raise ValueError(f"there is no kind of evidence {self.kind!r}; choose one of {', '.join(KINDS)}")
-        if self.min_similarity is not None and not 0 <= self.min_similarity <= 1:
-            raise ValueError(f"min_similarity must be from 0 to 1, not {self.min_similarity}")
+        if self.min_similarity is not None:
+            check_number("min_similarity", self.min_similarity, most=1)
 
     @property
     def selects_shapes(self) -> bool:
@@ -93,8 +95,10 @@ class Filter:
 
 def _check_range(field: str, limits: Range) -> None:
     """Raise ValueError if a range has not two limits or contains no number."""
-    if len(limits) != 2:
-        raise ValueError(f"{field} must have a low and a high limit, not {limits!r}")
+    if not isinstance(limits, tuple | list) or len(limits) != 2:
+        raise ValueError(f"{field} must have a low and a high limit, such as (1000, None), not {limits!r}")
+    for limit in limits:
+        check_type(f"a limit of {field}", limit, (Real, type(None)), "a number or None")
     low, high = (
         default if limit is None else limit for limit, default in zip(limits, (0, math.inf), strict=True)
     )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
+from shapegoogle_core.arguments import as_path, as_tuple, check_count, check_number, check_type
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.contents import LibraryContents, PathLike
 from shapegoogle_core.library.duplicates.find import find_duplicates
@@ -72,23 +73,24 @@ class Library(LibraryContents):
     def open(
         cls,
         path: PathLike,
-        model: ShapeModel | None = None,
+        model: ShapeModel | str | Path | None = None,
         *,
         read_only: bool = False,
         timeout: float = 30.0,
         search: SearchSettings | None = None,
     ) -> Self:
-        """Open a library, or make a new one.
+        """Open a library, or create a new one.
 
         Parameters
         ----------
         path : str or path-like
             The file. An existing library on a write-protected disk can be opened too, for searching only.
-        model : ShapeModel, optional
-            For a new library, the model that describes its shapes; by default the one that ships with the
-            package. For an existing library, its own model, which is also the default.
+        model : ShapeModel, str or Path, optional
+            For a new library, the model that describes its shapes, or its name or path as for `load_model`;
+            by default the one that ships with the package. For an existing library, its own model, which is
+            also the default.
         read_only : bool, optional
-            Never change the file, and make none.
+            Do not change the file; raise LibraryError if it does not exist.
         timeout : float, optional
             Longest time to wait while another program writes, in seconds.
         search : SearchSettings, optional
@@ -102,10 +104,12 @@ class Library(LibraryContents):
         Raises
         ------
         LibraryError
-            If the path is a folder, lies in no folder or is no library; if the library is damaged, made by
-            another version or with another model; if there is none and it may not or cannot be made.
+            If the path is a folder, lies in no folder or is not a library; if the library is damaged, made
+            by another version or with another model; if it does not exist and cannot be created.
         ModelError
-            If a new library is to be made and the shipped model cannot be loaded.
+            If the model cannot be loaded.
+        ValueError
+            If an argument is of a wrong type.
 
         Examples
         --------
@@ -116,7 +120,10 @@ class Library(LibraryContents):
         ...         len(library)
         0
         """
-        return cls(*open_store(Path(path), model, read_only=read_only, timeout=timeout), search)
+        check_number("timeout", timeout)
+        check_type("search", search, (SearchSettings, type(None)), "a SearchSettings")
+        path = as_path(path)
+        return cls(*open_store(path, model, read_only=read_only, timeout=timeout), search)
 
     def close(self) -> None:
         """Close the file. Closing twice does no harm."""
@@ -161,7 +168,7 @@ class Library(LibraryContents):
         exact : bool, optional
             Compare the full bags of all shapes: no shape can be missed, but the time grows with the library.
         unlike : MeshLike, ShapeSignature, or sequence of them, optional
-            Negative examples: shapes near to one of them fall behind, its copies to the end.
+            Negative examples: shapes near to one of them are ranked lower, copies last.
         where : Filter, optional
             Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
             matches that meet the other conditions are explained, until `top` have the kind.
@@ -174,12 +181,13 @@ class Library(LibraryContents):
         Raises
         ------
         MeshError
-            If one of the shapes is no mesh, or the model cannot describe it.
+            If one of the shapes is not a mesh, or the model cannot describe it.
         LibraryError
             If another model made one of the signatures, or if a kind of evidence is requested and the model
             takes no samples of surfaces.
         ValueError
-            If there is no shape, or if `top` is below 1 or `explain` below 0.
+            If there is no shape, if `top` is below 1 or `explain` below 0, or if an argument is of a wrong
+            type.
 
         Examples
         --------
@@ -192,21 +200,20 @@ class Library(LibraryContents):
         ...         [match.name for match in library.query(trimesh.creation.box(), top=1)]
         ['box']
         """
-        if top < 1:
-            raise ValueError(f"top must be at least 1, not {top}")
-        if explain < 0:
-            raise ValueError(f"explain must be at least 0, not {explain}")
+        check_count("top", top, 1)
+        check_count("explain", explain, 0)
+        check_type("where", where, (Filter, type(None)), "a shapegoogle_core.Filter")
         kind = None if where is None else where.kind
         if kind is not None and self.model.settings.sample is None:
             raise LibraryError(
                 f"'{self._store.name}' keeps no samples of surfaces to find the kind {kind!r} with, because "
                 f"its model {self.model.name!r} takes none; leave the kind out"
             )
-        examples = self._signatures(shapes, keep_surface=explain > 0 or kind is not None)
+        examples = self._signatures(shapes, "query", keep_surface=explain > 0 or kind is not None)
         if not examples:
             raise ValueError("there is nothing to search for: give at least one mesh or signature")
         unlike_weight = self._settings.rerank.unlike_weight
-        query = Query(self.model, examples, self._signatures(unlike), unlike_weight)
+        query = Query(self.model, examples, self._signatures(unlike, "unlike"), unlike_weight)
         among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
         search = self._search.among_all if exact else self._search.among_nearest_codes
         kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
@@ -219,7 +226,7 @@ class Library(LibraryContents):
         return self.explain(examples, matches[:top], explain)
 
     def explain(
-        self, signatures: Sequence[ShapeSignature], matches: Sequence[Match], count: int | None = None
+        self, signatures: QueryShapes, matches: Match | Sequence[Match], count: int | None = None
     ) -> list[Match]:
         """Find the kind of the best matches by comparing surfaces.
 
@@ -227,10 +234,10 @@ class Library(LibraryContents):
 
         Parameters
         ----------
-        signatures : sequence of ShapeSignature
-            The examples that were searched for, described with ``keep_surface=True``: without their surface
-            the figures are coarser.
-        matches : sequence of Match
+        signatures : MeshLike, ShapeSignature, or sequence of them
+            The examples that were searched for. Signatures without their surface, which
+            ``keep_surface=True`` keeps, give coarser figures.
+        matches : Match or sequence of Match
             From `query`, best first.
         count : int, optional
             Number of matches to explain; `EvidenceSettings.explained` by default.
@@ -240,21 +247,37 @@ class Library(LibraryContents):
         matches : list of Match
             All of them; the first `count` with `Match.evidence`. Shapes that were removed meanwhile, and all
             shapes of a library whose model keeps no samples, have none.
+
+        Raises
+        ------
+        MeshError
+            If one of the examples is not a mesh, or the model cannot describe it.
+        LibraryError
+            If another model made one of the signatures.
+        ValueError
+            If `count` is below 0, or one of the matches is of another type.
         """
         settings = self._settings.evidence
         count = settings.explained if count is None else count
-        explained = explain_matches(self._store, self.model, signatures, matches[:count], settings)
+        check_count("count", count, 0)
+        matches = as_tuple("matches", matches, Match, "a Match, or several")
+        examples = self._signatures(signatures, "signatures", keep_surface=True)
+        explained = explain_matches(self._store, self.model, examples, matches[:count], settings)
         return [*explained, *matches[count:]]
 
-    def _signatures(self, shapes: QueryShapes, *, keep_surface: bool = False) -> list[ShapeSignature]:
+    def _signatures(
+        self, shapes: QueryShapes, argument: str, *, keep_surface: bool = False
+    ) -> list[ShapeSignature]:
         """Describe a mesh or several; signatures are checked and kept."""
         signatures = []
-        for shape in as_query_shapes(shapes):
+        listed = as_query_shapes(shapes)
+        for number, shape in enumerate(listed, start=1):
+            name = argument if len(listed) == 1 else f"{argument} {number} of {len(listed)}"
             if isinstance(shape, ShapeSignature):
-                check_signature(shape, "the query", self.model, self._store.name)
+                check_signature(shape, name, self.model, self._store.name)
                 signatures.append(shape)
             else:
-                mesh = as_mesh(shape, name="the query")
+                mesh = as_mesh(shape, name)
                 signatures.append(self.model.describe(mesh, keep_surface=keep_surface))
         return signatures
 
@@ -276,7 +299,7 @@ class Library(LibraryContents):
     def duplicates(
         self,
         min_similarity: float = MIN_SIMILARITY,
-        progress: Wrapper = iter,
+        progress: Wrapper | None = None,
         *,
         explained: int = EXPLAINED_MEMBERS,
     ) -> list[DuplicateGroup]:
@@ -286,10 +309,10 @@ class Library(LibraryContents):
         ----------
         min_similarity : float, optional
             Least similarity of a "similar" shape to the first of its group; above 0, at most 1.
-        explained : int, optional
-            Maximum number of members, other than exact copies, aligned to the first shape of their group.
         progress : callable, optional
             Wraps the loop over the shapes, as tqdm does.
+        explained : int, optional
+            Maximum number of members, other than exact copies, aligned to the first shape of their group.
 
         Returns
         -------
@@ -299,7 +322,9 @@ class Library(LibraryContents):
         Raises
         ------
         ValueError
-            If `min_similarity` is out of range.
+            If `min_similarity` or `explained` is out of range.
         """
-        groups = find_duplicates(self._store, self.model, min_similarity, progress)
+        check_number("min_similarity", min_similarity, most=1, positive=True)
+        check_count("explained", explained, 0)
+        groups = find_duplicates(self._store, self.model, min_similarity, progress or iter)
         return split_by_evidence(self._store, self.model, groups, explained)

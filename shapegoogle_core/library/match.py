@@ -82,11 +82,13 @@ class Match:
         Returns
         -------
         record : dict
-            ``name``, ``source``, ``similarity``, ``distance`` and ``evidence`` (an object or None).
+            ``name``, ``source``, ``object_name``, ``similarity``, ``distance`` and ``evidence`` (an object or
+            None).
         """
         return {
             "name": self.name,
             "source": self.source,
+            "object_name": self.object_name,
             "similarity": round(self.similarity, 6),
             "distance": self.distance,
             "evidence": None if self.evidence is None else self.evidence.to_json(),

@@ -9,7 +9,7 @@ from pathlib import Path
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.shape_model import ShapeModel
 
-__all__ = ["SHIPPED", "load_model"]
+__all__ = ["SHIPPED", "as_model", "load_model"]
 
 SHIPPED = ("default", "paper")
 """Names of the models inside the package, made by `python -m benchmarks train`."""
@@ -52,3 +52,23 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
             f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
         ) from error
     return ShapeModel.from_bytes(data, repr(key))
+
+
+def as_model(model: ShapeModel | str | Path | None) -> ShapeModel:
+    """Return a model as it is, or load the one with this name or path.
+
+    Parameters
+    ----------
+    model : ShapeModel, str, Path or None
+        A model, or what `load_model` accepts.
+
+    Returns
+    -------
+    model : ShapeModel
+
+    Raises
+    ------
+    ModelError
+        If it cannot be loaded.
+    """
+    return model if isinstance(model, ShapeModel) else load_model(model)

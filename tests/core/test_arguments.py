@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.arguments import as_path, as_paths, check_count, check_number
+from shapegoogle_core.arguments import as_path, as_paths, as_tuple, check_count, check_number
 
 
 def test_counts_are_whole_numbers() -> None:
@@ -38,3 +38,12 @@ def test_paths_are_expanded_and_one_is_a_list() -> None:
     for wrong in (None, 3, [3]):
         with pytest.raises(ValueError, match=r"must be a str or a pathlib\.Path, not"):
             as_paths(wrong)  # type: ignore[arg-type]
+
+
+def test_one_value_is_a_tuple_of_one() -> None:
+    assert as_tuple("tags", "wood", str, "a text") == ("wood",)
+    assert as_tuple("tags", ["wood", "old"], str, "a text") == ("wood", "old")
+    assert as_tuple("tags", (), str, "a text") == ()
+    for wrong in (5, [5], None, b"w"):
+        with pytest.raises(ValueError, match="tags must be a text, not "):
+            as_tuple("tags", wrong, str, "a text")

@@ -9,13 +9,14 @@ from pathlib import Path
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store
-from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.loading import as_model
 
 __all__ = ["open_store"]
 
 
 def open_store(
-    path: Path, model: ShapeModel | None, *, read_only: bool, timeout: float
+    path: Path, model: ShapeModel | str | Path | None, *, read_only: bool, timeout: float
 ) -> tuple[Store, ShapeModel]:
     """Open a library file, or make a new one.
 
@@ -38,17 +39,17 @@ def open_store(
     exists = _is_file(path)
     if not exists:
         _check_place(path, read_only=read_only)
-        # Before the file is made: a missing model must not leave one behind.
-        model = model or load_model()
+    # Before the file is created: a missing model must not leave one behind.
+    given = None if model is None and exists else as_model(model)
     store = SqliteStore(path, create=not exists, read_only=read_only, timeout=timeout)
     try:
         if store.is_empty():
             if read_only:
                 raise LibraryError(f"'{path}' is empty; index a folder into it first")
-            model = model or load_model()
-            store.initialise(model.identifier, model.to_bytes())
+            given = given or as_model(None)
+            store.initialise(given.identifier, given.to_bytes())
         store.check_format()
-        return store, _matching_model(store, model)
+        return store, _matching_model(store, given)
     except BaseException:
         store.close()
         raise
@@ -74,7 +75,7 @@ def _check_place(path: Path, *, read_only: bool) -> None:
     if read_only:
         raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
     if not path.parent.is_dir():
-        raise LibraryError(f"'{path}' cannot be made: there is no folder '{path.parent}'; make it first")
+        raise LibraryError(f"'{path}' cannot be created: there is no folder '{path.parent}'; create it first")
 
 
 def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:

@@ -139,7 +139,7 @@ def test_query_as_json(
     for record in (records[0], records[2]):
         assert set(record) == {"query", "matches"}
         best = record["matches"][0]
-        assert set(best) == {"name", "source", "similarity", "distance", "evidence"}
+        assert set(best) == {"name", "source", "object_name", "similarity", "distance", "evidence"}
         assert (best["source"], best["similarity"], best["distance"]) == (record["query"], 1.0, 0.0)
         assert best["name"] == Path(record["query"]).name
         distances = [match["distance"] for match in record["matches"]]
@@ -312,7 +312,7 @@ def test_library_and_model_that_cannot_be_used(
     ]
     if sys.platform == "linux":
         # Nobody may write there, not even root: as good as a read-only disk.
-        cases.append((["index", folder, "--library", "/proc/shapes.sglib"], "cannot be made"))
+        cases.append((["index", folder, "--library", "/proc/shapes.sglib"], "cannot be created"))
     for arguments, fault in cases:
         code, stdout, stderr = run(*arguments)
         assert (code, stdout) == (2, ""), arguments

@@ -57,6 +57,15 @@ def test_paths_are_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert find_meshes(["models/horse.obj"]) == [mesh]
 
 
+def test_one_input_is_not_taken_apart(tmp_path: Path) -> None:
+    mesh = touch(tmp_path / "horse.obj")
+    assert find_meshes(str(tmp_path)) == find_meshes(tmp_path) == [mesh]
+    with pytest.raises(MeshError, match=r"'.*missing' does not exist"):
+        find_meshes("missing")
+    with pytest.raises(ValueError, match="a path must be a str"):
+        find_meshes(5)  # type: ignore[arg-type]
+
+
 def test_a_circle_of_links_ends(tmp_path: Path) -> None:
     mesh = touch(tmp_path / "models" / "deep" / "horse.obj")
     link(tmp_path / "models" / "deep" / "up", tmp_path / "models")

@@ -41,3 +41,9 @@ def test_a_model_without_samples_gives_no_evidence(
 def test_both_arguments_are_named_in_errors(meshes: list[sg.Mesh]) -> None:
     with pytest.raises(sg.MeshError, match="'mesh_b' is an object of the type int, not a mesh"):
         sg.compare(meshes[0], 7)  # type: ignore[arg-type]
+
+
+def test_a_model_may_be_given_by_its_name(meshes: list[sg.Mesh]) -> None:
+    assert sg.compare(meshes[0], meshes[1], "default") == sg.compare(meshes[0], meshes[1])
+    with pytest.raises(sg.ModelError, match="cannot read the model 'none'"):
+        sg.compare(meshes[0], meshes[1], "none")

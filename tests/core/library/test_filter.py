@@ -41,12 +41,16 @@ def test_a_folder_may_be_a_path() -> None:
         ({"tag": 7}, "tag must be a text that is not empty, not 7"),
         ({"faces": (10, 5)}, "faces must be a range from low to high, not 10 to 5"),
         ({"faces": (-1, 5)}, "faces must not be below 0, not -1"),
+        ({"faces": 5}, r"faces must have a low and a high limit, such as \(1000, None\), not 5"),
+        ({"faces": ("a", 2)}, "a limit of faces must be a number or None, not 'a'"),
+        ({"folder": 5}, "folder must be a text that is not empty, not 5"),
+        ({"min_similarity": "a"}, "min_similarity must be a number from 0 to 1, not 'a'"),
         ({"faces": (1, 2, 3)}, "faces must have a low and a high limit"),
         ({"size": (float("nan"), 1)}, "size must not be below 0, not nan"),
         ({"size": (1, float("nan"))}, "size must be a range from low to high, not 1 to nan"),
         ({"kind": "same"}, "there is no kind of evidence 'same'; choose one of identical, moved"),
-        ({"min_similarity": 1.5}, "min_similarity must be from 0 to 1, not 1.5"),
-        ({"min_similarity": float("nan")}, "min_similarity must be from 0 to 1"),
+        ({"min_similarity": 1.5}, "min_similarity must be a number from 0 to 1, not 1.5"),
+        ({"min_similarity": float("nan")}, "min_similarity must be a number from 0 to 1"),
     ],
 )
 def test_conditions_that_nothing_meets_are_refused(condition: dict[str, Any], message: str) -> None:

@@ -379,3 +379,40 @@ def test_unknown_shapes_are_named(path: Path, model: ShapeModel) -> None:
         for ask in (library.signature, library.thumbnail):
             with pytest.raises(LibraryError, match=r"shapes\.sglib' has no shape 7"):
                 ask(7)
+
+
+def test_one_tag_is_not_taken_apart(path: Path, model: ShapeModel, meshes: list[Mesh]) -> None:
+    with Library.open(path, model) as library:
+        library.add(meshes[0], tags="wood")
+        (shape,) = library.shapes()
+    assert shape.tags == ("wood",)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"name": 5}, "name must be a text, not 5"),
+        ({"source": 5}, "a path must be a str or a pathlib.Path, not 5"),
+        ({"object_name": None}, "object_name must be a text, not None"),
+        ({"thumbnail": "x"}, "thumbnail must be the bytes of a PNG file, not 'x'"),
+        ({"tags": ["wood", 5]}, "tags must be a text, or several, not 5"),
+    ],
+)
+def test_arguments_of_wrong_types_are_named(
+    path: Path, model: ShapeModel, meshes: list[Mesh], arguments: dict[str, Any], message: str
+) -> None:
+    with Library.open(path, model) as library:
+        with pytest.raises(ValueError, match=message):
+            library.add(meshes[0], **arguments)
+        with pytest.raises(ValueError, match=message):
+            library.add_signature(model.describe(meshes[0]), **{"name": "a", **arguments})
+        assert len(library) == 0
+
+
+def test_one_folder_is_not_taken_apart(path: Path, model: ShapeModel) -> None:
+    with Library.open(path, model) as library:
+        assert library.missing(str(path.parent)) == library.remove_missing(path.parent) == []
+        with pytest.raises(LibraryError, match=r"'.*absent' does not exist"):
+            library.missing("absent")
+        with pytest.raises(ValueError, match="a path must be a str"):
+            library.missing(None)  # type: ignore[arg-type]

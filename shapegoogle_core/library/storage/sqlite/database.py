@@ -98,7 +98,7 @@ class Database:
     def writing(self) -> Iterator[None]:
         """Run the changes inside as one transaction: all of them are stored, or none."""
         if self.read_only:
-            raise read_only_error(self.path)
+            raise read_only_error(self.path, requested=os.access(self.path, os.W_OK))
         time.sleep(max(0.0, self._next_write - time.monotonic()))
         started = time.monotonic()
         # IMMEDIATE takes the writer's lock at once; two that want it after reading would block each other.

@@ -24,7 +24,7 @@ _REFUSED = (
     "cannot be read or written ({symbol}): the disk, its quota or the network drive refused; make room or "
     "copy the library to a local disk (everything added before is safe)"
 )
-# The file is there: it may not be read, or the journal beside it cannot be made.
+# The file is there: it may not be read, or the journal beside it cannot be created.
 _NOT_OPENED = (
     "cannot be opened: you may not read the file, or not write into its folder; change the permissions, or "
     "copy it to a folder of yours"
@@ -43,7 +43,7 @@ _SENTENCES = {
         "was interrupted while it was written and its place is read-only, so the interrupted part cannot be "
         "undone; copy it together with '{file}-journal' to a folder that can be written and open it there"
     ),
-    sqlite3.SQLITE_CANTOPEN: "cannot be made: its folder is read-only or not yours; choose another place",
+    sqlite3.SQLITE_CANTOPEN: "cannot be created: its folder is read-only or not yours; choose another place",
     sqlite3.SQLITE_NOTADB: "is not a Shape Google library (not an SQLite database); choose another file",
     sqlite3.SQLITE_IOERR: _REFUSED,
     sqlite3.SQLITE_PROTOCOL: _REFUSED,
@@ -80,19 +80,22 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
     return LibraryError(f"'{path}' " + sentence.format(timeout=timeout, symbol=symbol, file=path.name))
 
 
-def read_only_error(path: Path) -> LibraryError:
+def read_only_error(path: Path, *, requested: bool) -> LibraryError:
     """Make the error for a change of a library that is read-only.
 
     Parameters
     ----------
     path : Path
         The library.
+    requested : bool
+        Whether the library was opened with ``read_only=True``.
 
     Returns
     -------
     error : LibraryError
     """
-    return LibraryError(f"'{path}' {_READ_ONLY}")
+    on_request = "was opened with read_only=True; open it without to add or remove shapes"
+    return LibraryError(f"'{path}' {on_request if requested else _READ_ONLY}")
 
 
 def _misuse(error: sqlite3.Error, path: Path) -> LibraryError:

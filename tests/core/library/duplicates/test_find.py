@@ -131,8 +131,15 @@ def test_the_largest_saving_comes_first(library: Library, make_signature: Signat
 
 @pytest.mark.parametrize("similarity", [0, -1, 1.01, float("nan")])
 def test_a_similarity_out_of_range_is_refused(library: Library, similarity: float) -> None:
-    with pytest.raises(ValueError, match="at most 1"):
+    with pytest.raises(ValueError, match="min_similarity must be a number above 0 and up to 1"):
         library.duplicates(similarity)
+
+
+def test_other_arguments_out_of_range_are_refused(library: Library) -> None:
+    with pytest.raises(ValueError, match="min_similarity must be a number above 0 and up to 1, not 'a'"):
+        library.duplicates("a")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="explained must be a whole number of at least 0, not -1"):
+        library.duplicates(explained=-1)
 
 
 @pytest.mark.parametrize("metric", ["cosine", "l1"])

@@ -99,6 +99,16 @@ def test_what_was_removed_meanwhile_has_no_evidence(tmp_path: Path, pairs: list[
         assert library.explain([signature], matches)[0].evidence is None
 
 
+def test_a_mesh_and_one_match_can_be_explained(
+    answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
+) -> None:
+    library, _ = answers
+    match = library.query(pairs[0].query, top=1, explain=0)[0]
+    (explained,) = library.explain(pairs[0].query, match)
+    assert [explained] == library.explain([pairs[0].query], [match])
+    assert kept(explained) == kept(library.query(pairs[0].query, top=1)[0])
+
+
 def test_samples_alone_give_the_same_kinds(
     answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
 ) -> None:

@@ -185,10 +185,22 @@ def test_what_cannot_be_asked(filled: Library, make_signature: Callable[..., Sha
         filled.query([])
     with pytest.raises(ValueError, match="top must be"):
         filled.query([make_signature(1)], top=0)
-    with pytest.raises(ValueError, match="explain must be at least 0, not -1"):
+    with pytest.raises(ValueError, match="explain must be a whole number of at least 0, not -1"):
         filled.query([make_signature(1)], explain=-1)
     with pytest.raises(MeshError, match=r"'horse\.ply' is a path and not a mesh"):
         filled.query("horse.ply")  # type: ignore[arg-type]
+    with pytest.raises(MeshError, match="'unlike' is an object of the type NoneType, not a mesh"):
+        filled.query([make_signature(1)], unlike=None)  # type: ignore[arg-type]
+    with pytest.raises(MeshError, match="'query 2 of 2' is an object of the type int"):
+        filled.query([make_signature(1), 7])  # type: ignore[list-item]
+    with pytest.raises(ValueError, match=r"where must be a shapegoogle_core\.Filter, not \{'name': 'x'\}"):
+        filled.query([make_signature(1)], where={"name": "x"})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"top must be a whole number of at least 1, not 1\.5"):
+        filled.query([make_signature(1)], top=1.5)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="count must be a whole number of at least 0, not -1"):
+        filled.explain([make_signature(1)], [], count=-1)
+    with pytest.raises(ValueError, match="matches must be a Match, or several, not 5"):
+        filled.explain([make_signature(1)], [5])  # type: ignore[list-item]
     strange = replace(make_signature(1), bags=np.ones(3, np.float32))
     for like, unlike in (([make_signature(1), strange], []), ([make_signature(1)], [strange])):
         with pytest.raises(LibraryError, match="another model"):

@@ -293,7 +293,7 @@ def test_a_code_without_bags_is_left_out(
 def test_top_must_be_positive(
     filled: Library, make_signature: Callable[..., ShapeSignature], top: int
 ) -> None:
-    with pytest.raises(ValueError, match="top must be at least 1"):
+    with pytest.raises(ValueError, match="top must be a whole number of at least 1"):
         filled.query(make_signature(1), top=top, explain=0)
 
 
@@ -312,6 +312,7 @@ def test_a_match_says_what_the_shape_is_and_turns_into_json(
     assert json.loads(json.dumps(match.to_json())) == {
         "name": "horse",
         "source": "animals.blend",
+        "object_name": "Horse",
         "similarity": 1.0,
         "distance": 0.0,
         "evidence": None,

@@ -8,6 +8,7 @@ import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -69,7 +70,7 @@ def test_a_folder(tmp_path: Path, model: ShapeModel) -> None:
 @pytest.mark.parametrize("read_only", [False, True])
 def test_no_such_folder(tmp_path: Path, model: ShapeModel, read_only: bool) -> None:
     path = tmp_path / "typo" / "shapes.sglib"
-    match = "there is no library" if read_only else "there is no folder '.*typo'; make it first"
+    match = "there is no library" if read_only else "there is no folder '.*typo'; create it first"
     with pytest.raises(LibraryError, match=match):
         Library.open(path, model, read_only=read_only)
     assert not path.parent.exists()
@@ -222,10 +223,10 @@ def test_a_shape_without_its_signature(filled: Path) -> None:
 
 
 def test_no_model_given_and_none_shipped_leaves_no_file(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_model() -> ShapeModel:
+    def no_model(_: object) -> ShapeModel:
         return ShapeModel.from_bytes(b"", "the shipped model")
 
-    monkeypatch.setattr("shapegoogle_core.library.storage.opening.load_model", no_model)
+    monkeypatch.setattr("shapegoogle_core.library.storage.opening.as_model", no_model)
     with pytest.raises(ModelError, match="the shipped model"):
         Library.open(path)
     assert not path.exists()
@@ -242,7 +243,7 @@ def test_read_only_refuses_every_change(filled: Path, make_signature: SignatureM
             lambda: library.remove("a.blend"),
             lambda: library.remove_shape(1),
         ):
-            with pytest.raises(LibraryError, match="is read-only: it can be searched, not changed; copy"):
+            with pytest.raises(LibraryError, match="was opened with read_only=True; open it without"):
                 change_it()
         assert len(library) == 50
     assert filled.read_bytes() == before
@@ -283,7 +284,7 @@ def test_a_file_that_can_be_written_in_a_folder_that_cannot(
 @posix
 def test_nothing_can_be_made_in_a_read_only_folder(unprivileged_folder: Path, model: ShapeModel) -> None:
     unprivileged_folder.chmod(0o555)
-    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be made: its folder is read-only"):
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be created: its folder is read-only"):
         Library.open(unprivileged_folder / "shapes.sglib", model)
 
 
@@ -315,3 +316,34 @@ def test_closed(filled: Path, make_signature: SignatureMaker) -> None:
     ):
         with pytest.raises(LibraryError, match="was closed; open it again"):
             use()
+
+
+def test_a_model_may_be_given_by_its_name(path: Path) -> None:
+    with pytest.raises(ModelError, match="cannot read the model 'none'"):
+        Library.open(path, "none")
+    assert not path.exists()
+    with Library.open(path, "default") as library:
+        assert library.model.name == "default"
+    with Library.open(path, model="default") as library:
+        assert len(library) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"path": None}, "a path must be a str or a pathlib.Path, not None"),
+        ({"timeout": "a"}, "timeout must be a number ≥ 0, not 'a'"),
+        ({"search": 5}, "search must be a SearchSettings, not 5"),
+    ],
+)
+def test_arguments_of_wrong_types_are_named(path: Path, arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Library.open(**{"path": path, **arguments})
+    assert not path.exists()
+
+
+def test_the_home_folder(tmp_path: Path, model: ShapeModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    with Library.open("~/shapes.sglib", model) as library:
+        assert library.path == tmp_path / "shapes.sglib"

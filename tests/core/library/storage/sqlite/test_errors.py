@@ -27,7 +27,7 @@ def sqlite_error(code: int) -> sqlite3.Error:
         (sqlite3.SQLITE_READONLY, "copy it to a place that can be written"),
         (sqlite3.SQLITE_READONLY_DIRECTORY, "copy it to a place that can be written"),
         (sqlite3.SQLITE_READONLY_ROLLBACK, "copy it together with 'shapes.sglib-journal'"),
-        (sqlite3.SQLITE_CANTOPEN, "cannot be made: .*choose another place"),
+        (sqlite3.SQLITE_CANTOPEN, "cannot be created: .*choose another place"),
         (sqlite3.SQLITE_NOTADB, "is not a Shape Google library .*choose another file"),
         (sqlite3.SQLITE_CORRUPT, r"is damaged .*\(as SQLite words it\); restore it from a backup"),
         (sqlite3.SQLITE_IOERR_WRITE, r"\(SQLITE_NAME\): .*make room or copy the library"),
