@@ -32,8 +32,8 @@ class MeshError(ShapeGoogleError, ValueError):
     ...     sg.Mesh([[0, 0, 0], [1, 0, 0]], [[0, 1, 2]], name="horse")
     ... except sg.MeshError as error:
     ...     print(error)
-    'horse': a face names vertex 2, but there are only 2 vertices (counted from 0); the mesh is damaged or was
-    cut short
+    'horse': a face names vertex 2, but indices must be 0 to 1; subtract 1 if yours count from 1, or export
+    the mesh again if it was cut short
     """
 
 

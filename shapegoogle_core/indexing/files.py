@@ -75,6 +75,8 @@ def find_meshes(
 
     Raises
     ------
+    ValueError
+        If an input is neither a str nor a path.
     MeshError
         For the first input that is missing, cannot be read or contains no mesh, unless `on_error` is given.
 

@@ -100,7 +100,7 @@ def index_files(
     *,
     progress: Callable[[FileOutcome], None] | None = None,
     reader: ExternalReader | None = None,
-    read: ReadFunction = ShapeReader.iterate,
+    read: ReadFunction | None = None,
 ) -> IndexReport:
     """Bring a library up to date with mesh files.
 
@@ -125,7 +125,7 @@ def index_files(
         too.
     read : callable, optional
         How the processes read a file, for tests: a function of a `ShapeReader` and a path that can be
-        imported by its name.
+        imported by its name. `ShapeReader.iterate` by default.
 
     Returns
     -------
@@ -133,6 +133,8 @@ def index_files(
 
     Raises
     ------
+    ValueError
+        If a path is neither a str nor a path.
     LibraryError
         If the library cannot be written.
     ShapeGoogleError
@@ -166,6 +168,7 @@ def index_files(
     # A mesh file is one shape; a file that another program reads may contain thousands.
     if reader is None or not any(reader.reads(path) for path in changed):
         jobs = min(jobs, max(len(changed), 1))
+    read = read or ShapeReader.iterate
     with FilePool(library.model, _limited(reader, settings), read, jobs, settings) as pool:
         for path in changed:
             run.begin(path, pool)
@@ -374,6 +377,8 @@ class _Run:
 
 
 def _unreadable(path: Path, error: OSError) -> Failure:
+    if path.is_dir():
+        return Failure(f"{path.name!r} is a folder; list its files with find_meshes")
     return Failure(
         f"{path.name!r} cannot be read: {error.strerror or error}; check that it is there and is yours"
     )

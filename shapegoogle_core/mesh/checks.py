@@ -8,7 +8,7 @@ import numpy as np
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.mesh.measures import face_areas, vertex_areas
-from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh import Mesh, counted
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
 
 __all__ = ["FEWEST_POINTS", "REPAIR", "check_cloud", "check_surface", "check_used", "clean_surface"]
@@ -42,11 +42,13 @@ def check_surface(mesh: Mesh) -> None:
     count = len(mesh.vertices)
     if mesh.is_point_cloud:
         raise MeshError(
-            f"{mesh.name!r} has no faces and {count} points, where a surface of triangles is needed: "
-            "export the mesh with its faces"
+            f"{mesh.name!r} has no faces and {counted(count, 'point', 'points')}, where a surface of "
+            "triangles is needed: export the mesh with its faces"
         )
     if count < 4:
-        raise MeshError(f"{mesh.name!r} has only {count} vertices; a shape needs at least 4")
+        raise MeshError(
+            f"{mesh.name!r} has only {counted(count, 'vertex', 'vertices')}; a shape needs at least 4"
+        )
     used = np.zeros(count, bool)
     used[mesh.faces] = True
     corners = mesh.vertices[used]
@@ -85,8 +87,8 @@ def check_used(mesh: Mesh) -> None:
     """
     unused = len(mesh.vertices) - len(used_vertices(mesh.faces, len(mesh.vertices))[0])
     if unused:
-        vertices = "vertex" if unused == 1 else "vertices"
-        raise MeshError(f"{mesh.name!r} has {unused} {vertices} that no face uses; {REPAIR}")
+        vertices = counted(unused, "vertex", "vertices")
+        raise MeshError(f"{mesh.name!r} has {vertices} that no face uses; {REPAIR}")
 
 
 def clean_surface(shape: MeshLike) -> Mesh:

@@ -13,7 +13,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.mesh.measures import face_areas
 
-__all__ = ["FloatArray", "IntArray", "Mesh"]
+__all__ = ["FloatArray", "IntArray", "Mesh", "counted"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -63,7 +63,7 @@ class Mesh:
             points = np.array(vertices, dtype=np.float64, order="C")
             corners = np.empty((0, 3), np.int64) if faces is None else np.asarray(faces)
         except (TypeError, ValueError) as error:
-            raise MeshError(f"{name!r}: vertices and faces must be arrays of numbers ({error})") from error
+            raise MeshError(f"{name!r}: vertices and faces must be arrays of numbers") from error
         if corners.size == 0:
             corners = np.empty((0, 3), np.int64)
         if points.ndim != 2 or points.shape[1] != 3:
@@ -81,8 +81,8 @@ class Mesh:
         if corners.size and (corners.min() < 0 or corners.max() >= len(points)):
             first = corners[(corners < 0) | (corners >= len(points))][0]
             raise MeshError(
-                f"{name!r}: a face names vertex {int(first)}, but there are only {len(points)} "
-                "vertices (counted from 0); the mesh is damaged or was cut short"
+                f"{name!r}: a face names vertex {int(first)}, but indices must be 0 to {len(points) - 1}; "
+                "subtract 1 if yours count from 1, or export the mesh again if it was cut short"
             )
         indices = corners.astype(np.int32)
         points.setflags(write=False)
@@ -113,4 +113,21 @@ class Mesh:
         return len(self.faces) == 0
 
     def __repr__(self) -> str:
-        return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
+        vertices = counted(len(self.vertices), "vertex", "vertices")
+        return f"Mesh({self.name!r}, {vertices}, {counted(len(self.faces), 'face', 'faces')})"
+
+
+def counted(number: int, singular: str, plural: str) -> str:
+    """Write a number with its noun.
+
+    Parameters
+    ----------
+    number : int
+    singular, plural : str
+
+    Returns
+    -------
+    text : str
+        Such as "1 vertex" or "2 vertices".
+    """
+    return f"{number} {singular if number == 1 else plural}"

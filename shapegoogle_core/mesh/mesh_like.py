@@ -68,7 +68,7 @@ def as_mesh(shape: MeshLike, name: str = "") -> Mesh:
     --------
     >>> from shapegoogle_core.mesh import as_mesh
     >>> as_mesh(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), name="triangle")
-    Mesh('triangle', 3 vertices, 1 faces)
+    Mesh('triangle', 3 vertices, 1 face)
     >>> import trimesh
     >>> as_mesh(trimesh.creation.box())
     Mesh('mesh', 8 vertices, 12 faces)

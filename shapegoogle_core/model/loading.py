@@ -6,6 +6,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
+from shapegoogle_core.arguments import as_path
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.shape_model import ShapeModel
 
@@ -40,7 +41,7 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     >>> sg.load_model("paper").settings.eigenpairs
     200
     """
-    key = "default" if path is None else str(path)
+    key = "default" if path is None else str(as_path(path))
     if key in SHIPPED:
         shipped = resources.files("shapegoogle_core") / "model" / "shipped" / f"{key}.npz"
         return ShapeModel.from_bytes(shipped.read_bytes(), f"the shipped model {key!r}")

@@ -206,7 +206,7 @@ def damage_refused(origin: str) -> Iterator[None]:
     except Exception as error:
         # Depending on where it is damaged, an archive makes zipfile, zlib, numpy or json fail.
         raise ModelError(
-            f"{origin} is not a Shape Google model, or it is damaged ({error}); train or copy it again"
+            f"{origin} is not a Shape Google model, or it is damaged; train or copy it again"
         ) from error
 
 

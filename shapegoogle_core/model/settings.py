@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -103,10 +104,21 @@ class ChannelSettings:
         _check(self.words >= 1, "words", "at least 1", self.words)
         _check(0 <= self.pair_time < math.inf, "pair_time", "a time ≥ 0", self.pair_time)
         _check(0 < self.sigma_factor < math.inf, "sigma_factor", "positive", self.sigma_factor)
+        known = list(inspect.signature(DESCRIPTORS[self.descriptor]).parameters.values())[2:]
+        names = [parameter.name for parameter in known]
+        needed = [parameter.name for parameter in known if parameter.default is parameter.empty]
         try:
+            if unknown := set(self.parameters) - set(names):
+                raise ValueError(f"it has no {', '.join(sorted(unknown))}, only {', '.join(names)}")
+            if missing := [name for name in needed if name not in self.parameters]:
+                raise ValueError(f"it needs {', '.join(missing)}, which have no defaults")
             self.size  # noqa: B018 (tries the parameters)
-        except (TypeError, ValueError) as error:
+        except ValueError as error:
             raise ModelError(f"parameters of {self.descriptor!r} do not work: {error}") from error
+        except TypeError as error:
+            raise ModelError(
+                f"parameters of {self.descriptor!r} do not work: they must be numbers"
+            ) from error
 
     @property
     def size(self) -> int:
@@ -294,6 +306,11 @@ class ModelSettings:
             known = dict(values)
             if "mending" in known:
                 known["preprocessing"] = known.pop("mending")
+            if missing := {"name", "channels", "preprocessing"} - set(known):
+                raise ModelError(
+                    f"the settings of the model are damaged: {', '.join(sorted(missing))} is missing; "
+                    "copy or train the model again"
+                )
             if known["preprocessing"] is not None:
                 known["preprocessing"] = PreprocessingSettings(**known["preprocessing"])
             unknown = set(known) - {entry.name for entry in fields(cls)}
@@ -310,4 +327,4 @@ class ModelSettings:
                 known["local"] = LocalSettings(words=known["local"]["words"])
             return cls(**known)
         except (KeyError, TypeError, ValueError) as error:
-            raise ModelError(f"the settings of the model are damaged ({error!r})") from error
+            raise ModelError("the settings of the model are damaged; copy or train it again") from error

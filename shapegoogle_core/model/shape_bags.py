@@ -60,7 +60,7 @@ def channel_words(
     Raises
     ------
     MeshError
-        If the shape has no such descriptor.
+        If the descriptor cannot be computed for the shape.
     """
     chosen = settings.channels[channel]
     try:
@@ -97,7 +97,7 @@ def shape_bags(
     Raises
     ------
     MeshError
-        If the shape has no such descriptor.
+        If the descriptor cannot be computed for the shape.
     """
     blocks = []
     for index, (channel, vocabulary) in enumerate(zip(settings.channels, vocabularies, strict=True)):

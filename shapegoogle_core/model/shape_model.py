@@ -268,8 +268,18 @@ class ShapeModel:
         distances : (n,) array
             At least 0. For the metric "cosine" 1 - cos of the projections; for "l1" Σ|f - f′|, averaged over
             the bags.
+
+        Raises
+        ------
+        ModelError
+            If the bags are of another length than those of this model.
         """
         query, bags = np.asarray(query, np.float32), np.asarray(bags, np.float32)
+        if query.shape != (self.bag_size,) or bags.shape[1:] != (self.bag_size,):
+            raise ModelError(
+                f"bags of this model have {self.bag_size} values, but those of the query are {query.shape} "
+                f"and the others {bags.shape}; describe all shapes with this model"
+            )
         return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
 
     def verified_distance(self, distance: float, excess: float) -> float:

@@ -14,14 +14,14 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.errors import MeshError, ModelError
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
 from shapegoogle_core.model.metric import (
@@ -73,28 +73,37 @@ def _silent(iterable: Iterable[T], _description: str, _total: int, /) -> Iterabl
     return iterable
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class TrainingShape:
     """Shape to learn from, in one or several poses.
 
-    Attributes
+    Parameters
     ----------
     identity : str
         Name of the shape. Training shapes of one identity are the same shape.
-    meshes : tuple of Mesh
-        The poses, at least one.
+    meshes : MeshLike, or iterable of MeshLike
+        The poses, at least one. Stored as a tuple of `Mesh`.
+
+    Raises
+    ------
+    MeshError
+        If a pose is not a mesh.
 
     Examples
     --------
     >>> import shapegoogle_core as sg
     >>> import trimesh
-    >>> mesh = sg.as_mesh(trimesh.creation.box((1, 2, 3)))
-    >>> sg.TrainingShape("box", (mesh,)).identity
-    'box'
+    >>> sg.TrainingShape("box", [trimesh.creation.box((1, 2, 3))]).meshes
+    (Mesh('box', 8 vertices, 12 faces),)
     """
 
     identity: str
     meshes: tuple[Mesh, ...]
+
+    def __init__(self, identity: str, meshes: MeshLike | Iterable[MeshLike]) -> None:
+        poses = cast("Iterable[MeshLike]", (meshes,) if is_mesh_like(meshes) else meshes)
+        object.__setattr__(self, "identity", identity)
+        object.__setattr__(self, "meshes", tuple(as_mesh(pose, identity) for pose in poses))
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +162,7 @@ def train_model(
     ModelError
         If there are too few usable shapes.
     ValueError
-        If `versions` is less than 1, or a shape has no mesh.
+        If `versions` is less than 1, or a shape is not a `TrainingShape` or has no mesh.
 
     Examples
     --------
@@ -167,6 +176,9 @@ def train_model(
     ...     ]
     ...     sg.train_model(shapes, PRESETS["default"], jobs=4).save("mine.npz")
     """
+    for shape in shapes:
+        if not isinstance(shape, TrainingShape):
+            raise ValueError(f"shapes must be TrainingShape(identity, meshes), not {type(shape).__name__}")
     _check_variety(len({shape.identity for shape in shapes}))
     if versions < 1 or not all(shape.meshes for shape in shapes):
         raise ValueError("training needs at least one version and at least one mesh of every shape")

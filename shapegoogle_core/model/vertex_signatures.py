@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
 from threadpoolctl import threadpool_limits
 
+from shapegoogle_core.arguments import check_count
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.checks import check_surface
@@ -222,6 +223,8 @@ def vertex_spectrum(
 
     Raises
     ------
+    ValueError
+        If k or the budget is not a whole number, k < 1 or the budget < 4, or the Laplacian is unknown.
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
 
@@ -267,7 +270,7 @@ def vertex_keypoints(
     Raises
     ------
     ValueError
-        If there is no such detector.
+        If there is no such detector, or a parameter is out of range as in `vertex_spectrum`.
     MeshError
         If the mesh has no surface, or its eigenproblem cannot be solved.
 
@@ -311,8 +314,10 @@ def vertex_words(model: ShapeModel, mesh: MeshLike, channel: int = 0) -> VertexW
 
     Raises
     ------
+    ValueError
+        If the model has no such channel.
     MeshError
-        If the mesh has no surface, or no such descriptor.
+        If the mesh has no surface, or the descriptor cannot be computed for it.
 
     Examples
     --------
@@ -325,6 +330,8 @@ def vertex_words(model: ShapeModel, mesh: MeshLike, channel: int = 0) -> VertexW
     mesh = as_mesh(mesh)
     check_surface(mesh)
     settings = model.settings
+    if channel not in range(len(settings.channels)):
+        raise ValueError(f"channel must be from 0 to {len(settings.channels) - 1}, not {channel!r}")
     # One thread as in `ShapeModel.describe`, so that the words are exactly those of a search.
     with threadpool_limits(1, user_api="blas"):
         shape = working_shape(settings, mesh)
@@ -336,6 +343,8 @@ def vertex_words(model: ShapeModel, mesh: MeshLike, channel: int = 0) -> VertexW
 
 def _clean_copy(mesh: Mesh, budget: int | None) -> tuple[Mesh, csr_array, bool]:
     """Repair and perhaps simplify a mesh; return also the prolongation, and whether it was simplified."""
+    if budget is not None:
+        check_count("budget", budget, 4)
     check_surface(mesh)
     repaired, place = repair_mapped(mesh)
     check_surface(repaired)

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+from shapegoogle_core.arguments import check_count, check_number
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
@@ -51,8 +51,10 @@ class PreprocessingSettings:
     smoothing: float = 3e-4
 
     def __post_init__(self) -> None:
-        if not (0 <= self.close_holes <= 1 and 0 <= self.smoothing < math.inf and self.budget >= 4):
-            raise ValueError(f"preprocessing out of range: {self}")
+        check_number("close_holes", self.close_holes, most=1)
+        check_count("floor", self.floor, 0)
+        check_count("budget", self.budget, 4)
+        check_number("smoothing", self.smoothing)
 
 
 _DEFAULT = PreprocessingSettings()

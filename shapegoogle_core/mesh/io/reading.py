@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shapegoogle_core.arguments import as_path, check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count, read_content
@@ -67,7 +68,8 @@ def read_mesh(
     Parameters
     ----------
     path : str or path
-        A file with the suffix .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower case.
+        A file with the suffix .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower case. "~"
+        stands for the user's own folder.
     point_cloud : bool, optional
         Read the points alone, from a file of any format.
     max_faces : int, optional
@@ -81,6 +83,8 @@ def read_mesh(
 
     Raises
     ------
+    ValueError
+        If the path is not one, or max_faces is not a whole number ≥ 1.
     MeshError
         If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or
         has neither a surface (see `check_surface`) nor points of one (`check_cloud`).
@@ -96,7 +100,8 @@ def read_mesh(
     >>> mesh, mesh.area
     (Mesh('box.ply', 8 vertices, 12 faces), 22.0)
     """
-    path = Path(path)
+    check_count("max_faces", max_faces)
+    path = as_path(path)
     name = path.name or str(path)
     suffix = path.suffix.lower()
     try:

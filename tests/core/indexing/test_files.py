@@ -99,3 +99,12 @@ def test_with_a_callback_the_others_go_on(tmp_path: Path) -> None:
     assert list(problems) == [tmp_path / "nowhere", tmp_path / "empty"]
     assert "does not exist" in problems[tmp_path / "nowhere"]
     assert "has no mesh files" in problems[tmp_path / "empty"]
+
+
+def test_one_path_needs_no_list(tmp_path: Path) -> None:
+    path = touch(tmp_path / "horse.ply")
+    assert find_meshes(str(tmp_path)) == find_meshes(tmp_path) == [path]
+    with pytest.raises(MeshError, match="missing' does not exist"):
+        find_meshes("missing")
+    with pytest.raises(ValueError, match="a path must be a str"):
+        find_meshes([3])  # type: ignore[list-item]

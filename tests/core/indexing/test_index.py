@@ -241,3 +241,10 @@ def test_a_shape_goes_when_its_file_becomes_bad(indexed: Library, folder: Path) 
     report = index(indexed, folder, read=misbehaving.read)
     assert counts(report) == (0, 0, 2, 1)
     assert names(indexed) == ["pear.obj", "plum.stl"]
+
+
+def test_one_path_needs_no_list_and_a_folder_is_refused(library: Library, tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    report = index_files(library, str(tmp_path / "meshes"), IndexSettings(jobs=1))
+    reason = "'meshes' is a folder; list its files with find_meshes"
+    assert report.failed == [(tmp_path / "meshes", reason)]

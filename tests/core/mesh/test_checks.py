@@ -43,3 +43,9 @@ def test_everything_else_is_refused(vertices: ArrayLike, faces: ArrayLike | None
     with pytest.raises(MeshError, match="'thing'") as caught:
         check_surface(Mesh(vertices, faces, "thing"))
     assert words in str(caught.value)
+
+
+def test_one_is_singular() -> None:
+    assert repr(Mesh(np.eye(3), [[0, 1, 2]])) == "Mesh('mesh', 3 vertices, 1 face)"
+    with pytest.raises(MeshError, match="has only 1 vertex;"):
+        check_surface(Mesh(np.zeros((1, 3)), [[0, 0, 0]]))

@@ -40,8 +40,12 @@ def test_arrays_are_copies_that_cannot_be_written_to() -> None:
         (np.zeros((4, 3)), np.zeros((2, 3)), "'thing': faces must be integers, not float64"),
         (np.array([[0, 0, np.nan]] * 2 + [[0, 0, 0]]), None, "'thing': 2 of 3 vertices have NaN"),
         (np.array([[0, 0, 0], [0, np.inf, 0]]), None, r"'thing': 1 of 2 vertices have NaN.*first: vertex 1"),
-        (np.zeros((4, 3)), [[0, 1, 4]], "'thing': a face names vertex 4, but there are only 4 vertices"),
-        (np.zeros((4, 3)), [[0, 1, -1]], "'thing': a face names vertex -1"),
+        (
+            np.zeros((4, 3)),
+            [[0, 1, 4]],
+            "'thing': a face names vertex 4, but indices must be 0 to 3",
+        ),
+        (np.zeros((4, 3)), [[0, 1, -1]], "names vertex -1, but indices must be 0 to 3; subtract 1"),
         (np.zeros((4, 3)), [[0, 1, 2**32]], "'thing': a face names vertex 4294967296"),
     ],
 )

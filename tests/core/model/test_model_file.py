@@ -128,3 +128,9 @@ def test_former_codes_of_local_words_still_count_in_the_identifier(model: ShapeM
     assert loaded.identifier != ShapeModel.from_bytes(changed_archive(model, **other)).identifier
     assert ShapeModel.from_bytes(loaded.to_bytes()).identifier == loaded.identifier
     assert replace(loaded, trained_on="other").identifier == replace(model, trained_on="other").identifier
+
+
+def test_the_error_does_not_quote_numpy(tmp_path: Path) -> None:
+    (tmp_path / "h.py").write_text("import this")
+    with pytest.raises(ModelError, match="is not a Shape Google model, or it is damaged; train or copy it"):
+        load_model(tmp_path / "h.py")

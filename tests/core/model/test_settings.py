@@ -95,3 +95,16 @@ def test_a_detector_is_kept_and_none_leaves_no_trace() -> None:
     assert stored["channels"][0]["detector"] == "harris-3d"
     assert ModelSettings.from_dict(stored).channels[0].detector == "harris-3d"
     assert ModelSettings.from_dict(json.loads(json.dumps(paper.to_dict()))).channels[0].detector is None
+
+
+def test_errors_name_what_is_missing_or_unknown() -> None:
+    with pytest.raises(
+        ModelError, match="'wks' do not work: it needs low, high, count, sigma, which have no"
+    ):
+        ChannelSettings("wks", {})
+    with pytest.raises(ModelError, match="'hks' do not work: it has no foo, only times, multiply_by_time"):
+        ChannelSettings("hks", {"foo": 1})
+    with pytest.raises(ModelError, match="'spin-images' do not work: they must be numbers"):
+        ChannelSettings("spin-images", {"radius": "a"})
+    with pytest.raises(ModelError, match="damaged: channels, name, preprocessing is missing; copy or train"):
+        ModelSettings.from_dict({})

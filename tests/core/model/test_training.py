@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
-from shapegoogle_core.errors import ModelError
+from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings
 from shapegoogle_core.model.training import TrainingShape, train_model
@@ -85,3 +86,14 @@ def test_too_few_shapes(training_shapes: list[TrainingShape]) -> None:
         train_model([replace(shape, identity="one") for shape in training_shapes], SMALL)
     with pytest.raises(ValueError, match="at least one version"):
         train_model(training_shapes, SMALL, versions=0)
+
+
+def test_shapes_may_be_meshes_of_other_libraries(bumpy: Mesh) -> None:
+    pair = (bumpy.vertices, bumpy.faces)
+    for meshes in (pair, [pair], (trimesh.Trimesh(*pair, process=False),), bumpy):
+        (mesh,) = TrainingShape("bumpy", meshes).meshes
+        np.testing.assert_array_equal(mesh.faces, bumpy.faces)
+    with pytest.raises(MeshError, match="'x' is an object of the type int, not a mesh"):
+        TrainingShape("x", [3])  # type: ignore[list-item]
+    with pytest.raises(ValueError, match=r"shapes must be TrainingShape\(identity, meshes\), not Mesh"):
+        train_model([bumpy] * 8, SMALL)  # type: ignore[list-item]

@@ -167,3 +167,14 @@ class TestVertexKeypoints:
             sg.vertex_keypoints(horse, "corners", k=5)
         with pytest.raises(sg.MeshError, match="'rod'"):
             sg.vertex_keypoints(sg.Mesh(np.eye(4, 3), [], "rod"))
+
+
+def test_arguments_out_of_range(model: ShapeModel, bumpy: Mesh) -> None:
+    with pytest.raises(ValueError, match="budget must be a whole number of at least 4, not 0"):
+        sg.vertex_spectrum(bumpy, budget=0)
+    with pytest.raises(ValueError, match=r"k must be a whole number of at least 1, not 1\.5"):
+        sg.vertex_spectrum(bumpy, k=1.5)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="channel must be from 0 to 2, not 5"):
+        sg.vertex_words(model, bumpy, channel=5)
+    with pytest.raises(sg.ModelError, match=r"bags of this model have 2700 values, .* query are \(3,\)"):
+        model.distances(np.zeros(3), np.zeros((2, 2700)))

@@ -96,10 +96,12 @@ def test_any_kind_of_mesh_is_taken() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"close_holes": -0.1}, {"close_holes": 2.0}, {"budget": 3}, {"smoothing": np.inf}]
+    ("name", "value"),
+    [("close_holes", -0.1), ("close_holes", 2.0), ("floor", -1), ("budget", 3), ("smoothing", np.inf)],
 )
-def test_settings_out_of_range(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="preprocessing out of range"):
+def test_settings_out_of_range_are_named(name: str, value: float) -> None:
+    wrong: dict[str, Any] = {name: value}
+    with pytest.raises(ValueError, match=f"{name} must be a .*number.*, not {value}"):
         PreprocessingSettings(**wrong)
 
 

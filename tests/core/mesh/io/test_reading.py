@@ -247,3 +247,14 @@ def test_nothing_is_printed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
         if name != "box.obj":
             refuse(write(tmp_path, name, data[: len(data) // 2]))
     assert capfd.readouterr() == ("", "")
+
+
+def test_arguments_that_are_no_path_or_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(tmp_path, "box.obj", obj())
+    with pytest.raises(ValueError, match="max_faces must be a whole number of at least 1, not 'a'"):
+        read_mesh(path, max_faces="a")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"a path must be a str or a pathlib\.Path, not None"):
+        read_mesh(None)  # type: ignore[arg-type]
+    for variable in ("HOME", "USERPROFILE"):
+        monkeypatch.setenv(variable, str(tmp_path))
+    assert read_mesh("~/box.obj").name == "box.obj"
