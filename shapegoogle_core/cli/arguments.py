@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import fields
 
+from shapegoogle_core.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
 
@@ -154,7 +155,7 @@ def add_library(parser: argparse.ArgumentParser, summary: str = "library file") 
     summary : str, optional
         Help text.
     """
-    parser.add_argument("--library", required=True, metavar="FILE", help=summary)
+    parser.add_argument("--library", type=as_path, required=True, metavar="FILE", help=summary)
 
 
 def add_inputs(parser: argparse.ArgumentParser) -> None:
@@ -165,7 +166,11 @@ def add_inputs(parser: argparse.ArgumentParser) -> None:
     parser : argparse.ArgumentParser
     """
     parser.add_argument(
-        "inputs", nargs="+", metavar="FOLDER", help="folder, searched recursively, or file of a mesh or scan"
+        "inputs",
+        type=as_path,
+        nargs="+",
+        metavar="FOLDER",
+        help="folder, searched recursively, or file of a mesh or scan",
     )
 
 

@@ -92,7 +92,7 @@ def _group_table(group: DuplicateGroup) -> str:
         )
         for member in group.members
     ]
-    title = f"{group.kind}: {counted(len(group.members), noun)}, {saving} in all but the first"
+    title = f"{group.kind}: {counted(len(group.members), noun)}; {saving} besides the first"
     return "\n".join([title, *table(rows, "<<<<")])
 
 

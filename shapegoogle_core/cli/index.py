@@ -64,7 +64,7 @@ def _run(options: argparse.Namespace) -> int:
 
     failed: Failures = []
     paths = find_files(options, failed)
-    known = Path(options.library).exists()
+    known = options.library.exists()
     if not paths and not (options.prune and known):
         # A misspelt folder must not create a library.
         if options.json:
@@ -77,7 +77,7 @@ def _run(options: argparse.Namespace) -> int:
     )
     model = None if options.model is None else load_model(options.model)
     with Library.open(options.library, model) as library:
-        folders = [entry for entry in options.inputs if _has_entries(Path(entry))]
+        folders = [entry for entry in options.inputs if _has_entries(entry)]
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
         progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
@@ -102,7 +102,7 @@ def _run(options: argparse.Namespace) -> int:
     return SOME_FAILED if failed else DONE
 
 
-def _shape_count(library: str) -> int:
+def _shape_count(library: Path) -> int:
     from shapegoogle_core.library.library import Library
 
     with Library.open(library, read_only=True) as opened:

@@ -217,6 +217,9 @@ class _Queries:
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     from shapegoogle_core.rendering.text import evidence_text
 
+    if not matches:
+        none = f"none of {counted(shapes, 'shape')} meets the filters" if shapes else "the library is empty"
+        return f"{query}: {none}"
     rows = [("", "similarity", "distance", "evidence", "name", "source")]
     for rank, match in enumerate(matches, start=1):
         evidence = evidence_text(match.evidence)

@@ -188,6 +188,9 @@ def test_query_with_filters(
     assert (code, stderr) == (0, "")
     matches = json.loads(stdout)["matches"]
     assert sorted(match["name"] for match in matches) == sorted(expected)
+    if not expected:
+        _, stdout, _ = run("query", folder / "pear.obj", "--library", library_file, *options)
+        assert "pear.obj: none of 3 shapes meets the filters" in stdout
 
 
 def test_a_kind_cannot_be_found_without_samples(
@@ -263,7 +266,7 @@ def test_query_of_an_empty_library(run: Command, library: Library, library_file:
     assert (code, json.loads(stdout)["matches"]) == (0, [])
     code, stdout, _ = run("query", folder / "pear.obj", "--library", library_file)
     assert code == 0
-    assert "the best 0 of 0 shapes" in stdout
+    assert "the library is empty" in stdout
 
 
 def test_info(run: Command, indexed: Library, library_file: Path) -> None:

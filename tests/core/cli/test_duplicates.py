@@ -24,7 +24,8 @@ def test_copies_and_same_shapes_are_listed(
     table = shapegoogle("duplicates", "--library", file, "--min-similarity", "1")
     assert table.returncode == 0, table.stderr
     assert "copies: 2 files" in table.stdout
-    assert "same: 2 shapes" in table.stdout
+    assert "same: 2 shapes; " in table.stdout
+    assert " faces besides the first" in table.stdout
     assert "2 groups among 5 shapes" in table.stdout
 
     lines = shapegoogle(

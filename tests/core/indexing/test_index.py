@@ -83,6 +83,13 @@ def test_a_folder_becomes_a_library(library: Library, folder: Path, model: Shape
     assert log() == []
 
 
+def test_one_path_is_not_taken_apart(library: Library, folder: Path) -> None:
+    report = index_files(library, str(folder / "apple.off"), IndexSettings(jobs=1))
+    assert counts(report) == (1, 0, 0, 0)
+    with pytest.raises(ValueError, match="a path must be a str"):
+        index_files(library, 5)  # type: ignore[arg-type]
+
+
 def test_a_touched_file_is_not_described_again(indexed: Library, folder: Path, log: Log) -> None:
     os.utime(folder / "apple.off", ns=(1, 1))
     assert counts(index(indexed, folder)) == (0, 0, 3, 0)
