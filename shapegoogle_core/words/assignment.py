@@ -76,7 +76,6 @@ def soft_words(descriptors: FloatArray, centers: FloatArray, sigma: float) -> Fl
     Examples
     --------
     >>> import numpy as np
-    from numpy.typing import ArrayLike
     >>> import shapegoogle_core as sg
     >>> centers = np.array([[0.0, 0.0], [1.0, 0.0]])
     >>> sg.soft_words(np.array([[0.5, 0.0], [0.0, 0.0]]), centers, sigma=0.5).round(3).tolist()
@@ -114,7 +113,6 @@ def hard_words(descriptors: FloatArray, centers: FloatArray) -> FloatArray:
     Examples
     --------
     >>> import numpy as np
-    from numpy.typing import ArrayLike
     >>> import shapegoogle_core as sg
     >>> centers = np.array([[0.0, 0.0], [1.0, 0.0]])
     >>> sg.hard_words(np.array([[0.4, 0.0], [0.9, 0.1]]), centers).tolist()
