@@ -133,7 +133,7 @@ def find_similar(item: Any) -> list[Found]:
     with quiet():
         bpy.ops.shape_google.find_similar()
     return [
-        Found(match.object_name, match.source, match.similarity, match.size, match.kind)
+        Found(match.object_name, match.source, match.similarity, match.size, match.relation)
         for match in session.matches
     ]
 
