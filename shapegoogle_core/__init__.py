@@ -19,7 +19,7 @@ Each step is a function of its own:
 (4, 2)
 """
 
-from shapegoogle_core.lazy import lazy_names
+from shapegoogle_core.api.lazy_names import lazy_names
 
 __version__ = "0.1.0"
 __all__, __getattr__, __dir__ = lazy_names(__name__)

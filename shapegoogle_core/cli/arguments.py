@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import fields
 
-from shapegoogle_core.arguments import as_path
+from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
 

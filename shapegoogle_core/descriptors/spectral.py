@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from shapegoogle_core.arguments import check_count
+from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.descriptors.times import default_exponents, default_times
 from shapegoogle_core.laplacian import Operator
 from shapegoogle_core.mesh import MeshLike

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from shapegoogle_core.arguments import check_count
+from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import Spectrum, check_spectrum

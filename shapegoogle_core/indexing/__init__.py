@@ -6,6 +6,6 @@ program), `describing` is the work of a process on one file, `file_pool` spreads
 `index` is the whole run; `settings` has its limits.
 """
 
-from shapegoogle_core.lazy import lazy_names
+from shapegoogle_core.api.lazy_names import lazy_names
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from shapegoogle_core.arguments import as_paths
+from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import MESH_SUFFIXES
 

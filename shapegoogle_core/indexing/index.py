@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from shapegoogle_core.arguments import as_paths
+from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.indexing.describing import Failure, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool

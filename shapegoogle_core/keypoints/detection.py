@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.arguments import check_number
+from shapegoogle_core.api.arguments import check_number
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.keypoints.registry import DETECTORS
 from shapegoogle_core.mesh import MeshLike, as_mesh

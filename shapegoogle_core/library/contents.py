@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from shapegoogle_core.arguments import as_paths, as_tuple, check_type, path_text
+from shapegoogle_core.api.arguments import as_paths, as_tuple, check_type, path_text
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature, read_signature

@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from numbers import Real
 
-from shapegoogle_core.arguments import check_number, check_type
+from shapegoogle_core.api.arguments import check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
 
 __all__ = ["Filter"]

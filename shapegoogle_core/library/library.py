@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
-from shapegoogle_core.arguments import as_path, as_tuple, check_count, check_number, check_type
+from shapegoogle_core.api.arguments import as_path, as_tuple, check_count, check_number, check_type
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.contents import LibraryContents, PathLike
 from shapegoogle_core.library.duplicates.find import find_duplicates

@@ -6,7 +6,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
-from shapegoogle_core.arguments import as_path
+from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.shape_model import ShapeModel
 

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.arguments import check_count
+from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.checks import check_surface

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shapegoogle_core.arguments import check_count, check_number
+from shapegoogle_core.api.arguments import check_count, check_number
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh

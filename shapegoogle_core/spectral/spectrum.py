@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import ThreadpoolController
 
-from shapegoogle_core.arguments import check_count
+from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import BOUNDARIES, Operator, build_operator
 from shapegoogle_core.mesh import MeshLike, as_mesh

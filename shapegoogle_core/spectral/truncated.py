@@ -8,7 +8,7 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
-from shapegoogle_core.arguments import check_number
+from shapegoogle_core.api.arguments import check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral.spectrum import Spectrum
 

@@ -5,6 +5,6 @@ Names are imported when they are first used: the estimators are built on scikit-
 them.
 """
 
-from shapegoogle_core.lazy import lazy_names
+from shapegoogle_core.api.lazy_names import lazy_names
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.distance import cdist
 
-from shapegoogle_core.arguments import check_number
+from shapegoogle_core.api.arguments import check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["checked_table", "hard_words", "soft_words"]

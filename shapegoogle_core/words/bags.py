@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shapegoogle_core.arguments import check_number
+from shapegoogle_core.api.arguments import check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.spectral import Spectrum, check_spectrum
 from shapegoogle_core.words.assignment import checked_table

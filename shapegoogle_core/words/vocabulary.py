@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin
 
-from shapegoogle_core.arguments import check_count, check_number
+from shapegoogle_core.api.arguments import check_count, check_number
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.words.assignment import hard_words, soft_words
 from shapegoogle_core.words.estimators import check_features, learn_features

@@ -16,7 +16,7 @@ CORE = ROOT / "shapegoogle_core"
 # From the bottom up: a folder imports only folders that stand before it.
 LAYERS = (
     "errors",
-    "arguments",
+    "api",
     "processes",
     "mesh",
     "laplacian",
@@ -71,7 +71,7 @@ def modules() -> dict[str, Path]:
 
 def test_every_folder_has_a_layer() -> None:
     folders = {path.name for path in CORE.iterdir() if (path / "__init__.py").exists()}
-    assert folders | {"arguments", "errors"} == set(LAYERS)
+    assert folders | {"errors"} == set(LAYERS)
 
 
 @pytest.mark.parametrize("folder", LAYERS)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shapegoogle_core.arguments import as_path, check_count
+from shapegoogle_core.api.arguments import as_path, check_count
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count, read_content

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.arguments import as_path, as_paths, as_tuple, check_count, check_number
+from shapegoogle_core.api.arguments import as_path, as_paths, as_tuple, check_count, check_number
 
 
 def test_counts_are_whole_numbers() -> None:
