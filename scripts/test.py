@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Set up, then run everything that must pass: lint, format, types and tests.
 
-    python3 scripts/test.py [--fast | --long] [--all-blenders] [options of pytest] [paths of tests]
+    python3 scripts/test.py [--fast | --long] [--ci | --all-blenders] [options of pytest] [paths of tests]
 
-Each part is a session of nox (`noxfile.py`). The add-on is tested on the bpy modules of Blender 4.5 and
-4.2, in a real Blender if the environment variable BLENDER names one or there is one on PATH, and as installed
-from the built zip. What cannot run on this machine is skipped with the reason. Exit code 0 if nothing failed.
+Each part is a session of nox (`noxfile.py`). The add-on is tested on the bpy module of Blender 4.5, as
+installed from the built zip, and in the window of a real Blender if the environment variable BLENDER names one
+or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run on this machine
+is skipped with the reason. Exit code 0 if nothing failed.
 """
 
 from __future__ import annotations
@@ -24,34 +25,36 @@ from lib import bootstrap
 
 __all__ = ["main"]
 
-ADDON = ("blender", "addon-4.5", "addon-4.2")
-OTHER_BLENDERS = ("addon-5.0", "addon-5.2")
+EVERYDAY = ("addon-4.5",)
+CI = ("blender", *EVERYDAY, "addon-4.2")
+ALL = (*CI, "addon-5.0", "addon-5.2")
 # Sessions that run tests in these folders; tests elsewhere need no Blender.
-FOLDERS = {"tests/addon": ADDON, "tests/extension": ("extension",), "tests/gui": ("window",)}
+FOLDERS = {"tests/extension": ("extension",), "tests/gui": ("window",)}
 
 
-def sessions_for(paths: Sequence[str], all_blenders: bool = False) -> list[list[str]]:
+def sessions_for(paths: Sequence[str], addon: Sequence[str] = EVERYDAY) -> list[list[str]]:
     """Choose the sessions to run.
 
     Parameters
     ----------
     paths : sequence of str
         Tests to run, relative to the repository; none: everything.
-    all_blenders : bool
+    addon : sequence of str, optional
+        Sessions that test the add-on.
 
     Returns
     -------
     stages : list of list of str
         Sessions by stage: the stages run one after the other, the sessions of a stage two at a time.
     """
-    addon = [*ADDON, *(OTHER_BLENDERS if all_blenders else ())]
     if not paths:
         # The long sessions first, so that two processors are busy to the end.
         return [["checks"], ["core"], ["build"], ["window", *addon, "extension"]]
+    folders = {**FOLDERS, "tests/addon": addon}
     wanted = {
         session
         for path in paths
-        for session in next((FOLDERS[folder] for folder in FOLDERS if path.startswith(folder)), ("core",))
+        for session in next((folders[folder] for folder in folders if path.startswith(folder)), ("core",))
     }
     return [[session] for session in ("core", *addon, "extension", "window") if session in wanted]
 
@@ -102,7 +105,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     amount = parser.add_mutually_exclusive_group()
     amount.add_argument("--fast", action="store_true", help="leave out tests on real data")
     amount.add_argument("--long", action="store_true", help="run the tests that take minutes, too")
-    parser.add_argument("--all-blenders", action="store_true", help="test the add-on on all bpy modules")
+    blenders = parser.add_mutually_exclusive_group()
+    for name, sessions, where in (
+        ("--ci", CI, "also on bpy 4.2 and inside the real Blender"),
+        ("--all-blenders", ALL, "on all supported bpy modules, too"),
+    ):
+        blenders.add_argument(
+            name, dest="addon", action="store_const", const=sessions, help=f"test the add-on {where}"
+        )
     options, others = parser.parse_known_args(arguments)
     bootstrap.enter(["benchmark", "demo", "test"])
 
@@ -113,7 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     paths = [word for word in others if (bootstrap.ROOT / word.partition("::")[0]).exists()]
     started = time.monotonic()
     passed: dict[str, bool] = {}
-    for stage in sessions_for(paths, options.all_blenders):
+    for stage in sessions_for(paths, options.addon or EVERYDAY):
         run = partial(run_session, options=["-m", marker, *others], live=len(stage) == 1)
         with ThreadPoolExecutor(2) as pool:
             passed |= dict(zip(stage, pool.map(run, stage), strict=True))

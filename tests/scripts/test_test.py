@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-ADDON = ["blender", "addon-4.5", "addon-4.2"]
+ADDON = ["addon-4.5"]
 
 
 @pytest.mark.parametrize(
@@ -26,12 +26,15 @@ def test_paths_choose_the_sessions(
     assert test_script.sessions_for(paths) == stages
 
 
-def test_all_blenders_are_tested_on_request(test_script: ModuleType) -> None:
-    addon = test_script.sessions_for([], all_blenders=True)[3]
-    assert addon == ["window", *ADDON, "addon-5.0", "addon-5.2", "extension"]
+def test_more_blenders_are_tested_on_request(test_script: ModuleType) -> None:
+    assert test_script.CI == ("blender", "addon-4.5", "addon-4.2")
+    assert (*test_script.CI, "addon-5.0", "addon-5.2") == test_script.ALL
+    addon = test_script.sessions_for([], test_script.CI)[3]
+    assert addon == ["window", "blender", "addon-4.5", "addon-4.2", "extension"]
+    assert test_script.sessions_for(["tests/addon"], test_script.CI) == [[name] for name in test_script.CI]
 
 
-@pytest.mark.parametrize("failing", [None, "core", "blender"])
+@pytest.mark.parametrize("failing", [None, "core", "addon-4.5"])
 def test_one_failing_session_fails_the_run_and_the_others_still_run(
     test_script: ModuleType,
     monkeypatch: pytest.MonkeyPatch,
