@@ -5,8 +5,8 @@
 
 Each part is a session of nox (`noxfile.py`). The add-on is tested on the bpy module of Blender 4.5, as
 installed from the built zip, and in the window of a real Blender if the environment variable BLENDER names one
-or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run on this machine
-is skipped with the reason. Exit code 0 if nothing failed.
+or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run here is skipped
+with the reason. Exit code 0 if nothing failed.
 """
 
 from __future__ import annotations
