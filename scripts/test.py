@@ -4,9 +4,9 @@
     python3 scripts/test.py [--fast | --long] [--ci | --all-blenders] [options of pytest] [paths of tests]
 
 Each part is a session of nox (`noxfile.py`). The add-on is tested on the bpy module of Blender 4.5, as
-installed from the built zip, and in the window of a real Blender if the environment variable BLENDER names one
-or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run here is skipped
-with the reason. Exit code 0 if nothing failed.
+installed from the built zip, and in the window of a real Blender if the environment variable BLENDER names
+one or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run here is
+skipped with the reason. Exit code 0 if nothing failed.
 """
 
 from __future__ import annotations
