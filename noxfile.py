@@ -22,6 +22,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import nox
@@ -199,11 +200,13 @@ def find_python(version: str) -> str | None:
 
 def load_bpy(session: nox.Session) -> None:
     """Import bpy; install the system libraries that it lacks if this process may."""
-    if session.run("python", "-c", BPY_PROBE, silent=True, success_codes=[0, 1]) and can_use_apt():
+    probe = partial(session.run, "python", "-c", BPY_PROBE, silent=True, success_codes=[0, 1])
+    problem = probe()
+    if problem and can_use_apt():
         session.run("apt-get", "update", external=True, silent=True)
         install = ["apt-get", "install", "--yes", "--no-install-recommends", *SYSTEM_LIBRARIES]
         session.run(*install, external=True, silent=True)
-    problem = session.run("python", "-c", BPY_PROBE, silent=True, success_codes=[0, 1])
+        problem = probe()
     if problem:
         session.skip(
             f"bpy cannot be loaded ({str(problem).strip()}); on Debian and Ubuntu its libraries come with: "
