@@ -112,12 +112,15 @@ class SignatureState:
         Bar charts of bags of words.
     charted : OrderedDict of int to str
         Name of each object's chart by its session uid, the latest last.
+    restored_views : list of (str, int)
+        Screens and areas whose shading an undo has restored, for a redo.
     """
 
     results: OrderedDict[Key, Known] = field(default_factory=OrderedDict)
     times: dict[int, TimeRange] = field(default_factory=dict)
     charts: Any = None
     charted: OrderedDict[int, str] = field(default_factory=OrderedDict)
+    restored_views: list[tuple[str, int]] = field(default_factory=list)
 
 
 @dataclass

@@ -2,15 +2,16 @@
 """Write attributes and colours onto the vertices of bpy meshes, and remove them.
 
 All names begin with "sg_": sg_hks, sg_hks_1 …, sg_sihks_0 …, sg_word, sg_weight_<word>, sg_heat,
-sg_keypoint, sg_color. Nothing else on a mesh changes, except the active colour attribute, which is restored
-when the attributes are cleared, and the selection in `select`.
+sg_keypoint, sg_color. Nothing else on a mesh changes, except the active and the rendered colour attribute,
+which are restored when the attributes are cleared, and the selection in `select`.
 """
 
 from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import bmesh
@@ -26,7 +27,6 @@ __all__ = [
     "clear",
     "geometry_hash",
     "is_painted",
-    "picked_vertex",
     "positive_vertices",
     "select",
     "values_of",
@@ -34,7 +34,8 @@ __all__ = [
 ]
 
 PREFIX = "sg_"
-# Custom property that keeps the user's own active colour attributes while ours is shown.
+# Custom property that keeps the user's own active and rendered colour attributes while ours is shown; the
+# names are empty where there was none.
 OWN_COLORS = "shape_google_colors"
 
 _TYPES = {"f": "FLOAT", "i": "INT"}
@@ -43,7 +44,7 @@ _FIELDS = {"FLOAT": "value", "INT": "value", "FLOAT_COLOR": "color"}
 _EDIT_LAYERS = {"FLOAT": "float", "INT": "int", "FLOAT_COLOR": "float_color"}
 
 
-def write(data: Any, kind: str, layers: Sequence[Layer], *, color: bool = True) -> None:
+def write(data: Any, kind: str, layers: Sequence[Layer], *, color: bool = True, keep: bool = False) -> None:
     """Write attributes on the vertices of a mesh and make its colours the ones that are shown.
 
     Parameters
@@ -56,16 +57,22 @@ def write(data: Any, kind: str, layers: Sequence[Layer], *, color: bool = True) 
         With as many values as the mesh has vertices.
     color : bool
         Whether to write the colour too.
+    keep : bool
+        Whether attributes of the other families stay; else they are removed.
     """
     layers = [layer for layer in layers if color or layer.name != COLOR]
     names = {layer.name for layer in layers}
-    stale = re.compile(FAMILIES[kind])
-    _remove(data, [name for name in _own_names(data) if stale.fullmatch(name) and name not in names])
-    writer = _write_edited if data.is_editmode else _write_layer
-    for layer in layers:
-        writer(data, layer)
-    if COLOR in names:
-        _show_color(data)
+    stale = re.compile(FAMILIES[kind] if keep else "|".join(FAMILIES.values()))
+    with _active_kept(data):
+        _remove(data, [name for name in _own_names(data) if stale.fullmatch(name) and name not in names])
+        if not (color or keep) and COLOR in data.attributes:
+            _remove(data, [COLOR])  # it would show the values of a kind that is no longer there
+            _restore_colors(data)
+        writer = _write_edited if data.is_editmode else _write_layer
+        for layer in layers:
+            writer(data, layer)
+        if COLOR in names:
+            _show_color(data)
     data.update_tag()
 
 
@@ -82,15 +89,10 @@ def clear(data: Any) -> list[str]:
         What was removed.
     """
     names = _own_names(data)
-    _remove(data, names)
-    if OWN_COLORS in data:
-        active, default = data[OWN_COLORS]
-        del data[OWN_COLORS]
-        present = {attribute.name for attribute in data.color_attributes}
-        if active in present:
-            data.attributes.active_color_name = active
-        if default in present:
-            data.attributes.default_color_name = default
+    shown = [data.attributes.active_color_name, data.attributes.default_color_name]
+    with _active_kept(data):
+        _remove(data, names)
+        _restore_colors(data, shown)
     data.update_tag()
     return names
 
@@ -123,36 +125,6 @@ def values_of(data: Any, name: str) -> NDArray[np.generic]:
     values = np.empty(len(data.vertices) * width, np.int32 if attribute.data_type == "INT" else np.float32)
     attribute.data.foreach_get(_FIELDS[attribute.data_type], values)
     return values.reshape(-1, 4) if width == 4 else values
-
-
-def picked_vertex(item: Any) -> int | None:
-    """Index of the active vertex of an object, or of the first one that is selected.
-
-    Parameters
-    ----------
-    item : bpy.types.Object
-        A mesh object; in object mode, the selection of edit mode is used.
-
-    Returns
-    -------
-    vertex : int or None
-        None if none is selected.
-    """
-    if item.mode == "EDIT":
-        edited = bmesh.from_edit_mesh(item.data)
-        return _active(edited) if _active(edited) is not None else _first(edited)
-    selected = np.empty(len(item.data.vertices), bool)
-    item.data.vertices.foreach_get("select", selected)
-    copy = bmesh.new()
-    try:
-        # It knows which vertex is active, but takes all corners of selected faces for selected.
-        copy.from_mesh(item.data, face_normals=False, vertex_normals=False)
-        active = _active(copy)
-    finally:
-        copy.free()
-    if active is not None and selected[active]:
-        return active
-    return int(selected.argmax()) if selected.any() else None
 
 
 def positive_vertices(data: Any, name: str) -> NDArray[np.int64]:
@@ -278,20 +250,38 @@ def _remove(data: Any, names: Sequence[str]) -> None:
         data.attributes.remove(data.attributes[name])
 
 
+@contextmanager
+def _active_kept(data: Any) -> Iterator[None]:
+    """Keep the attribute active that is: Blender goes by its position, where another one may be later."""
+    active = data.attributes.active
+    name = "" if active is None else active.name
+    yield
+    if name in data.attributes:
+        data.attributes.active = data.attributes[name]
+
+
 def _show_color(data: Any) -> None:
     """Make our colour the active and the rendered one, and remember which ones were."""
     attributes = data.attributes
     own = [attributes.active_color_name, attributes.default_color_name]
-    if COLOR not in own and any(own):
+    # One that is ours already says nothing; what was there before it is known from then.
+    known = data.get(OWN_COLORS, ["", ""])
+    own = [known[place] if name == COLOR else name for place, name in enumerate(own)]
+    if any(own):
         data[OWN_COLORS] = own
     attributes.active_color_name = COLOR
     attributes.default_color_name = COLOR
 
 
-def _active(mesh: Any) -> int | None:
-    active = mesh.select_history.active
-    return int(active.index) if isinstance(active, bmesh.types.BMVert) and active.select else None
-
-
-def _first(mesh: Any) -> int | None:
-    return next((vertex.index for vertex in mesh.verts if vertex.select), None)
+def _restore_colors(data: Any, shown: Sequence[str] = (COLOR, COLOR)) -> None:
+    """Make the user's colours the active and the rendered one again, except those chosen since."""
+    if OWN_COLORS not in data:
+        return
+    own = list(data[OWN_COLORS])
+    del data[OWN_COLORS]
+    present = {attribute.name for attribute in data.color_attributes}
+    for name, before, place in zip(shown, own, ("active_color_name", "default_color_name"), strict=True):
+        # One that was chosen while ours was there is kept.
+        wanted = before if name == COLOR else name
+        if wanted in present:
+            setattr(data.attributes, place, wanted)

@@ -215,7 +215,7 @@ def _paint(item: Any, chosen: Painting, model: ShapeModel | None, options: argpa
 
         last = len(item.data.vertices) - 1
         raise MeshError(f"{item.name!r} has no vertex {options.vertex}; its last one is {last}")
-    painting.apply(item, chosen, entry, color=not options.no_color, source=options.vertex)
+    painting.apply(item, chosen, entry, color=not options.no_color, keep=True, source=options.vertex)
     return _note(chosen, entry, bpy.context.scene.unit_settings)
 
 

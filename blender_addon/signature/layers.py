@@ -105,7 +105,9 @@ def paint_spectrum(painting: Painting, carried: VertexSpectrum, source: int | No
     elif painting.kind == "HEAT":
         vertex = None if source is None else carried.nearest(source)
         if vertex is None:
-            raise MeshError("no vertex of its surface is selected; select the one that heat spreads from")
+            raise MeshError(
+                "no vertex of its surface is selected; in edit mode, select the one that heat spreads from"
+            )
         values = heat_kernel(spectrum, vertex, times_of(painting, spectrum)[0])[:, None]
         names = ["sg_heat"]
     else:

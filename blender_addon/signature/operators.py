@@ -9,7 +9,7 @@ import bpy
 
 from .. import state
 from ..state import SignatureState
-from . import bag_chart
+from . import bag_chart, shading
 from .painter import MODES, Painter
 
 __all__ = ["register", "unregister"]
@@ -32,8 +32,8 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
     bl_label = "Paint Signature"
     bl_description = (
         "Write the chosen signature onto the vertices of the selected objects, as attributes whose names "
-        "begin with sg_. This 3D view is set to solid shading with attribute colors, which undo leaves so. "
-        "Objects are computed as they are before modifiers, in world scale, and those with very many "
+        "begin with sg_. This 3D view is set to solid shading with attribute colors, until undo or Clear "
+        "Signature. Objects are computed as they are before modifiers, in world scale, and those with very many "
         "vertices on a simplified copy: 100,000 vertices take a few seconds"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
@@ -58,7 +58,8 @@ class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
     bl_idname = "shape_google.clear_paint"
     bl_label = "Clear Signature"
     bl_description = (
-        "Remove all attributes whose names begin with sg_ from the selected objects, and nothing else"
+        "Remove all attributes whose names begin with sg_ from the selected objects, and nothing else. The "
+        "colors and the shading that were shown before painting come back"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
@@ -75,6 +76,7 @@ class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
         for reason in refused:
             self.report({"WARNING"}, reason)
         removed = [attributes.clear(item.data) for item in items]
+        shading.restore_unpainted(context)
         count, meshes = sum(map(len, removed)), sum(map(bool, removed))
         if not count:
             self.report({"INFO"}, "Nothing to clear: the selected objects have no attributes of Shape Google")
@@ -92,6 +94,19 @@ def _forget(*_arguments: Any) -> None:
     state.current().signature = SignatureState()
 
 
+@bpy.app.handlers.persistent
+def _look_again(*_arguments: Any) -> None:
+    """Views that were kept while another file was opened may show colours that are not in it."""
+    shading.restore_unpainted(bpy.context)
+    state.current().signature.restored_views = []
+
+
+@bpy.app.handlers.persistent
+def _follow_undo(*_arguments: Any) -> None:
+    """Undo or redo may have removed painted colours, or brought them back."""
+    shading.follow_undo(bpy.context)
+
+
 _register, _unregister = bpy.utils.register_classes_factory(
     (SHAPEGOOGLE_OT_paint, SHAPEGOOGLE_OT_clear_paint)
 )
@@ -101,10 +116,16 @@ def register() -> None:
     """Register the operators."""
     _register()
     bpy.app.handlers.load_pre.append(_forget)
+    bpy.app.handlers.load_post.append(_look_again)
+    bpy.app.handlers.undo_post.append(_follow_undo)
+    bpy.app.handlers.redo_post.append(_follow_undo)
 
 
 def unregister() -> None:
     """Unregister the operators and drop all results."""
+    bpy.app.handlers.redo_post.remove(_follow_undo)
+    bpy.app.handlers.undo_post.remove(_follow_undo)
+    bpy.app.handlers.load_post.remove(_look_again)
     bpy.app.handlers.load_pre.remove(_forget)
     _unregister()
     _forget()

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from .. import jobs
 from ..library.model import current_model
+from . import shading
 from .choices import TIMED, Painting
 from .distance import scale_text
+from .picked import picked
 from .properties import settings_of
 
 if TYPE_CHECKING:
@@ -106,7 +108,7 @@ class Painter:
         except MeshError as error:
             self._failed.append(str(error))
         except Exception as error:  # such as a worker process that ran out of memory and was killed
-            self._failed.append(f"{task.name!r} could not be computed: {error!r}")
+            self._failed.append(f"{task.name!r} could not be computed: {error}")
 
     def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
         """Find the computations that are needed; None, after a report, if nothing can be computed."""
@@ -136,7 +138,8 @@ class Painter:
         from . import painting, results
 
         chosen = settings_of(context.scene)
-        color = context.scene.shape_google_painting.color
+        settings = context.scene.shape_google_painting
+        color, keep = settings.color, settings.keep
         model = current_model(context) if chosen.kind == "WORDS" else None
         items, refused = painting.targets(objects)
         self._failed += refused
@@ -148,7 +151,7 @@ class Painter:
             if entry is None or lacking:
                 continue
             try:
-                painting.apply(item, chosen, entry, color=color)
+                painting.apply(item, chosen, entry, color=color, keep=keep)
             except MeshError as error:
                 self._failed.append(str(error))
             else:
@@ -159,18 +162,10 @@ class Painter:
             failed = self._failed[-1] if self._failed else "The objects were changed; paint again"
             return self._give_up(context, lacking or failed)
         if color:
-            _show_colors(context)
+            shading.show_colors(context)
         summary = _summary(chosen, done, context.scene.unit_settings)
         self.report({"INFO"}, summary)  # type: ignore[attr-defined]
         return {"FINISHED"}
-
-
-def _show_colors(context: Any) -> None:
-    """Let the 3D view in which the button was pressed show attribute colours."""
-    space = context.space_data
-    if space is not None and space.type == "VIEW_3D":
-        space.shading.type = "SOLID"
-        space.shading.color_type = "VERTEX"
 
 
 def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str:
@@ -189,5 +184,7 @@ def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str
         points = "1 keypoint" if count == 1 else f"{count or 'no'} keypoints"
         return f"Painted {objects}: {points} of {chosen.detector}{copy}"
     if len(done) == 1 and chosen.kind in TIMED:
-        return f"Painted {objects} at {scale_text(done[0][0], chosen, units)}{copy}"
+        vertex = picked(done[0][0]) if chosen.kind == "HEAT" else None
+        origin = "" if vertex is None else f" from {vertex},"
+        return f"Painted {objects}{origin} at {scale_text(done[0][0], chosen, units)}{copy}"
     return f"Painted {objects}{copy}"

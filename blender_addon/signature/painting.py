@@ -13,6 +13,7 @@ from ..scene.selection import mesh_objects, split_evaluated
 from . import attributes, bag_chart, results
 from .choices import SEVERAL, TIMED, Painting
 from .distance import TimeRange
+from .picked import picked
 from .results import Known
 
 __all__ = ["apply", "repaint", "targets"]
@@ -50,7 +51,13 @@ def targets(objects: Sequence[Any]) -> tuple[list[Any], list[str]]:
 
 
 def apply(
-    item: Any, chosen: Painting, entry: Known, *, color: bool = True, source: int | None = None
+    item: Any,
+    chosen: Painting,
+    entry: Known,
+    *,
+    color: bool = True,
+    keep: bool = False,
+    source: int | None = None,
 ) -> None:
     """Write the result of a computation onto the vertices of an object.
 
@@ -61,6 +68,8 @@ def apply(
     entry : Known
     color : bool
         Whether to write the colour attribute.
+    keep : bool
+        Whether attributes of other kinds stay.
     source : int, optional
         Vertex that heat spreads from; left out, the one that is selected.
 
@@ -72,7 +81,8 @@ def apply(
     from shapegoogle_core import VertexSpectrum, VertexWords
     from shapegoogle_core.descriptors import time_range
 
-    attributes.write(item.data, chosen.kind, results.paint_layers(item, chosen, entry, source), color=color)
+    layers = results.paint_layers(item, chosen, entry, source)
+    attributes.write(item.data, chosen.kind, layers, color=color, keep=keep)
     if isinstance(entry.result, VertexWords):
         bag_chart.show(item, entry.result.bag)
     elif isinstance(entry.result, VertexSpectrum):
@@ -95,5 +105,5 @@ def repaint(context: Any, chosen: Painting, color: bool) -> None:
     for item in targets(getattr(context, "selected_objects", ()))[0]:
         if attributes.is_painted(item.data, chosen.kind):
             entry = results.known(results.key_of(item, chosen, None))
-            if entry is not None and (chosen.kind != "HEAT" or attributes.picked_vertex(item) is not None):
-                apply(item, chosen, entry, color=color)
+            if entry is not None and (chosen.kind != "HEAT" or picked(item) is not None):
+                apply(item, chosen, entry, color=color, keep=True)

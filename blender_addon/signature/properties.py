@@ -66,6 +66,11 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
     color: BoolProperty(
         name="Color", description="Also write the color attribute sg_color and show it", default=True
     )
+    keep: BoolProperty(
+        name="Keep Other Attributes",
+        description="Keep what was painted of other kinds; else painting removes it",
+        default=False,
+    )
     eigenpairs: IntProperty(
         name="Eigenpairs",
         description="Number of eigenfunctions of the Laplacian: more show smaller parts and take longer",

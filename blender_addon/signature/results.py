@@ -14,6 +14,7 @@ from ..scene.meshes import base_mesh
 from . import attributes, layers
 from .choices import Painting
 from .layers import Layer
+from .picked import picked
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
@@ -184,7 +185,8 @@ def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None =
     if isinstance(entry.result, VertexWords):
         return layers.paint_words(chosen, entry.result)
     if chosen.kind == "HEAT" and source is None:
-        source = attributes.picked_vertex(item)
+        vertex = picked(item)
+        source = None if vertex is None else vertex.index
     try:
         return layers.paint_spectrum(chosen, entry.result, source)
     except MeshError as error:

@@ -115,14 +115,14 @@ class TestValues:
         assert np.allclose(heat, expected, rtol=1e-5, atol=1e-5 * expected.max())
         assert heat @ spectrum.mass == pytest.approx(1, rel=1e-4)
         # The selection is kept in object mode, and so is the active vertex.
-        assert modules.attributes.picked_vertex(item) == 77
+        assert modules.picked.picked(item).index == 77
         paint("HEAT", scale=0.2)
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_heat"), heat)
 
     def test_vertex_selected_by_a_script(self, modules: Any) -> None:
         item = add_blob()
         item.data.vertices.foreach_set("select", np.arange(len(item.data.vertices)) == 33)
-        assert modules.attributes.picked_vertex(item) == 33
+        assert modules.picked.picked(item).index == 33
 
     def test_heat_without_a_vertex_says_what_to_do(self) -> None:
         item = add_blob()

@@ -106,7 +106,7 @@ class TestUndoAndClear:
         item.data["note"] = "keep"
         before = [(attribute.name, attribute.data_type) for attribute in item.data.attributes]
         for kind in ("HKS", "HKS_TIMES", "SI_HKS", "WORDS", "RGB", "HEAT", "KEYPOINTS"):
-            paint(kind)
+            paint(kind, keep=True)
         assert len(own_names(item)) > 15
         assert bpy.ops.shape_google.clear_paint() == {"FINISHED"}
         assert [(attribute.name, attribute.data_type) for attribute in item.data.attributes] == before
@@ -128,7 +128,7 @@ class TestUndoAndClear:
         bpy.ops.shape_google.clear_paint()
         bpy.ops.object.mode_set(mode="EDIT")
         assert paint("HKS") == {"FINISHED"}
-        assert paint("WORDS") == {"FINISHED"}
+        assert paint("WORDS", keep=True) == {"FINISHED"}
         assert item.mode == "EDIT"
         bpy.ops.object.mode_set(mode="OBJECT")
         assert np.array_equal(modules.attributes.values_of(item.data, "sg_hks"), values)
