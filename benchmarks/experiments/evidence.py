@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Measure how often the evidence of a match is right, on generated pairs of known kinds.
 
-    python -m benchmarks evidence [--individuals N] [--samples | --calibrate | --similarity]
+    python -m benchmarks evidence [--individuals N] [--samples | --calibrate | --similarity | --parts]
 
 Prints the tables of docs/measurements/evidence.md: the confusion matrix, the errors of factors and shares,
 and the seconds for a pair. The creatures have seeds that no model was trained on. With --calibrate, other
 creatures are made and the weights of the probability of another pose are fitted, as they stand in
 `shapegoogle_core/library/search/settings.py`. With --similarity, a library of four individuals of each of 31
 kinds of creatures is queried with damaged and re-posed versions of one of them, and the share of right first
-matches is printed by their similarity.
+matches is printed by their similarity. With --parts, the pairs are flat-sided parts in families of slightly
+different sizes, and the search for duplicates is measured on them too; see `evidence_parts`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from sklearn.linear_model import LogisticRegression
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import make_pairs
+from benchmarks.experiments.evidence_parts import print_parts
 from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
@@ -218,6 +220,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=number_from(1), default=2, metavar="N", help="worker processes (%(default)s)"
     )
+    parser.add_argument("--parts", action="store_true", help="measure flat-sided parts instead of creatures")
     parser.add_argument(
         "--similarity", action="store_true", help="measure how often a first match of a similarity is right"
     )
@@ -235,6 +238,9 @@ def run(options: argparse.Namespace) -> int:
     -------
     exit_code : int
     """
+    if options.parts:
+        print_parts(options.jobs)
+        return 0
     if options.similarity:
         print_similarities(CREATURE_KINDS, options.jobs)
         return 0
