@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
-from trimesh.triangles import closest_point
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.frames import (
@@ -20,22 +19,31 @@ from shapegoogle_core.registration.frames import (
     similarity_frame,
     stepped,
 )
+from shapegoogle_core.registration.nearest import TriangleTree
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["Fit", "Surface", "TangentPlanes", "fit_numbered", "fit_surface", "frame_between", "mirrored"]
 
 # All lengths in this module are in units of the query's √area.
-# The nearest point of the surface is searched on the faces with the nearest centres, this many.
-_NEAR_FACES = 6
-# Tolerances τ of the robust weights exp(-r²/2τ²), one for each step.
-_TOLERANCES = (0.05, 0.03, 0.02, 0.01, 0.01, 0.005, 0.005, 0.005)
+# Steps of the fit: number of the candidate's points, which are spread evenly, and tolerance τ of the robust
+# weights exp(-r²/2τ²).
+_STEPS = (
+    (150, 0.05),
+    (150, 0.03),
+    (150, 0.02),
+    (300, 0.01),
+    (300, 0.01),
+    (600, 0.005),
+    (600, 0.005),
+    (600, 0.005),
+)
 # A point of the query is covered if it is this near to the tangent plane of the candidate's nearest point,
 # and if that point is no farther than the spacing of the sample.
 _HEIGHT, _SPACING = 0.02, 0.08
 
 
 class Surface:
-    """Nearest points of a mesh with faces of similar size, in the units of its sample.
+    """Nearest points of a mesh, in the units of its sample.
 
     Parameters
     ----------
@@ -47,12 +55,9 @@ class Surface:
 
     def __init__(self, mesh: Mesh, sample: SurfaceSample) -> None:
         vertices = (mesh.vertices - sample.center) / sample.unit
-        self._triangles = vertices[mesh.faces]
-        self._tree = cKDTree(self._triangles.mean(axis=1))
-        self._count = min(_NEAR_FACES, len(mesh.faces))
-        normals = np.cross(
-            self._triangles[:, 1] - self._triangles[:, 0], self._triangles[:, 2] - self._triangles[:, 0]
-        )
+        triangles = vertices[mesh.faces]
+        self._tree = TriangleTree(triangles)
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = normals / np.maximum(lengths, np.finfo(float).tiny)
 
@@ -69,14 +74,8 @@ class Surface:
         normals : (n, 3) array
             Normals of the faces on which they lie.
         """
-        _, faces = self._tree.query(points, self._count)
-        faces = np.asarray(faces).reshape(len(points), -1)
-        repeated = np.repeat(points, faces.shape[1], axis=0)
-        closest = np.asarray(closest_point(self._triangles[faces.ravel()], repeated))  # type: ignore[no-untyped-call]
-        closest = closest.reshape(*faces.shape, 3)
-        best = ((closest - points[:, None]) ** 2).sum(axis=2).argmin(axis=1)
-        rows = np.arange(len(points))
-        return closest[rows, best], self._normals[faces[rows, best]]
+        nearest, faces = self._tree.nearest(points)
+        return nearest, self._normals[faces]
 
 
 class TangentPlanes:
@@ -196,8 +195,8 @@ def fit_surface(
     -------
     fit : Fit
     """
-    for tolerance in _TOLERANCES if steps else ():
-        points = frame.apply(candidate.points)
+    for count, tolerance in _STEPS if steps else ():
+        points = frame.apply(candidate.points[:count])
         nearest, normals = surface.nearest(points)
         frame = _step(frame, points, nearest, normals, tolerance)
     points = frame.apply(candidate.points)
