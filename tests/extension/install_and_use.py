@@ -22,7 +22,7 @@ BUNDLED: tuple[str, ...] = (
     "robust_laplacian",
     "fast_simplification",
 )
-BUNDLED += ("trimesh", "PIL", "pebble", "tqdm", "shapegoogle_core")
+BUNDLED += ("trimesh", "mapbox_earcut", "PIL", "pebble", "tqdm", "shapegoogle_core")
 
 
 def is_known() -> Any:

@@ -61,9 +61,9 @@ def read_mesh(
 ) -> Mesh:
     """Read a mesh file, or the points of a scan, as one shape.
 
-    All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons become fans of
-    triangles. Materials, textures and animation are left out. A .ply without faces, an .xyz and a .pcd give
-    a point cloud. Nothing is fetched from a network.
+    All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons, also concave
+    ones, are cut into triangles that cover the same surface. Materials, textures and animation are left out.
+    A .ply without faces, an .xyz and a .pcd give a point cloud. Nothing is fetched from a network.
 
     Parameters
     ----------
