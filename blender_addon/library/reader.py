@@ -166,8 +166,16 @@ def _tags(item: Any) -> list[str]:
 def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
     shapes: list[dict[str, Any]] = []
     problems: list[str] = []
-    first_of_data: dict[Any, int] = {}
+    known: dict[Any, dict[str, Any]] = {}
     for item, evaluated in _evaluated(objects):
+        matrix = evaluated.matrix_world
+        placement = {"object": item.name, "matrix": [number for row in matrix for number in row]}
+        shares = _is_plain(item) and _is_similarity(matrix)
+        if shares and item.data in known:
+            shape = known[item.data]
+            shape["placements"].append(placement)
+            shape["tags"] += [tag for tag in _tags(item) if tag not in shape["tags"]]
+            continue
         if item.type == "POINTCLOUD":
             vertex_count, face_count = _write_positions(evaluated.data.points, output), 0
         else:
@@ -180,21 +188,11 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
             evaluated.to_mesh_clear()
         if not vertex_count:
             continue
-        matrix = evaluated.matrix_world
-        twin_of = None
-        if _is_plain(item) and _is_similarity(matrix):
-            first = first_of_data.setdefault(item.data, len(shapes))
-            twin_of = first if first < len(shapes) else None
-        shapes.append(
-            {
-                "name": item.name,
-                "vertices": vertex_count,
-                "faces": face_count,
-                "matrix": [number for row in matrix for number in row],
-                "twin_of": twin_of,
-                "tags": _tags(item),
-            }
-        )
+        counts = {"vertices": vertex_count, "faces": face_count}
+        shape = {"name": item.name, **counts, "placements": [placement], "tags": _tags(item)}
+        shapes.append(shape)
+        if shares:
+            known[item.data] = shape
     return {"shapes": shapes, "problems": problems}
 
 

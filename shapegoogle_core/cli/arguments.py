@@ -226,7 +226,8 @@ def filter_of(options: argparse.Namespace) -> Filter | None:
     where : Filter or None
         None without conditions.
     """
-    where = Filter(**{field.name: getattr(options, field.name) for field in fields(Filter)})
+    # Not every condition is an option of the command line.
+    where = Filter(**{field.name: getattr(options, field.name, None) for field in fields(Filter)})
     return None if where == Filter() else where
 
 

@@ -59,16 +59,10 @@ class MeshOnDisk:
         Contains the vertices and the faces, as `numpy.save` writes them.
     offset : int
         Start of its arrays in the file, in bytes.
-    area : float
-        In squared units.
-    extents : (float, float, float)
-        Side lengths of its bounding box.
     """
 
     file: Path
     offset: int
-    area: float
-    extents: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -156,7 +150,7 @@ class Describer:
                         problems.append(found)
                         continue
                     mesh = found.mesh
-                    waiting = MeshOnDisk(arrays, file.tell(), mesh.area, mesh.extents)
+                    waiting = MeshOnDisk(arrays, file.tell())
                     shapes.append(found.with_content(waiting))
                     np.save(file, mesh.vertices)
                     np.save(file, mesh.faces)

@@ -9,12 +9,14 @@ one line of JSON on its standard input::
 The limit is in megabytes, on top of what the program holds before its first request.
 
 It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
-triangles (int32), little-endian, and answers with one line on its standard output that begins with
-`ANSWER`; all other lines are ignored. "tags" may be left out. With "joined", all shapes are parts of one::
+triangles (int32), little-endian, in the coordinates of the objects that show it. It answers with one line on
+its standard output that begins with `ANSWER`; all other lines are ignored. A shape has one placement for each
+object that shows it; "tags" may be left out. With "joined", all placements are parts of one shape::
 
     shapegoogle-answer {"ready": true}
-    shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "matrix": [16 numbers, row by
-    row], "twin_of": null, "tags": ["prop"]}, …], "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
+    shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "tags": ["prop"],
+    "placements": [{"object": "Cube", "matrix": [16 numbers, row by row]}, …]}, …],
+    "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
     shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
 """
 
@@ -29,10 +31,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.processes.program import Program
 
 __all__ = ["ANSWER", "ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
@@ -239,29 +244,35 @@ def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[New
     yield from map(str, answer["problems"])
     up_axis = answer["up_axis"]
     parts: list[Mesh] = []
-    positions: dict[int, int] = {}  # of the program's shapes among those without a problem
     with output.open("rb") as file:
-        for index, record in enumerate(answer["shapes"]):
+        for record in answer["shapes"]:
             vertices = np.fromfile(file, "<f4", 3 * record["vertices"]).reshape(-1, 3)
             faces = np.fromfile(file, "<i4", 3 * record["faces"]).reshape(-1, 3)
-            matrix = np.array(record["matrix"], np.float64).reshape(4, 4)
-            if np.linalg.det(matrix[:3, :3]) < 0:
-                faces = faces[:, ::-1]  # a mirrored object would come out inside out
             name = str(record["name"])
+            objects = [
+                (str(placement["object"]), np.array(placement["matrix"], np.float64).reshape(4, 4))
+                for placement in record["placements"]
+            ]
             try:
-                mesh = Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
+                if answer["joined"]:
+                    parts += [_placed(vertices, faces, matrix, own) for own, matrix in objects]
+                    continue
+                mesh = _placed(vertices, faces, objects[0][1], name)
+                placements = placements_of(mesh, objects)
             except MeshError as error:
                 yield str(error)
                 continue
-            if answer["joined"]:
-                parts.append(mesh)
-                continue
-            twin_of = positions.get(record["twin_of"])
-            positions[index] = len(positions)
             tags = tuple(map(str, record.get("tags", ())))
-            yield NewShape(mesh, name, name, tags=tags, twin_of=twin_of, up_axis=up_axis)
+            yield NewShape(mesh, name, objects[0][0], tags=tags, placements=placements, up_axis=up_axis)
     if parts:
         yield NewShape(_joined(parts, path.name), path.name, up_axis=up_axis)
+
+
+def _placed(vertices: NDArray[np.float32], faces: NDArray[np.int32], matrix: FloatArray, name: str) -> Mesh:
+    """Transform a mesh to the coordinates of its file."""
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        faces = faces[:, ::-1]  # a mirrored object would come out inside out
+    return Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
 
 
 def _joined(meshes: Sequence[Mesh], name: str) -> Mesh:

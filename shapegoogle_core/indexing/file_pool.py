@@ -12,7 +12,7 @@ import tempfile
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from typing import Any, Self
@@ -56,38 +56,21 @@ class _FileInWork:
     found: ReadFile = field(default_factory=lambda: ReadFile((), ()))
     described: dict[int, NewShape[ShapeSignature] | Failure] = field(default_factory=dict)
 
-    def originals(self) -> list[int]:
-        """Positions of the shapes that have to be described; the others are twins of these."""
-        return [index for index, shape in enumerate(self.found.shapes) if shape.twin_of is None]
-
     def outcome(self) -> DescribedFile | Failure:
-        """Summarise the file when all originals are described."""
+        """Summarise the file when all of its shapes are described."""
         failures = [Failure(problem) for problem in self.found.problems]
-        shapes: dict[int, NewShape[ShapeSignature]] = {}
-        for index, shape in enumerate(self.found.shapes):
-            if shape.twin_of is None:
-                described = self.described[index]
-                if isinstance(described, Failure):
-                    failures.append(described)
-                else:
-                    shapes[index] = described
-            elif shape.twin_of in shapes:
-                # Neither the signature nor the picture depends on place and size.
-                twin, waiting = shapes[shape.twin_of], shape.content
-                signature = replace(twin.signature, area=waiting.area, extents=waiting.extents)
-                shapes[index] = shape.with_content(signature, twin.thumbnail)
-            else:
-                original = self.found.shapes[shape.twin_of]
-                failures.append(Failure(f"{shape.name!r} has the mesh of {original.name!r}, which failed"))
+        described = [self.described[index] for index in range(len(self.found.shapes))]
+        failures += [result for result in described if isinstance(result, Failure)]
+        shapes = tuple(result for result in described if not isinstance(result, Failure))
         if not failures:
-            return DescribedFile(tuple(shapes.values()))
+            return DescribedFile(shapes)
         reasons = _listed(failures)
         if not shapes:
             details = next((failure.details for failure in failures if failure.details), "")
             return Failure(reasons, details, lasting=all(failure.lasting for failure in failures))
         total = len(self.found.shapes) + len(self.found.problems)
         problem = f"{self.path.name!r}: {len(failures)} of {total} objects failed: {reasons}"
-        return DescribedFile(tuple(shapes.values()), problem)
+        return DescribedFile(shapes, problem)
 
 
 def _listed(failures: Sequence[Failure]) -> str:
@@ -209,7 +192,7 @@ class FilePool:
         file = step.file
         if isinstance(result, ReadFile):
             file.found = result
-            for index in file.originals():
+            for index in range(len(result.shapes)):
                 # Before files that wait to be read, so that few meshes wait on disk.
                 task = self._pool.submit(Describer.describe, result.shapes[index], first=True)
                 self._steps[task] = _Step(file, index)
@@ -217,7 +200,7 @@ class FilePool:
             file.described[step.shape] = result
         elif isinstance(result, Failure):
             return result
-        return file.outcome() if len(file.described) == len(file.originals()) else None
+        return file.outcome() if len(file.described) == len(file.found.shapes) else None
 
     def _result(self, step: _Step, task: PoolTask[Any]) -> ReadFile | NewShape[ShapeSignature] | Failure:
         try:

@@ -18,7 +18,6 @@ from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
 from shapegoogle_core.indexing.files import (
     ContentKey,
     FileState,
-    absolute,
     choices_of,
     content_key,
     content_of,
@@ -163,7 +162,9 @@ def index_files(
     started = time.monotonic()
     settings = settings or IndexSettings()
     run = _Run(library, settings, reader, progress)
-    changed = run.pass_over_unchanged(as_paths(paths))
+    listed = as_paths(paths)
+    library.add_roots(listed)
+    changed = run.pass_over_unchanged(map(Path, library.source_paths(listed)))
     jobs = settings.jobs or default_jobs()
     # A mesh file is one shape; a file that another program reads may contain thousands.
     if reader is None or not any(reader.reads(path) for path in changed):
@@ -240,10 +241,10 @@ class _Run:
     def _choices(self, path: Path) -> str:
         return "" if self._reader is None else self._reader.choices_for(path)
 
-    def pass_over_unchanged(self, paths: Iterable[str | Path]) -> list[Path]:
+    def pass_over_unchanged(self, paths: Iterable[Path]) -> list[Path]:
         """Count the files of known size and time; returns the others, which must be opened."""
         changed = []
-        for path in dict.fromkeys(absolute(path) for path in paths):
+        for path in dict.fromkeys(paths):
             source = self._known.get(str(path))
             try:
                 size_and_time = stamp(path)
@@ -302,7 +303,14 @@ class _Run:
         """Take the shapes of a file of the same content from the library."""
         return DescribedFile(
             tuple(
-                NewShape(self._library.signature(shape_id), name, name, self._library.thumbnail(shape_id))
+                NewShape(
+                    self._library.signature(shape_id),
+                    name,
+                    name,
+                    self._library.thumbnail(shape_id),
+                    self._library.shape(shape_id).tags,
+                    self._library.placements(shape_id),
+                )
                 for shape_id, name in self._shape_ids[file.key].items()
             )
         )

@@ -3,50 +3,29 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from shapegoogle_core.api.arguments import as_paths, as_tuple, check_type, path_text
+from shapegoogle_core.api.arguments import as_tuple, check_type, path_text
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord
+from shapegoogle_core.library.placement import Placement
+from shapegoogle_core.library.sources import LibrarySources, PathLike
+from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceKey
 from shapegoogle_core.library.storage.signatures import check_signature, read_signature
-from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh import MeshLike, as_mesh
-from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["LibraryContents", "PathLike"]
-
-PathLike = str | os.PathLike[str]
 
 # Shapes that a listing reads at once.
 PAGE = 1_000
 
 
-class LibraryContents:
+class LibraryContents(LibrarySources):
     """The shapes of a library and the files they come from; the base of `Library`.
 
-    Parameters
-    ----------
-    store : Store
-        The open file.
-    model : ShapeModel
-        The model that describes the shapes of this library.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    read_only : bool
-        Whether changes are refused: on request, or because the file is write-protected.
+    Parameters and attributes are those of `LibrarySources`.
     """
-
-    def __init__(self, store: Store, model: ShapeModel) -> None:
-        self._store = store
-        self.model = model
-        self.path = Path(store.name)
-        self.read_only = store.read_only
 
     # -- changes --------------------------------------------------------------------------------------------
 
@@ -72,7 +51,7 @@ class LibraryContents:
             By default the file name of the source, such as "horse.ply"; without a source, the name of the
             mesh.
         source : str or path-like, optional
-            Path of the file it comes from.
+            The file it comes from: the path of an indexed file, or any other text, which is kept as it is.
         object_name : str, optional
             Name of the object inside the source.
         thumbnail : bytes, optional
@@ -153,79 +132,8 @@ class LibraryContents:
         tags = as_tuple("tags", tags, str, "a text, or several")
         shape = NewShape(signature, name, object_name, thumbnail, tags)
         check_signature(signature, name, self.model, self._store.name)
-        return self._store.add(path_text(source), shape)
-
-    def replace_source(
-        self,
-        path: PathLike,
-        *,
-        size: int | None,
-        mtime_ns: int | None,
-        sha256: str | None,
-        shapes: Sequence[NewShape[ShapeSignature]] = (),
-        error: str | None = None,
-    ) -> list[int]:
-        """Store the shapes of a file in place of those stored for it before, in one transaction.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file; becomes the `source` of its shapes.
-        size, mtime_ns : int or None
-            From `os.stat`, to see later whether the file has changed.
-        sha256 : str or None
-            Hash of its content, in hexadecimal digits.
-        shapes : sequence of NewShape, optional
-            Its shapes; the file is remembered even without any.
-        error : str, optional
-            Reason why the file, or a part of it, could not be described.
-
-        Returns
-        -------
-        shape_ids : list of int
-            In the order of `shapes`.
-
-        Raises
-        ------
-        LibraryError
-            If another model described one of the shapes, or the file cannot be written.
-        """
-        for shape in shapes:
-            check_signature(shape.signature, shape.name, self.model, self._store.name)
-        source = SourceRecord(path_text(path), size, mtime_ns, sha256, error, len(shapes))
-        return self._store.replace_source(source, shapes)
-
-    def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
-        """Store the new time of a file whose content is still the same.
-
-        Parameters
-        ----------
-        path : str or path-like
-            The file.
-        size, mtime_ns : int
-            From `os.stat`.
-
-        Returns
-        -------
-        known : bool
-            Whether the file is a source of this library.
-        """
-        return self._store.update_source(path_text(path), size, mtime_ns)
-
-    def remove(self, source: PathLike) -> bool:
-        """Remove a source with all its shapes.
-
-        Parameters
-        ----------
-        source : str or path-like
-            Path of the file.
-
-        Returns
-        -------
-        known : bool
-            Whether it was a source of this library.
-        """
-        return self._store.remove_sources([path_text(source)]) > 0
+        source = path_text(source)
+        return self._store.add(self._known(source) or SourceKey("", source) if source else None, shape)
 
     def remove_shape(self, shape_id: int) -> bool:
         """Remove one shape.
@@ -242,64 +150,6 @@ class LibraryContents:
         """
         return self._store.remove_shapes([shape_id]) > 0
 
-    def remove_missing(self, folders: PathLike | Iterable[PathLike]) -> list[str]:
-        """Remove the indexed files that no longer exist. This never happens without a request.
-
-        Parameters
-        ----------
-        folders : str, path-like, or iterable of them
-            Only files below these folders are checked. Each folder must exist: on a drive that is not
-            connected all files are missing.
-
-        Returns
-        -------
-        removed : list of str
-            Paths of the removed sources.
-
-        Raises
-        ------
-        LibraryError
-            If a folder does not exist; then nothing is removed.
-        """
-        missing = self.missing(folders)
-        if missing:
-            self._store.remove_sources(missing)
-        return missing
-
-    def missing(self, folders: PathLike | Iterable[PathLike]) -> list[str]:
-        """List the indexed files that no longer exist.
-
-        Parameters
-        ----------
-        folders : str, path-like, or iterable of them
-            As for `remove_missing`.
-
-        Returns
-        -------
-        missing : list of str
-            Paths of the sources.
-
-        Raises
-        ------
-        LibraryError
-            If a folder does not exist.
-        """
-        roots = [folder.resolve() for folder in as_paths(folders)]
-        for root in roots:
-            if not root.is_dir():
-                raise LibraryError(
-                    f"'{root}' does not exist, so its files stay in the library; plug in its drive, or name "
-                    "another folder"
-                )
-        return [
-            source.path
-            for source in self._store.sources()
-            # Only indexed files have a size; other sources are names that need not be paths.
-            if source.size is not None
-            and any(Path(source.path).resolve().is_relative_to(root) for root in roots)
-            and _is_gone(source.path)
-        ]
-
     # -- contents -------------------------------------------------------------------------------------------
 
     def __len__(self) -> int:
@@ -312,7 +162,8 @@ class LibraryContents:
         -------
         info : dict
             ``path``, ``shapes``, ``sources``, ``failed`` (sources with an error), ``model`` (its identifier),
-            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``.
+            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``, ``roots`` (a
+            list of objects with ``name``, ``path`` and ``sources``).
         """
         summary = self._store.summary()
         return {
@@ -326,17 +177,10 @@ class LibraryContents:
             "bag_size": self.model.bag_size,
             "bytes": summary.bytes,
             "schema": summary.format,
+            "roots": [
+                {"name": root.name, "path": root.path, "sources": root.source_count} for root in self.roots()
+            ],
         }
-
-    def sources(self) -> dict[str, SourceRecord]:
-        """Return all known files, including those that failed.
-
-        Returns
-        -------
-        sources : dict of str to SourceRecord
-            By path.
-        """
-        return {source.path: source for source in self._store.sources()}
 
     def shapes(self) -> Iterator[ShapeRecord]:
         """Iterate over the records of all shapes, oldest first.
@@ -376,6 +220,51 @@ class LibraryContents:
             raise self._unknown(shape_id)
         return signature
 
+    def shape(self, shape_id: int) -> ShapeRecord:
+        """Return the record of a shape.
+
+        Parameters
+        ----------
+        shape_id : int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        shape : ShapeRecord
+
+        Raises
+        ------
+        LibraryError
+            If there is no such shape.
+        """
+        records = self._store.shapes([shape_id])
+        if not records:
+            raise self._unknown(shape_id)
+        return records[0]
+
+    def placements(self, shape_id: int) -> tuple[Placement, ...]:
+        """Return the objects that show a shape, and where.
+
+        Parameters
+        ----------
+        shape_id : int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        placements : tuple of Placement
+            Empty for a file without objects.
+
+        Raises
+        ------
+        LibraryError
+            If there is no such shape.
+        """
+        placements = self._store.placements([shape_id]).get(shape_id)
+        if placements is None and not self._store.shapes([shape_id]):
+            raise self._unknown(shape_id)
+        return placements or ()
+
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of a shape.
 
@@ -411,14 +300,3 @@ def _check_labels(name: str, object_name: str, thumbnail: bytes | None, tags: st
     check_type("object_name", object_name, str, "a text")
     check_type("thumbnail", thumbnail, (bytes, type(None)), "the bytes of a PNG file")
     as_tuple("tags", tags, str, "a text, or several")
-
-
-def _is_gone(path: str) -> bool:
-    """Return whether a file certainly does not exist; one that cannot be reached may exist."""
-    try:
-        Path(path).stat()
-    except (FileNotFoundError, NotADirectoryError):
-        return True
-    except OSError:
-        return False
-    return False

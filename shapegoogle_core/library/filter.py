@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from numbers import Real
 
-from shapegoogle_core.api.arguments import check_number, check_type
+from shapegoogle_core.api.arguments import as_tuple, check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
 
 __all__ = ["Filter"]
@@ -20,8 +20,9 @@ Range = tuple[float | None, float | None]
 class Filter:
     """Conditions that every match of a search must meet.
 
-    Name, folder, tag, faces and size are known before the search: only shapes that meet these conditions are
-    compared. Kind and similarity are known after it.
+    Name, folder, sources, tag, faces and size are known before the search: only shapes that meet these
+    conditions are compared. Kind and similarity are known after it. Objects that share a mesh are one shape
+    with several placements; it meets a name or a size if one of its placements does.
 
     Attributes
     ----------
@@ -31,6 +32,9 @@ class Filter:
     folder : str or None
         Folder that the source of the shape lies in, or in a folder below it; absolute, or relative to the
         working directory.
+    sources, not_sources : tuple of str, or None
+        Sources that the shape must come from one of, or from none of: paths of files, or labels as they were
+        given to `Library.add`.
     tag : str or None
         One of the tags of the shape.
     faces : (int or None, int or None) or None
@@ -63,6 +67,8 @@ class Filter:
 
     name: str | None = None
     folder: str | os.PathLike[str] | None = None
+    sources: tuple[str, ...] | None = None
+    not_sources: tuple[str, ...] | None = None
     tag: str | None = None
     faces: Range | None = None
     size: Range | None = None
@@ -72,6 +78,10 @@ class Filter:
     def __post_init__(self) -> None:
         if isinstance(self.folder, os.PathLike):
             object.__setattr__(self, "folder", os.fspath(self.folder))
+        for field, sources in (("sources", self.sources), ("not_sources", self.not_sources)):
+            if sources is not None:
+                listed = as_tuple(field, sources, (str, os.PathLike), "a path or a label, or several")
+                object.__setattr__(self, field, tuple(os.fspath(source) for source in listed))
         for field, text in (("name", self.name), ("folder", self.folder), ("tag", self.tag)):
             if text is not None and (not isinstance(text, str) or not text.strip()):
                 raise ValueError(
@@ -87,9 +97,10 @@ class Filter:
 
     @property
     def selects_shapes(self) -> bool:
-        """Whether it has a condition that is known before the search: name, folder, tag, faces or size."""
+        """Whether it has a condition that is known before the search: all but kind and similarity."""
+        sources = (self.folder, self.sources, self.not_sources)
         return any(
-            condition is not None for condition in (self.name, self.folder, self.tag, self.faces, self.size)
+            condition is not None for condition in (self.name, *sources, self.tag, self.faces, self.size)
         )
 
 

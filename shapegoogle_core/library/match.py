@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.placement import Placement
 
 if TYPE_CHECKING:
     from shapegoogle_core.registration import Alignment
@@ -29,7 +30,8 @@ class Match:
     source : str
         Path of the file the shape comes from; empty for a shape added without one.
     object_name : str
-        Name of the object inside the source; empty for a file that is one shape.
+        Name of the object inside the source, that of `placement` if several share the mesh; empty for a file
+        that is one shape.
     distance : float
         What matches are sorted by: the distance of the bags of query and shape, as the model measures it,
         lowered where the two surfaces fit; 0 for the same bag.
@@ -42,6 +44,10 @@ class Match:
         Of the mesh as it was read.
     area : float
         Of the mesh as it was read, in squared units of its file.
+    placement_count : int
+        Number of objects that show the shape; 1 for a file without objects.
+    placement : Placement or None
+        The object that fits the query best, chosen with the evidence where several share the mesh.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     alignment : Alignment or None
@@ -67,6 +73,8 @@ class Match:
     vertex_count: int
     face_count: int
     area: float
+    placement_count: int = 1
+    placement: Placement | None = None
     evidence: Evidence | None = None
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
     aligned_sample: int = field(default=0, compare=False, repr=False)

@@ -13,8 +13,8 @@ from shapegoogle_core.indexing import ExternalReader, ReaderOption
 # No test comes near it.
 LONG = 3600.0
 
-# Reads files of numbers: one shape for each, an octahedron as large as the number. What a word stands for
-# happens instead.
+# Reads files of numbers: one shape for each, an octahedron as large as the number; with the word "shared" one
+# for all. What another word stands for happens instead.
 PROGRAM = """
 import json, os, sys, time
 from array import array
@@ -44,16 +44,20 @@ for line in sys.stdin:
                 answer = {"error": "the program does not like it"}
             elif word == "problem":
                 answer["problems"].append("'Part' is no good")
-            elif word not in ("joined", "alone"):
+            elif word not in ("joined", "shared"):
                 scale = float(word)
-                array("f", VERTICES).tofile(output)
-                array("i", FACES).tofile(output)
                 s = abs(scale)
                 matrix = [scale, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 5, 0, 0, 0, 1]
-                twin = 0 if answer["shapes"] and "alone" not in words else None
-                record = {"name": request["prefix"] + word, "matrix": matrix}
+                name = request["prefix"] + word
+                placement = {"object": name, "matrix": matrix}
+                if answer["shapes"] and "shared" in words:
+                    answer["shapes"][0]["placements"].append(placement)
+                    continue
+                array("f", VERTICES).tofile(output)
+                array("i", FACES).tofile(output)
+                record = {"name": name, "placements": [placement]}
                 record.update(vertices=6, faces=8)
-                answer["shapes"].append({**record, "twin_of": twin})
+                answer["shapes"].append(record)
     print("shapegoogle-answer", json.dumps(answer), flush=True)
 """
 

@@ -127,6 +127,7 @@ class Reranker:
                 vertex_count=record.vertex_count,
                 face_count=record.face_count,
                 area=record.area,
+                placement_count=record.placement_count,
             )
             for record, distance, similarity in zip(records, distances[chosen], similarities, strict=True)
         ]

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
+from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["NewShape", "ShapeRecord", "SourceRecord", "StoreSummary"]
+__all__ = ["NewShape", "Rearrangement", "Root", "ShapeRecord", "SourceKey", "SourceRecord", "StoreSummary"]
 
 
 Content = TypeVar("Content")
@@ -30,14 +31,15 @@ class NewShape(Generic[Content]):
     name : str
         Name of the object or of the file.
     object_name : str
-        Name of the object inside its source; empty for a file that is one shape.
+        Name of the object inside its source, the first one if several share the mesh; empty for a file that
+        is one shape.
     thumbnail : bytes or None
         A picture as PNG, once it is described.
     tags : tuple of str
         Labels to filter searches by.
-    twin_of : int or None
-        Position of an earlier shape of the same source that differs only by a motion, a reflection or a
-        uniform scale; such a twin is not described again.
+    placements : tuple of Placement
+        The objects that show the mesh, which has the coordinates of the first; empty for a file without
+        objects.
     up_axis : int or None
         Axis that points up, 1 or 2, where the source defines it.
     """
@@ -47,7 +49,7 @@ class NewShape(Generic[Content]):
     object_name: str = ""
     thumbnail: bytes | None = None
     tags: tuple[str, ...] = ()
-    twin_of: int | None = None
+    placements: tuple[Placement, ...] = ()
     up_axis: int | None = None
 
     @property
@@ -75,7 +77,7 @@ class NewShape(Generic[Content]):
         shape : NewShape
         """
         return NewShape(
-            content, self.name, self.object_name, thumbnail, self.tags, self.twin_of, self.up_axis
+            content, self.name, self.object_name, thumbnail, self.tags, self.placements, self.up_axis
         )
 
 
@@ -87,8 +89,12 @@ class ShapeRecord:
     ----------
     shape_id : int
         The shape's number; never given to another shape of the same library.
-    name, source, object_name : str
-        As they were added; `source` and `object_name` may be empty.
+    name : str
+        As it was added.
+    source : str
+        Full path of its file, or the text that it was added under; may be empty.
+    object_name : str
+        Name of the object inside the source, the first one if several share the mesh; may be empty.
     vertex_count, face_count : int
         Of the mesh as it was read.
     area : float
@@ -97,6 +103,8 @@ class ShapeRecord:
         Side lengths of the axis-aligned bounding box of the mesh as it was read, in units of its file.
     tags : tuple of str
         In alphabetical order, each once.
+    placement_count : int
+        Number of objects that show the shape; 1 for a file without objects.
     """
 
     shape_id: int
@@ -108,6 +116,41 @@ class ShapeRecord:
     area: float
     extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
     tags: tuple[str, ...] = ()
+    placement_count: int = 1
+
+
+class SourceKey(NamedTuple):
+    """Key of a source in a library.
+
+    Attributes
+    ----------
+    root : str
+        Name of its root; empty for a label.
+    path : str
+        Path below the root, with "/" between its parts; or the text of a label, as it was given.
+    """
+
+    root: str
+    path: str
+
+
+@dataclass(frozen=True)
+class Root:
+    """A named folder that sources of a library lie below.
+
+    Attributes
+    ----------
+    name : str
+        Each root has another one.
+    path : str
+        Absolute path of the folder.
+    source_count : int
+        Number of sources below it.
+    """
+
+    name: str
+    path: str
+    source_count: int = 0
 
 
 @dataclass(frozen=True)
@@ -117,7 +160,7 @@ class SourceRecord:
     Attributes
     ----------
     path : str
-        As it was given.
+        Full path, or the text of a label: a source that is not an indexed file.
     size : int or None
         In bytes. None: shapes were added under this name, but no file was indexed.
     mtime_ns : int or None
@@ -130,6 +173,10 @@ class SourceRecord:
         change or on request.
     shape_count : int
         Number of shapes read from it.
+    root : str
+        Name of its root; empty for a label.
+    relative : str
+        Path below the root, with "/" between its parts; empty for a label.
     """
 
     path: str
@@ -138,6 +185,48 @@ class SourceRecord:
     sha256: str | None
     error: str | None
     shape_count: int
+    root: str = ""
+    relative: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        key: SourceKey,
+        size: int | None = None,
+        mtime_ns: int | None = None,
+        sha256: str | None = None,
+        error: str | None = None,
+    ) -> SourceRecord:
+        """Make the record of a source that is stored under a key; its full path is left out below a root."""
+        path, relative = ("", key.path) if key.root else (key.path, "")
+        return cls(path, size, mtime_ns, sha256, error, 0, key.root, relative)
+
+    @property
+    def key(self) -> SourceKey:
+        """Key of the source in its library."""
+        return SourceKey(self.root, self.relative) if self.root else SourceKey("", self.path)
+
+
+@dataclass(frozen=True)
+class Rearrangement:
+    """Changes of roots and of the places of sources, made in one transaction.
+
+    Attributes
+    ----------
+    roots : tuple of (str, str)
+        Names and paths of roots that are new or lie elsewhere now.
+    moved : tuple of (SourceKey, SourceKey)
+        Former and new keys of sources; the new ones below the roots as they are afterwards.
+    removed : tuple of SourceKey
+        Sources that are removed first, with their shapes.
+    removed_roots : tuple of str
+        Names of roots that no source lies below afterwards.
+    """
+
+    roots: tuple[tuple[str, str], ...] = ()
+    moved: tuple[tuple[SourceKey, SourceKey], ...] = ()
+    removed: tuple[SourceKey, ...] = ()
+    removed_roots: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

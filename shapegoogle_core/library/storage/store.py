@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.filter import Filter
-from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceRecord, StoreSummary
+from shapegoogle_core.library.placement import Placement
+from shapegoogle_core.library.storage.records import (
+    NewShape,
+    Rearrangement,
+    Root,
+    ShapeRecord,
+    SourceKey,
+    SourceRecord,
+    StoreSummary,
+)
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["CodeKind", "CodePage", "Store", "all_codes", "damaged"]
@@ -55,13 +64,13 @@ class Store(Protocol):
 
     # -- changes --------------------------------------------------------------------------------------------
 
-    def add(self, source: str, shape: NewShape[ShapeSignature]) -> int:
+    def add(self, source: SourceKey | None, shape: NewShape[ShapeSignature]) -> int:
         """Add one shape; it replaces the one with the same source, object name and name.
 
         Parameters
         ----------
-        source : str
-            Empty: the shape has no source and replaces nothing.
+        source : SourceKey or None
+            None: the shape has no source and replaces nothing.
         shape : NewShape
 
         Returns
@@ -69,14 +78,22 @@ class Store(Protocol):
         shape_id : int
         """
 
-    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape[ShapeSignature]]) -> list[int]:
+    def replace_source(
+        self,
+        source: SourceRecord,
+        shapes: Iterable[NewShape[ShapeSignature]],
+        *,
+        also: SourceKey | None = None,
+    ) -> list[int]:
         """Store a source and its shapes in place of everything stored for this source before.
 
         Parameters
         ----------
         source : SourceRecord
-            Its `shape_count` is not used.
+            Its root must be known; its `path` below a root, and its `shape_count`, are not used.
         shapes : iterable of NewShape
+        also : SourceKey, optional
+            Another source that is replaced too: the same file under another name.
 
         Returns
         -------
@@ -84,11 +101,20 @@ class Store(Protocol):
             In the order of `shapes`.
         """
 
-    def update_source(self, path: str, size: int, mtime_ns: int) -> bool:
+    def update_source(self, source: SourceKey, size: int, mtime_ns: int) -> bool:
         """Store the new size and time of change of a source; return False if the source is unknown."""
 
-    def remove_sources(self, paths: Iterable[str]) -> int:
+    def remove_sources(self, sources: Iterable[SourceKey]) -> int:
         """Remove sources with all their shapes; return how many of them were known."""
+
+    def rearrange(self, changes: Rearrangement) -> None:
+        """Change roots, and the places of sources below them.
+
+        Parameters
+        ----------
+        changes : Rearrangement
+            No two sources may have the same key afterwards.
+        """
 
     def remove_shapes(self, shape_ids: Iterable[int]) -> int:
         """Remove single shapes; return how many of them were there."""
@@ -98,8 +124,14 @@ class Store(Protocol):
     def count(self) -> int:
         """Return the number of shapes."""
 
+    def roots(self) -> list[Root]:
+        """Return all roots in the order of their names."""
+
+    def known_sources(self, keys: Sequence[SourceKey]) -> list[SourceKey]:
+        """Return those of some keys that are sources, in their order."""
+
     def sources(self) -> list[SourceRecord]:
-        """Return all sources in the order of their paths."""
+        """Return all sources in the order of their full paths."""
 
     def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
         """Return the records of these shapes in the order of their ids, without unknown ones."""
@@ -113,13 +145,16 @@ class Store(Protocol):
         Parameters
         ----------
         where : Filter
-            Name, folder, tag, faces and size; its other conditions are not used.
+            Name, folder, sources, tag, faces and size; its other conditions are not used.
 
         Returns
         -------
         shape_ids : (n,) array of int64
             In ascending order.
         """
+
+    def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
+        """Return the placements of those of some shapes that have any, by id."""
 
     # -- signatures -----------------------------------------------------------------------------------------
 

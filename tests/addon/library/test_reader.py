@@ -105,12 +105,14 @@ def test_linked_data_is_described_once(read: Any, tmp_path: Path) -> None:
         copy.name = name
         copy.scale = scale
         bpy.context.collection.objects.link(copy)
-    twins = {shape.object_name: shape.twin_of for shape in read(save(tmp_path / "scene.blend")).shapes}
+    shapes = read(save(tmp_path / "scene.blend")).shapes
+    objects = [[placement.object_name for placement in shape.placements] for shape in shapes]
     # Stretched in one direction it is another shape.
-    assert twins == {"A": None, "B": 0, "C": None, "D": 0}
+    assert objects == [["A", "B", "D"], ["C"]]
+    np.testing.assert_allclose(shapes[0].placements[2].matrix, np.diag([-1, 1, 1, 1]))
 
 
-def test_objects_that_their_parents_deform_are_no_twins(read: Any, tmp_path: Path) -> None:
+def test_objects_that_their_parents_deform_have_shapes_of_their_own(read: Any, tmp_path: Path) -> None:
     """As Blender before 2.5 made them: no modifier says that they are deformed."""
     first = add("A")
     for name, parented in (("B", True), ("C", True), ("D", False)):
@@ -127,12 +129,7 @@ def test_objects_that_their_parents_deform_are_no_twins(read: Any, tmp_path: Pat
             copy.parent, copy.parent_type = lattice, "LATTICE"
     bpy.context.view_layer.update()
     shapes = {shape.object_name: shape for shape in read(save(tmp_path / "scene.blend")).shapes}
-    assert {name: shape.twin_of for name, shape in shapes.items()} == {
-        "A": None,
-        "B": None,
-        "C": None,
-        "D": 0,
-    }
+    assert {name: len(shape.placements) for name, shape in shapes.items()} == {"A": 2, "B": 1, "C": 1}
     extents = [np.ptp(shapes[name].mesh.vertices[:, 0]) for name in "BC"]
     assert not math.isclose(*extents, rel_tol=0.05)
 
@@ -144,10 +141,11 @@ def test_tags_of_assets(read: Any, tmp_path: Path) -> None:
     item.asset_data.tags.new("monkey")
     twin = add("Twin")
     twin.data = item.data
+    twin.asset_mark()
+    twin.asset_data.tags.new("twin")
     path = save(tmp_path / "scene.blend")
-    shapes = {shape.object_name: shape for shape in read(path).shapes}
-    assert {name: shape.tags for name, shape in shapes.items()} == {"Asset": ("prop", "monkey"), "Twin": ()}
-    assert shapes["Twin"].twin_of == 0
+    (shape,) = read(path).shapes
+    assert (shape.object_name, shape.tags) == ("Asset", ("prop", "monkey", "twin"))
 
 
 def test_assets_first(read: Any, tmp_path: Path) -> None:

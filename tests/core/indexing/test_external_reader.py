@@ -38,11 +38,22 @@ def read_shapes(path: Path, reader: ExternalReader | None = None) -> FileShapes:
 def test_shapes_of_a_file(reader: ExternalReader, tmp_path: Path) -> None:
     found = read_shapes(write_numbers(tmp_path, "two", "1 3 problem"), reader)
     assert [shape.object_name for shape in found.shapes] == ["x1", "x3"]
-    assert [shape.twin_of for shape in found.shapes] == [None, 0]
+    assert [len(shape.placements) for shape in found.shapes] == [1, 1]
     assert found.problems == ["'Part' is no good"]
     low, high = (shape.mesh.vertices for shape in found.shapes)
     np.testing.assert_allclose(high - [0, 0, 5], 3 * (low - [0, 0, 5]))
     assert found.shapes[0].mesh.faces.tolist()[0] == [0, 2, 4]
+
+
+def test_objects_that_share_a_mesh_are_one_shape(reader: ExternalReader, tmp_path: Path) -> None:
+    (shape,) = read_shapes(write_numbers(tmp_path, "four", "shared 2 6 -1 1"), reader).shapes
+    assert (shape.object_name, shape.name) == ("x2", "x2")
+    assert [placement.object_name for placement in shape.placements] == ["x2", "x6", "x-1", "x1"]
+    assert [placement.scale for placement in shape.placements] == pytest.approx([2, 6, 1, 1])
+    assert [placement.is_mirrored for placement in shape.placements] == [False, False, True, False]
+    # The octahedron is 2 × 2 × 3.
+    assert shape.mesh.extents == shape.placements[0].extents == pytest.approx((4, 4, 6))
+    assert shape.placements[1].extents == pytest.approx((12, 12, 18))
 
 
 def test_a_mirrored_shape_is_not_inside_out(reader: ExternalReader, tmp_path: Path) -> None:
@@ -53,7 +64,9 @@ def test_a_mirrored_shape_is_not_inside_out(reader: ExternalReader, tmp_path: Pa
 
 
 def test_joined_parts(reader: ExternalReader, tmp_path: Path) -> None:
+    (shared,) = read_shapes(write_numbers(tmp_path, "more", "shared 1 2 joined"), reader).shapes
     (shape,) = read_shapes(write_numbers(tmp_path, "parts", "1 2 joined"), reader).shapes
+    np.testing.assert_array_equal(shape.mesh.vertices, shared.mesh.vertices)
     assert (shape.object_name, len(shape.mesh.vertices), len(shape.mesh.faces)) == ("", 12, 16)
     assert shape.mesh.faces.max() == 11
 
@@ -106,17 +119,26 @@ def test_index(reader: ExternalReader, library: Library, tmp_path: Path) -> None
     assert reasons["part.numbers"] == "'part.numbers': 1 of 2 objects failed: 'Part' is no good"
     shapes = {(Path(shape.source).stem, shape.object_name): shape for shape in library.shapes()}
     assert set(shapes) == {("a", "x1"), ("a", "x2"), ("copy", "x1"), ("copy", "x2"), ("part", "x1")}
-    # A twin has the signature of the first, and its own size.
-    assert shapes["a", "x2"].area == pytest.approx(4 * shapes["a", "x1"].area)
-    assert shapes["a", "x2"].extents == pytest.approx([2 * side for side in shapes["a", "x1"].extents])
     assert shapes["copy", "x2"].area == pytest.approx(shapes["a", "x2"].area)
-    first, second = (library.signature(shapes["a", name].shape_id) for name in ("x1", "x2"))
-    np.testing.assert_array_equal(first.bags, second.bags)
 
     report = index(library, folder, reader)
     assert (report.added, report.unchanged, len(report.failed)) == (0, 3, 2)
     assert index(library, folder, reader, replace(ONE_JOB, reread=True)).updated == 2
     assert index(library, folder, reader, replace(ONE_JOB, retry=True)).unchanged == 3
+
+
+def test_copies_keep_placements(reader: ExternalReader, library: Library, tmp_path: Path) -> None:
+    folder = tmp_path / "files"
+    write_numbers(folder, "a", "shared 1 2 -3")
+    index(library, folder, reader)
+    write_numbers(folder, "copy", "shared 1 2 -3")
+    assert index(library, folder, reader).added == 1
+    records = list(library.shapes())
+    assert [(record.object_name, record.placement_count) for record in records] == [("x1", 3), ("x1", 3)]
+    first, second = (library.placements(record.shape_id) for record in records)
+    assert first == second
+    assert [placement.object_name for placement in first] == ["x1", "x2", "x-3"]
+    assert [record.name for record in records] == ["x1", "x1"]
 
 
 def index(
@@ -138,7 +160,7 @@ def test_a_file_of_many_shapes_may_take_longer_than_one_shape(
     reader: ExternalReader, library: Library, tmp_path: Path
 ) -> None:
     """The limit is for each shape: together they take longer."""
-    write_numbers(tmp_path / "files", "many", "alone 1 2 3 4 5 6")
+    write_numbers(tmp_path / "files", "many", "1 2 3 4 5 6")
     settings = IndexSettings(jobs=1, time_limit=10)
     report = index(library, tmp_path / "files", reader, settings, misbehaving.read_then_take_two_seconds)
     assert (report.added, report.shapes, report.failed) == (1, 6, [])
@@ -148,7 +170,7 @@ def test_a_file_of_many_shapes_may_take_longer_than_one_shape(
 def test_a_shape_that_takes_too_long_costs_only_itself(
     reader: ExternalReader, library: Library, tmp_path: Path
 ) -> None:
-    write_numbers(tmp_path / "files", "some", "alone 1 2 3")
+    write_numbers(tmp_path / "files", "some", "1 2 3")
     settings = IndexSettings(jobs=1, time_limit=10)
     report = index(library, tmp_path / "files", reader, settings, misbehaving.read_then_hang)
     ((path, reason),) = report.failed

@@ -44,7 +44,8 @@ def test_a_new_library_is_empty_and_knows_its_model(path: Path, model: ShapeMode
             "code_bits": 72,
             "bag_size": model.bag_size,
             "bytes": path.stat().st_size,
-            "schema": 6,
+            "schema": 7,
+            "roots": [],
         }
 
 

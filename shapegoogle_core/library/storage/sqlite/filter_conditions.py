@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""SQL conditions of a `Filter`: on the name, folder, tag, faces and size of shapes."""
+"""SQL conditions of a `Filter`: on the name, source, tag, faces and size of shapes."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.roots.keys import source_keys
+from shapegoogle_core.library.roots.paths import path_key, relative_to, spellings
+from shapegoogle_core.library.storage.records import Root
 from shapegoogle_core.library.storage.sqlite.database import encoded
 
 __all__ = ["filter_conditions", "fold_case"]
@@ -18,12 +21,14 @@ Condition = tuple[str, tuple[object, ...]]
 """A condition on the table `shapes`, and the values of its question marks."""
 
 
-def filter_conditions(where: Filter) -> Condition:
+def filter_conditions(where: Filter, roots: Sequence[Root]) -> Condition:
     """Translate the conditions of a filter that are known before a search.
 
     Parameters
     ----------
     where : Filter
+    roots : sequence of Root
+        Of the library.
 
     Returns
     -------
@@ -33,7 +38,7 @@ def filter_conditions(where: Filter) -> Condition:
     parameters : tuple
         Values for its question marks.
     """
-    conditions = list(_conditions(where))
+    conditions = list(_conditions(where, roots))
     statement = " AND ".join(f"({condition})" for condition, _ in conditions)
     return statement or "TRUE", tuple(value for _, values in conditions for value in values)
 
@@ -53,19 +58,33 @@ def fold_case(name: bytes) -> bytes:
     return name.decode("utf-8", "surrogatepass").casefold().encode("utf-8", "surrogatepass")
 
 
-def _conditions(where: Filter) -> Iterator[Condition]:
+def _conditions(where: Filter, roots: Sequence[Root]) -> Iterator[Condition]:
     if where.name is not None:
         yield _name_condition(where.name)
     if where.folder is not None:
-        yield _folder_condition(os.fspath(where.folder))
+        yield _folder_condition(os.fspath(where.folder), roots)
+    if where.sources is not None:
+        yield _source_condition(where.sources, roots)
+    if where.not_sources:
+        condition, values = _source_condition(where.not_sources, roots)
+        yield f"NOT coalesce({condition}, FALSE)", values
     if where.tag is not None:
         yield "id IN (SELECT shape_id FROM tags WHERE tag = CAST(? AS TEXT))", (encoded(where.tag),)
-    for column, limits in (("face_count", where.faces), (LARGEST_EXTENT, where.size)):
-        low, high = limits or (None, None)
-        if low is not None:
-            yield f"{column} >= ?", (float(low),)
-        if high is not None:
-            yield f"{column} <= ?", (float(high),)
+    if where.faces is not None:
+        yield _range_condition("face_count", where.faces)
+    if where.size is not None:
+        own, values = _range_condition(LARGEST_EXTENT, where.size)
+        yield f"{own} OR id IN (SELECT shape_id FROM placements WHERE {own})", 2 * values
+
+
+def _range_condition(column: str, limits: tuple[float | None, float | None]) -> Condition:
+    """Compare a column with a low and a high limit."""
+    parts = [
+        (f"{column} {comparison} ?", float(limit))
+        for comparison, limit in zip((">=", "<="), limits, strict=True)
+        if limit is not None
+    ]
+    return " AND ".join(part for part, _ in parts) or "TRUE", tuple(limit for _, limit in parts)
 
 
 def _name_condition(name: str) -> Condition:
@@ -75,19 +94,71 @@ def _name_condition(name: str) -> Condition:
         escaped = escaped.replace(wildcard, translated)
     pattern = escaped if any(wildcard in name for wildcard in WILDCARDS) else f"%{escaped}%"
     if name.isascii():  # LIKE ignores case, but only of ASCII letters
-        return "name LIKE CAST(? AS TEXT) ESCAPE '\\'", (encoded(pattern),)
-    folded = "CAST(fold_case(CAST(name AS BLOB)) AS TEXT)"
-    return f"{folded} LIKE CAST(? AS TEXT) ESCAPE '\\'", (fold_case(encoded(pattern)),)
+        like, value = "{column} LIKE CAST(? AS TEXT) ESCAPE '\\'", encoded(pattern)
+    else:
+        like = "CAST(fold_case(CAST({column} AS BLOB)) AS TEXT) LIKE CAST(? AS TEXT) ESCAPE '\\'"
+        value = fold_case(encoded(pattern))
+    own, other = like.format(column="name"), like.format(column="object_name")
+    # The first placement has the name of the shape, unless the shape was renamed.
+    return f"{own} OR id IN (SELECT shape_id FROM placements WHERE {other})", (value, value)
 
 
-def _folder_condition(folder: str) -> Condition:
-    """Compare the beginnings of paths, up to a separator; sources are usually absolute paths."""
-    absolute = os.path.abspath(folder)  # noqa: PTH100 - `resolve` would follow links, which sources do not
+def _folder_condition(folder: str, roots: Sequence[Root]) -> Condition:
+    """Find the sources below a folder: whole roots, the beginnings of paths below a root, and of labels."""
+    conditions: list[Condition] = []
+    folders = spellings(folder)
+    for root in roots:
+        below = [relative_to(spelling, root.path) for spelling in folders]
+        if any(relative_to(root.path, spelling) is not None for spelling in folders):
+            conditions.append(
+                ("root_id = (SELECT id FROM roots WHERE name = CAST(? AS TEXT))", (encoded(root.name),))
+            )
+        elif part := next((relative for relative in below if relative), ""):
+            prefix = path_key(root.path, part) + "/"
+            conditions.append(
+                (
+                    "root_id = (SELECT id FROM roots WHERE name = CAST(? AS TEXT))"
+                    " AND substr(key, 1, ?) = CAST(? AS TEXT)",
+                    (encoded(root.name), len(prefix), encoded(prefix)),
+                )
+            )
     prefixes = {
         path if path.endswith(("/", "\\")) else path + separator
-        for path in (folder, absolute)
+        for path in (folder, *folders)
         for separator in "/\\"
     }
-    starts = " OR ".join(["substr(path, 1, ?) = CAST(? AS TEXT)"] * len(prefixes))
-    values = tuple(value for prefix in sorted(prefixes) for value in (len(prefix), encoded(prefix)))
+    conditions += [
+        ("root_id IS NULL AND substr(path, 1, ?) = CAST(? AS TEXT)", (len(prefix), encoded(prefix)))
+        for prefix in sorted(prefixes)
+    ]
+    return _any_source(conditions)
+
+
+def _source_condition(sources: Sequence[str], roots: Sequence[Root]) -> Condition:
+    """Find some sources by their full paths or labels."""
+    keys = {key for source in sources for key in source_keys(source, roots)}
+    paths = {root.name: root.path for root in roots}
+    return _any_source(
+        [
+            (
+                "coalesce((SELECT name FROM roots WHERE roots.id = root_id), '') = CAST(? AS TEXT)"
+                " AND key = CAST(? AS TEXT)",
+                (encoded(key.root), encoded(path_key(paths[key.root], key.path) if key.root else key.path)),
+            )
+            for key in sorted(keys)
+        ]
+    )
+
+
+def _any_source(conditions: Sequence[Condition]) -> Condition:
+    starts = _either([condition for condition, _ in conditions])
+    values = tuple(value for _, own in conditions for value in own)
     return f"source_id IN (SELECT id FROM sources WHERE {starts})", values
+
+
+def _either(conditions: Sequence[str]) -> str:
+    """Join conditions by OR as a balanced tree: SQLite refuses expressions of a depth above 1,000."""
+    if len(conditions) < 2:
+        return conditions[0] if conditions else "FALSE"
+    middle = len(conditions) // 2
+    return f"({_either(conditions[:middle])}) OR ({_either(conditions[middle:])})"

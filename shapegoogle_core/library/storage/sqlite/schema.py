@@ -9,7 +9,7 @@ __all__ = ["APPLICATION_ID", "FORMAT", "SCHEMA"]
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-FORMAT = 6
+FORMAT = 7
 """Version of the library format; a library of another one is refused."""
 
 # Key of the tables with one row for each shape.
@@ -18,14 +18,18 @@ _OF_SHAPE = "shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCA
 SCHEMA = f"""
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE model (identifier TEXT NOT NULL, content BLOB NOT NULL);
+CREATE TABLE roots (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, path TEXT NOT NULL);
 CREATE TABLE sources (
     id INTEGER PRIMARY KEY,
-    path TEXT NOT NULL UNIQUE,
+    root_id INTEGER REFERENCES roots (id), -- NULL: the path is a label, not an indexed file
+    path TEXT NOT NULL,
+    key TEXT NOT NULL, -- the path, without differences of case where they do not count
     size INTEGER,
     mtime_ns INTEGER,
     sha256 TEXT,
     error TEXT
 );
+CREATE UNIQUE INDEX source_keys ON sources (coalesce(root_id, 0), key);
 CREATE TABLE shapes (
     id INTEGER PRIMARY KEY AUTOINCREMENT, -- an id that was shown to a user must never mean another shape
     source_id INTEGER REFERENCES sources (id) ON DELETE CASCADE,
@@ -36,7 +40,8 @@ CREATE TABLE shapes (
     area REAL NOT NULL,
     extent_x REAL NOT NULL,
     extent_y REAL NOT NULL,
-    extent_z REAL NOT NULL
+    extent_z REAL NOT NULL,
+    placement_count INTEGER NOT NULL
 );
 CREATE INDEX shapes_of_source ON shapes (source_id);
 CREATE TABLE tags (
@@ -45,6 +50,16 @@ CREATE TABLE tags (
     PRIMARY KEY (shape_id, tag)
 ) WITHOUT ROWID;
 CREATE INDEX shapes_with_tag ON tags (tag);
+CREATE TABLE placements (
+    shape_id INTEGER NOT NULL REFERENCES shapes (id) ON DELETE CASCADE,
+    position INTEGER NOT NULL,
+    object_name TEXT NOT NULL,
+    matrix BLOB NOT NULL, -- 16 float64, little-endian, row by row
+    extent_x REAL NOT NULL,
+    extent_y REAL NOT NULL,
+    extent_z REAL NOT NULL,
+    PRIMARY KEY (shape_id, position)
+) WITHOUT ROWID;
 CREATE TABLE codes ({_OF_SHAPE}, code BLOB NOT NULL);
 CREATE TABLE local_words ({_OF_SHAPE}, code BLOB NOT NULL);
 CREATE TABLE code_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);

@@ -11,21 +11,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.placement import Placement
+from shapegoogle_core.library.roots.paths import joined
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
-from shapegoogle_core.library.storage.sqlite.database import Database, encoded
+from shapegoogle_core.library.storage.sqlite.database import encoded
 from shapegoogle_core.library.storage.sqlite.filter_conditions import filter_conditions, fold_case
+from shapegoogle_core.library.storage.sqlite.placements import placement_rows, placements_from
+from shapegoogle_core.library.storage.sqlite.sources import SourceTable
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["ShapeTable"]
 
 SELECT_SHAPES = """
-SELECT shapes.id, name, coalesce(path, ''), object_name, vertex_count, face_count, area,
-    extent_x, extent_y, extent_z
-FROM shapes LEFT JOIN sources ON sources.id = source_id
+SELECT shapes.id, shapes.name, roots.path, coalesce(sources.path, ''), object_name, vertex_count, face_count,
+    area, extent_x, extent_y, extent_z, placement_count
+FROM shapes LEFT JOIN sources ON sources.id = source_id LEFT JOIN roots ON roots.id = root_id
 """
 
 
-class ShapeTable(Database):
+class ShapeTable(SourceTable):
     """Records, surface samples and pictures of the shapes of a library file."""
 
     def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
@@ -33,16 +37,21 @@ class ShapeTable(Database):
         signature = shape.signature
         counts = int(signature.vertex_count), int(signature.face_count)
         sizes = float(signature.area), *map(float, signature.extents)
+        placement_count = max(1, len(shape.placements))
         shape_id = self.connection.execute(
             "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area,"
-            " extent_x, extent_y, extent_z)"
-            " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?)",
-            (source_id, encoded(shape.object_name), encoded(shape.name), *counts, *sizes),
+            " extent_x, extent_y, extent_z, placement_count)"
+            " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?, ?)",
+            (source_id, encoded(shape.object_name), encoded(shape.name), *counts, *sizes, placement_count),
         ).lastrowid
         assert shape_id is not None  # an INSERT that did not raise has made a row
         self.connection.executemany(
             "INSERT OR IGNORE INTO tags VALUES (?, CAST(? AS TEXT))",
             [(shape_id, encoded(tag)) for tag in shape.tags],
+        )
+        self.connection.executemany(
+            "INSERT INTO placements VALUES (?, ?, CAST(? AS TEXT), ?, ?, ?, ?)",
+            [(shape_id, *row) for row in placement_rows(shape.placements, signature.extents)],
         )
         if signature.sample is not None:
             content = signature.sample.to_bytes()
@@ -70,11 +79,18 @@ class ShapeTable(Database):
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
-        condition, parameters = filter_conditions(where)
+        condition, parameters = filter_conditions(where, self.roots())
         with self.explained():
             self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
         rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+
+    def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
+        """Return the placements of some shapes, see `Store.placements`."""
+        columns = "shape_id, position, object_name, matrix, extent_x, extent_y, extent_z"
+        # By their key, so in the order of positions.
+        rows = self.rows_with_ids(f"SELECT {columns} FROM placements WHERE shape_id", shape_ids)
+        return placements_from(rows, self.damaged)
 
     def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
         """Return the surface samples of some shapes, see `Store.samples`."""
@@ -97,6 +113,17 @@ def _records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -
     sorted_tags = {shape_id: tuple(sorted(own)) for shape_id, own in tags_of.items()}
     # By position: a listing makes a million of them.
     return [
-        ShapeRecord(i, name, source, object_name, vertices, faces, area, (x, y, z), sorted_tags.get(i, ()))
-        for i, name, source, object_name, vertices, faces, area, x, y, z in rows
+        ShapeRecord(
+            i,
+            name,
+            path if root is None else joined(root, path),
+            object_name,
+            vertices,
+            faces,
+            area,
+            (x, y, z),
+            sorted_tags.get(i, ()),
+            placements,
+        )
+        for i, name, root, path, object_name, vertices, faces, area, x, y, z, placements in rows
     ]

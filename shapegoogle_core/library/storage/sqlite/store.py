@@ -6,19 +6,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.records import NewShape, SourceRecord, StoreSummary
+from shapegoogle_core.library.storage.records import (
+    NewShape,
+    Rearrangement,
+    SourceKey,
+    SourceRecord,
+    StoreSummary,
+)
 from shapegoogle_core.library.storage.sqlite.bags import BagTable
 from shapegoogle_core.library.storage.sqlite.codes import CodeTables
 from shapegoogle_core.library.storage.sqlite.database import encoded
 from shapegoogle_core.library.storage.sqlite.schema import APPLICATION_ID, FORMAT, SCHEMA
 from shapegoogle_core.library.storage.sqlite.shapes import ShapeTable
-from shapegoogle_core.library.storage.sqlite.sources import SourceTable
+from shapegoogle_core.library.storage.sqlite.sources import IS_SOURCE
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["SqliteStore"]
 
 
-class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
+class SqliteStore(CodeTables, BagTable, ShapeTable):
     """A `Store` in one SQLite file. Parameters are those of `CodeTables`."""
 
     # -- the file as a whole --------------------------------------------------------------------------------
@@ -89,10 +95,10 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
 
     # -- changes --------------------------------------------------------------------------------------------
 
-    def add(self, source: str, shape: NewShape[ShapeSignature]) -> int:
+    def add(self, source: SourceKey | None, shape: NewShape[ShapeSignature]) -> int:
         """Add one shape, see `Store.add`."""
         with self.writing():
-            if not source:
+            if source is None:
                 return self._insert(None, shape)
             source_id = self.source_id(source)
             self._remove(
@@ -101,17 +107,37 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
             )
             return self._insert(source_id, shape)
 
-    def replace_source(self, source: SourceRecord, shapes: Iterable[NewShape[ShapeSignature]]) -> list[int]:
+    def replace_source(
+        self,
+        source: SourceRecord,
+        shapes: Iterable[NewShape[ShapeSignature]],
+        *,
+        also: SourceKey | None = None,
+    ) -> list[int]:
         """Store a source and its shapes in place of the earlier ones, see `Store.replace_source`."""
         with self.writing():
-            self._remove_source(source.path)
+            self._remove_source(source.key)
+            if also is not None:
+                self._remove_source(also)
             source_id = self.insert_source(source)
             return [self._insert(source_id, shape) for shape in shapes]
 
-    def remove_sources(self, paths: Iterable[str]) -> int:
+    def remove_sources(self, sources: Iterable[SourceKey]) -> int:
         """Remove sources with all their shapes, see `Store.remove_sources`."""
         with self.writing():
-            return sum(self._remove_source(path) for path in paths)
+            return sum(self._remove_source(source) for source in sources)
+
+    def rearrange(self, changes: Rearrangement) -> None:
+        """Change roots and the places of sources, see `Store.rearrange`."""
+        with self.writing():
+            for source in changes.removed:
+                self._remove_source(source)
+            moved = [(self.known_source_id(old), new) for old, new in changes.moved]
+            for name, path in changes.roots:
+                self.put_root(name, path)
+            self.put_sources([(number, new) for number, new in moved if number is not None])
+            for name in changes.removed_roots:
+                self.connection.execute("DELETE FROM roots WHERE name = CAST(? AS TEXT)", (encoded(name),))
 
     def remove_shapes(self, shape_ids: Iterable[int]) -> int:
         """Remove single shapes, see `Store.remove_shapes`."""
@@ -129,7 +155,7 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, SourceTable):
         self.note_removal(where, parameters)
         return self.connection.execute(f"DELETE FROM shapes WHERE {where}", parameters).rowcount
 
-    def _remove_source(self, path: str) -> int:
-        content = (encoded(path),)
-        self._remove("source_id = (SELECT id FROM sources WHERE path = CAST(? AS TEXT))", content)
-        return self.connection.execute("DELETE FROM sources WHERE path = CAST(? AS TEXT)", content).rowcount
+    def _remove_source(self, source: SourceKey) -> int:
+        located = self.located(source)
+        self._remove(f"source_id = (SELECT id FROM sources WHERE {IS_SOURCE})", located)
+        return self.connection.execute(f"DELETE FROM sources WHERE {IS_SOURCE}", located).rowcount

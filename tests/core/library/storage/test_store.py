@@ -13,7 +13,7 @@ import pytest
 
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.storage.records import NewShape, SourceRecord, StoreSummary
+from shapegoogle_core.library.storage.records import NewShape, SourceKey, SourceRecord, StoreSummary
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store, all_codes
@@ -46,7 +46,7 @@ def store(request: pytest.FixtureRequest, path: Path, model: ShapeModel) -> Iter
 def filled(store: Store, make_signature: SignatureMaker) -> Store:
     for seed, (name, source, faces, extents, tags) in enumerate(SHAPES):
         signature = replace(make_signature(seed), face_count=faces, extents=extents)
-        store.add(source, NewShape(signature, name, tags=tags))
+        store.add(SourceKey("", source), NewShape(signature, name, tags=tags))
     return store
 
 
@@ -64,7 +64,7 @@ def test_extents_and_tags_come_back(filled: Store) -> None:
 
 
 def test_a_tag_counts_once_and_goes_with_its_shape(filled: Store, make_signature: SignatureMaker) -> None:
-    shape_id = filled.add("", NewShape(make_signature(9), "twice", tags=("new", "new", "a")))
+    shape_id = filled.add(None, NewShape(make_signature(9), "twice", tags=("new", "new", "a")))
     assert filled.shapes([shape_id])[0].tags == ("a", "new")
     assert filled.filtered_ids(Filter(tag="new")).tolist() == [shape_id]
     filled.remove_shapes([shape_id])
@@ -98,11 +98,11 @@ def test_sources_and_numbers(store: Store, make_signature: SignatureMaker) -> No
         SourceRecord("b", 5, 6, "ab", None, 1),
     ]
     summary = store.summary()
-    assert summary == StoreSummary(shapes=1, sources=2, failed=1, bytes=summary.bytes, format=6)
-    assert store.update_source("b", 7, 8)
-    assert not store.update_source("c", 7, 8)
+    assert summary == StoreSummary(shapes=1, sources=2, failed=1, bytes=summary.bytes, format=7)
+    assert store.update_source(SourceKey("", "b"), 7, 8)
+    assert not store.update_source(SourceKey("", "c"), 7, 8)
     assert store.sources()[1] == SourceRecord("b", 7, 8, "ab", None, 1)
-    assert store.remove_sources(["a", "b", "c"]) == 2
+    assert store.remove_sources([SourceKey("", name) for name in "abc"]) == 2
     assert (store.count(), store.sources()) == (0, [])
 
 
@@ -126,8 +126,8 @@ def test_local_words_samples_and_thumbnails_are_optional(
 ) -> None:
     local = np.arange(4, dtype=np.uint8)
     with_all = replace(make_signature(1), local_code=local)
-    store.add("", NewShape(make_signature(0), "without"))
-    store.add("", NewShape(with_all, "with", thumbnail=b"png"))
+    store.add(None, NewShape(make_signature(0), "without"))
+    store.add(None, NewShape(with_all, "with", thumbnail=b"png"))
     ids, codes = all_codes(store, "local_words", 4)
     assert (ids.tolist(), codes.tolist()) == ([2], [local.tolist()])
     assert (store.thumbnail(1), store.thumbnail(2), store.thumbnail(3)) == (None, b"png", None)
