@@ -33,8 +33,8 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
     bl_description = (
         "Write the chosen signature onto the vertices of the selected objects, as attributes whose names "
         "begin with sg_. This 3D view is set to solid shading with attribute colors, until undo or Clear "
-        "Signature. Objects are computed as they are before modifiers, in world scale, and those with very many "
-        "vertices on a simplified copy: 100,000 vertices take a few seconds"
+        "Signature. Objects are computed as they are before modifiers, in world scale, and those with very "
+        "many vertices on a simplified copy: 100,000 vertices take a few seconds"
     )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
@@ -96,7 +96,7 @@ def _forget(*_arguments: Any) -> None:
 
 @bpy.app.handlers.persistent
 def _look_again(*_arguments: Any) -> None:
-    """Views that were kept while another file was opened may show colours that are not in it."""
+    """Restore views kept while another file was opened: they may show colours that are not in it."""
     shading.restore_unpainted(bpy.context)
     state.current().signature.restored_views = []
 
