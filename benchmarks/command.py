@@ -75,6 +75,12 @@ COMMANDS = (
         ("bpy",),
     ),
     Command(
+        "files",
+        "benchmarks.experiments.files.command",
+        "read model files with the product and other readers, and list where they differ",
+        ("meshio", "trimesh"),
+    ),
+    Command(
         "speed",
         "benchmarks.speed.command",
         "times of spectra, signatures, search, indexing and the add-on",
