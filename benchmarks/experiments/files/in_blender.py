@@ -66,7 +66,7 @@ def read(path: Path, output: Path) -> dict[str, Any]:
             bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
             # Wires and single vertices are helpers there; in other files vertices may be all there is.
             return {"parts": _write_objects(file, with_wires=False)}
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         _import(path, suffix)
         return {"parts": [{**part, "name": ""} for part in _write_objects(file, with_wires=True)]}
 

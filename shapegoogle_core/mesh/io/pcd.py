@@ -12,7 +12,7 @@ import numpy as np
 
 from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_point_count
 from shapegoogle_core.mesh.io.polygons import Polygons
-from shapegoogle_core.mesh.io.text import filled_lines, parse_numbers, plain_text, without_mark
+from shapegoogle_core.mesh.io.text import filled_lines, parse_numbers, plain_text, quoted, without_mark
 
 __all__ = ["read_pcd"]
 
@@ -81,7 +81,7 @@ def read_pcd(file: MeshFile) -> Polygons:
         columns = [np.frombuffer(fields, axis.type, count, axis.offset * count) for axis in header.axes]
         points = np.stack(columns, axis=1).astype(np.float64)
     else:
-        raise FormatError(f"has the unknown kind of data {encoding!r}; export it again")
+        raise FormatError(f"has the unknown kind of data {quoted(encoding)}; export it again")
     return Polygons.from_points(points[~np.isnan(points).all(axis=1)])
 
 

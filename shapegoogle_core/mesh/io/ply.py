@@ -24,6 +24,7 @@ from shapegoogle_core.mesh.io.text import (
     parse_numbers,
     parse_polygons,
     plain_text,
+    quoted,
     unexpected,
     without_mark,
 )
@@ -63,7 +64,9 @@ class _Element:
         for names in _WANTED.get(self.name, ()):
             places = [place for place, each in enumerate(self.properties) if each.name in names]
             if not places:
-                raise FormatError(f"has the element {self.name!r} without {names[0]!r}; export it again")
+                raise FormatError(
+                    f"has the element {quoted(self.name)} without {names[0]!r}; export it again"
+                )
             found.append(places[0])
         return found
 
@@ -92,7 +95,8 @@ def read_ply(file: MeshFile) -> Polygons:
             check_face_count(element.length, file.max_faces)
         if not 0 <= element.length <= len(data) - start:
             raise DamagedError(
-                f"claims {element.length:,} times the element {element.name!r} in {len(data) - start:,} bytes"
+                f"claims {element.length:,} times the element {quoted(element.name)} in "
+                f"{len(data) - start:,} bytes"
             )
     read = _text_columns if order == "=" else _binary_columns
     columns = read(data, start, [element for element in elements if element.length])
@@ -131,7 +135,7 @@ def _read_header(data: bytes) -> tuple[str, list[_Element], int]:
                     raise ValueError(line)
                 # All other lines are comments, whatever their keyword.
         except (ValueError, KeyError, IndexError) as error:
-            raise DamagedError(f"has a line {line[:60]!r} in its PLY header that cannot be read") from error
+            raise DamagedError(f"has a line {quoted(line)} in its PLY header that cannot be read") from error
     if not order:
         raise DamagedError("has a PLY header without a format")
     for element in elements:
@@ -222,7 +226,7 @@ def _places(
         First byte behind the rows.
     """
     found, last = array("q"), len(data)
-    incomplete = DamagedError(f"has incomplete rows of the element {element.name!r}")
+    incomplete = DamagedError(f"has incomplete rows of the element {quoted(element.name)}")
     steps = [
         (_counter(each.count_type), each.type.itemsize, place in wanted)
         for place, each in enumerate(element.properties)

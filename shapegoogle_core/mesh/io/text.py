@@ -18,6 +18,7 @@ __all__ = [
     "parse_numbers",
     "parse_polygons",
     "plain_text",
+    "quoted",
     "unexpected",
     "without_mark",
 ]
@@ -129,7 +130,38 @@ def parse_corners(lines: Sequence[bytes], column: int, sizes: NDArray[np.int64])
 
 def unexpected(line: bytes, expected: str) -> DamagedError:
     """Make the error for a line that has something else than expected."""
-    return DamagedError(f"has a line {line.strip()[:60].decode('latin-1')!r} that is not {expected}")
+    return DamagedError(f"has a line {quoted(line)} that is not {expected}")
+
+
+def quoted(text: bytes | str) -> str:
+    r"""Quote a piece of a file for a message: at most 60 characters, question marks for unprintable ones.
+
+    Parameters
+    ----------
+    text : bytes or str
+        Bytes are in UTF-8, or any encoding of one byte for each character.
+
+    Returns
+    -------
+    quoted : str
+        Between single quotation marks.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.mesh.io.text import quoted
+    >>> quoted(b"v 1.0 \x00\x1f 3.0 ")
+    "'v 1.0 ?? 3.0'"
+    """
+    decoded = text if isinstance(text, str) else _decoded(text)
+    shown = "".join(character if character.isprintable() else "?" for character in decoded.strip()[:60])
+    return f"'{shown}'"
+
+
+def _decoded(text: bytes) -> str:
+    try:
+        return text.decode()
+    except UnicodeDecodeError:
+        return text.decode("latin-1")
 
 
 def _whole_numbers(lines: Sequence[bytes], columns: Sequence[int]) -> NDArray[np.int64]:
