@@ -5,7 +5,9 @@ Block Lanczos on the shift-inverted operator B = (W - σA)⁻¹A, whose eigenval
 inside the wanted range, the wanted θ are the outermost on both sides and converge in fewer steps than with a
 shift below all of them. A factorisation W - μA = LDLᵀ has as many negative pivots as there are eigenvalues
 below μ (Sylvester's law of inertia): counting them at σ and just above the last wanted eigenvalue proves that
-the set is complete. Missing pairs are searched again, orthogonal to those found.
+the set is complete. Missing pairs are searched again, orthogonal to those found. For few pairs a
+factorisation takes longer than some more steps, so σ lies just above the wanted range instead, and the one
+count at σ is the proof.
 
 References
 ----------
@@ -28,7 +30,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 __all__ = ["smallest_pairs"]
 
 # Right-hand sides of one solve. More make faster products, but need a larger Krylov space.
-BLOCK = 6
+BLOCK = 5
 # Largest residual of a converged pair in B, as a share of |θ|. The error of its eigenvalue is of second
 # order.
 TOLERANCE = 1e-8
@@ -37,6 +39,10 @@ TOLERANCE = 1e-8
 # pay.
 SHARE_BELOW = 0.6
 LEAST_BELOW, MOST_BELOW = 0.35, 0.85
+# Up to this number of pairs σ lies above all of them: it should leave `SPARE` more below it, and at most
+# `MOST_SPARE` more.
+FEW_PAIRS = 20
+SPARE, MOST_SPARE = 3, 12
 # Relative distance below which eigenvalues are counted as one.
 CLUSTER = 1e-9
 
@@ -178,6 +184,8 @@ def _complete_pairs(pencil: _Pencil, k: int, found: _Pairs) -> _Pairs:
         if (missing_below + missing_above and not len(new.values)) or len(found.values) > n // 2:
             raise np.linalg.LinAlgError(f"found only {len(found.values)} of {wanted} eigenvalues")
         found = found.joined(new)
+        if len(found.values) == factor.below >= k:
+            return _Pairs(found.values[:k], found.vectors[:, :k])
         following = min(
             (value for value in (following, estimate) if value > found.values[-1]), default=np.inf
         )
@@ -251,20 +259,27 @@ def _factorise(pencil: _Pencil, shift: float, earlier: _Factor | None = None) ->
 
 
 def _factor_inside(pencil: _Pencil, k: int, random: np.random.Generator) -> _Factor:
-    """Factorise at a shift inside the k smallest eigenvalues, or below all of them if none suits."""
-    shift = SHARE_BELOW * k * pencil.spacing
-    for _ in range(5 if k > 3 else 0):
+    """Factorise at a shift inside the k smallest eigenvalues, or just above them if they are few.
+
+    If none suits, the shift lies below all eigenvalues.
+    """
+    if k <= FEW_PAIRS:
+        least, aim, most = k, k + SPARE, k + MOST_SPARE
+    else:
+        least, aim, most = LEAST_BELOW * k, SHARE_BELOW * k, MOST_BELOW * k
+    shift = aim * pencil.spacing
+    for _ in range(5):
         try:
             factor = _factorise(pencil, shift)
         except np.linalg.LinAlgError:
             shift += 0.3 * pencil.spacing
             continue
-        if LEAST_BELOW * k <= factor.below <= MOST_BELOW * k:
+        if least <= factor.below <= most:
             if _is_accurate(pencil, factor, random):
                 return factor
             shift += 0.3 * pencil.spacing
         else:  # Weyl's law is far off, as on a long strip or thin sheets
-            shift *= min(max(SHARE_BELOW * k / max(factor.below, 0.5), 0.25), 4.0)
+            shift *= min(max(aim / max(factor.below, 0.5), 0.25), 4.0)
     # Relative to the area, so that W - σA is positive definite in any unit.
     return _factorise(pencil, -0.05 * pencil.spacing)
 
