@@ -277,7 +277,13 @@ def _union_of_components(
 ) -> tuple[FloatArray, FloatArray]:
     """Merge the spectra of the connected components and keep the k smallest."""
     weights = _freedom_weights(operator)
-    members = np.split(np.argsort(component, kind="stable"), np.cumsum(np.bincount(component))[:-1])
+    order = np.argsort(component, kind="stable")
+    bounds = np.concatenate([[0], np.cumsum(np.bincount(component))])
+    members = np.split(order, bounds[1:-1])
+    # Sorted by component the matrices are block diagonal, and blocks are cheap to cut out.
+    stiffness, mass = (
+        sparse.csc_array(matrix[order][:, order]) for matrix in (operator.stiffness, operator.mass)
+    )
     areas = np.array([weights[freedoms].sum() for freedoms in members])
     # Weyl's law: a component has eigenvalues in proportion to its area. Compute some more, then check.
     wanted = np.ceil(1.2 * k * areas / areas.sum()).astype(int) + 5
@@ -286,10 +292,8 @@ def _union_of_components(
     while pending:
         for index in pending:
             freedoms = members[index]
-            part = Operator(
-                operator.stiffness[freedoms][:, freedoms].tocsc(),
-                operator.mass[freedoms][:, freedoms].tocsc(),
-            )
+            start, end = bounds[index : index + 2]
+            part = Operator(_diagonal_block(stiffness, start, end), _diagonal_block(mass, start, end))
             most = min(wanted[index], k, len(freedoms))
             pairs[index] = _smallest_pairs(part, most, has_constant=not grounded[freedoms].any())
         known = np.sort(np.concatenate([values for values, _ in pairs]))
@@ -309,6 +313,14 @@ def _union_of_components(
     for column, (index, place) in enumerate(zip(owner[smallest], position[smallest], strict=True)):
         eigenvectors[members[index], column] = pairs[index][1][:, place]
     return eigenvalues[smallest], eigenvectors
+
+
+def _diagonal_block(matrix: sparse.csc_array, start: int, end: int) -> sparse.csc_array:
+    """Cut rows and columns start to end out of a matrix whose columns have no entries in other rows."""
+    starts = matrix.indptr[start : end + 1]
+    entries = slice(starts[0], starts[-1])
+    content = matrix.data[entries], matrix.indices[entries] - start, starts - starts[0]
+    return sparse.csc_array(content, shape=(end - start, end - start))
 
 
 def _smallest_pairs(operator: Operator, k: int, has_constant: bool = True) -> tuple[FloatArray, FloatArray]:
