@@ -263,10 +263,9 @@ def _factor_inside(pencil: _Pencil, k: int, random: np.random.Generator) -> _Fac
 
     If none suits, the shift lies below all eigenvalues.
     """
-    if k <= FEW_PAIRS:
-        least, aim, most = k, k + SPARE, k + MOST_SPARE
-    else:
-        least, aim, most = LEAST_BELOW * k, SHARE_BELOW * k, MOST_BELOW * k
+    inside = LEAST_BELOW * k, SHARE_BELOW * k, MOST_BELOW * k
+    above = float(k), float(k + SPARE), float(k + MOST_SPARE)
+    least, aim, most = above if k <= FEW_PAIRS else inside
     shift = aim * pencil.spacing
     for _ in range(5):
         try:
