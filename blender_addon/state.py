@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.service.requests import Answer
 
     from .duplicates.background import BackgroundSearch
+    from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
     from .jobs import BackgroundRun
     from .library.scene_source import SceneIndexing
     from .session import SHAPEGOOGLE_PG_session
@@ -131,9 +132,12 @@ class DuplicatesState:
     ----------
     search : BackgroundSearch or None
         The search that runs in the worker process.
+    linking : SHAPEGOOGLE_OT_link_duplicates or None
+        The linking that runs in time slices.
     """
 
     search: BackgroundSearch | None = None
+    linking: SHAPEGOOGLE_OT_link_duplicates | None = None
 
 
 @dataclass

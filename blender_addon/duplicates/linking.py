@@ -1,30 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Let objects share one mesh so that nothing moves; objects where that is not certain are refused."""
+"""Let objects share one mesh so that nothing moves; objects where that is not certain are refused.
+
+Blender updates a whole view layer at once, which takes as long for one changed object as for hundreds. So
+meshes are compared first, then exchanged in portions with one update each, and then checked.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.mesh_arrays import vertex_positions
 from ..scene.selection import split_evaluated
-from .congruence import TOLERANCE, congruence
+from .congruence import congruence
+from .exchange import Exchange, Kept, exchange_of, is_deformed, moved_reason, points_seen, put_in_place
 from .mesh_data import WorldMesh, differing_data, world_mesh
 
 FloatArray = NDArray[np.float64]
 
-__all__ = ["Linked", "link_data"]
+__all__ = ["LinkRun", "Linked", "link_data"]
 
-# Blender keeps matrices in single precision: places far from the origin are less exact.
-SINGLE = 4 * 2.0**-23  # four times the step from 1 to the next float32
 HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
-# Of these kinds a parent deforms its children, as a modifier would.
-DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
+# Objects are exchanged in about so many portions, so that a run can be cancelled in between.
+PORTIONS = 10
+# Fewer objects in a portion would take longer to update than to exchange.
+LEAST_PORTION = 50
 
 
 @dataclass(frozen=True)
@@ -39,8 +44,8 @@ class Linked:
         Objects that were left as they are, and why.
     """
 
-    linked: list[str]
-    refused: list[tuple[str, str]]
+    linked: list[str] = field(default_factory=list)
+    refused: list[tuple[str, str]] = field(default_factory=list)
 
 
 def link_data(context: Any, objects: Sequence[Any]) -> Linked:
@@ -59,34 +64,196 @@ def link_data(context: Any, objects: Sequence[Any]) -> Linked:
     -------
     linked : Linked
     """
-    first, others = objects[0], objects[1:]
-    result = Linked([], [])
-    others = [item for item in others if item.data != first.data]
-    # The matrices of those that Blender does not evaluate are not to be trusted, nor checked afterwards.
-    hidden = set(split_evaluated(objects, context)[1])
-    reason = _mesh_reason(first.data) or ("it is being edited" if first.mode != "OBJECT" else "")
-    reason = HIDDEN if first in hidden else reason
-    target = None if reason else world_mesh(first)
-    if target is None:
-        reason = reason or "it has no extent"
-        result.refused.extend((item.name, f"of {first.name!r}: {reason}") for item in others)
-        return result
-    corrections: dict[Any, tuple[FloatArray, bool] | str] = {}
-    for item in others:
-        reason = HIDDEN if item in hidden else _object_reason(item) or _mesh_reason(item.data)
-        if not reason:
-            data = item.data
-            if data not in corrections:
-                corrections[data] = _correction(target, world_mesh(item))
-            correction = corrections[data]
-            reason = (
-                correction if isinstance(correction, str) else _link(context, item, first.data, *correction)
+    run = LinkRun(context, [objects])
+    for _ in run.steps():
+        pass
+    return run.result
+
+
+class LinkRun:
+    """Linking of many groups, step by step: between two steps the scene is whole, and the run may end.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    groups : sequence of sequence of bpy.types.Object
+        The first of each group is left as it is; the others get its mesh.
+
+    Attributes
+    ----------
+    result : Linked
+        Objects linked and refused so far.
+    total : int
+        Objects that may get another mesh.
+    compared : int
+        Objects whose meshes have been compared so far.
+    """
+
+    def __init__(self, context: Any, groups: Sequence[Sequence[Any]]) -> None:
+        self.result = Linked()
+        self._context = context
+        self._stages = _stages(groups)
+        self.total = sum(len(group) - 1 for stage in self._stages for group in stage)
+        self.compared = 0
+        # Each is a walk through all objects of the file: once for all, not once for each.
+        self._hidden = set(split_evaluated(bpy.data.objects, context)[1])
+        self._children: defaultdict[Any, list[Any]] = defaultdict(list)
+        for item in bpy.data.objects:
+            if item.parent is not None:
+                self._children[item.parent].append(item)
+
+    @property
+    def done(self) -> int:
+        """Number of objects that are linked or refused."""
+        return len(self.result.linked) + len(self.result.refused)
+
+    def steps(self) -> Iterator[None]:
+        """Link; the caller may do something else after each step, but not change objects."""
+        for stage in self._stages:
+            exchanges: list[Exchange] = []
+            for group in stage:
+                for exchange in self._compare(group):
+                    if exchange is not None:
+                        exchanges.append(exchange)
+                    yield
+            exchanges = self._without_referred(exchanges)
+            for exchanges_of_depth in _by_depth(exchanges):
+                size = max(LEAST_PORTION, -(-len(exchanges_of_depth) // PORTIONS))
+                for first in range(0, len(exchanges_of_depth), size):
+                    self._exchange(exchanges_of_depth[first : first + size])
+                    yield
+
+    def _refuse(self, item: Any, reason: str) -> None:
+        self.result.refused.append((item.name, reason))
+
+    def _compare(self, group: Sequence[Any]) -> Iterator[Exchange | None]:
+        """Compare the meshes of a group; yields for each object what to exchange, or None after a refusal."""
+        first = group[0]
+        others = [item for item in group[1:] if item.data != first.data]
+        self.total -= len(group) - 1 - len(others)
+        # The matrices of those that Blender does not evaluate are not to be trusted, nor checked afterwards.
+        reason = _mesh_reason(first.data) or ("it is being edited" if first.mode != "OBJECT" else "")
+        reason = HIDDEN if first in self._hidden else reason
+        target = None if reason else world_mesh(first)
+        corrections: dict[Any, tuple[FloatArray, bool] | str] = {}
+        for item in others:
+            self.compared += 1
+            if target is None:
+                self._refuse(item, f"of {first.name!r}: {reason or 'it has no extent'}")
+                yield None
+                continue
+            reason = HIDDEN if item in self._hidden else _object_reason(item) or _mesh_reason(item.data)
+            exchange = None
+            if not reason:
+                data = item.data
+                if data not in corrections:
+                    corrections[data] = _correction(target, world_mesh(item))
+                correction = corrections[data]
+                if isinstance(correction, str):
+                    reason = correction
+                else:
+                    exchange = exchange_of(item, first.data, correction[0])
+                    reason = self._moving_reason(item, exchange.stays, correction[1])
+            if reason:
+                self._refuse(item, reason)
+            yield None if reason else exchange
+
+    def _moving_reason(self, item: Any, stays: bool, same_order: bool) -> str:
+        """Why an object must not get a mesh with another origin or order of vertices, or an empty text."""
+        children = self._children.get(item, [])
+        if not same_order:
+            if any(child.parent_type.startswith("VERTEX") for child in children):
+                return "children hang on its vertices, which are in another order"
+            if item.modifiers:
+                return "it has modifiers, and its vertices are in another order"
+        if stays:
+            return ""
+        if item.modifiers:
+            return "it has modifiers, and its mesh is placed otherwise in its object"
+        if is_deformed(item):
+            return "its parent deforms it, and its mesh is placed otherwise in its object"
+        if _is_animated(item) or item.constraints:
+            return "it is animated or constrained, and its mesh is placed otherwise in its object"
+        if item.rigid_body is not None:
+            return "it is a rigid body, and its mesh is placed otherwise in its object"
+        if any(child.library is not None or child.override_library is not None for child in children):
+            return "it has children from another file"
+        if any(child in self._hidden for child in children):
+            return (
+                "it has children that are disabled in viewports or in excluded collections; show them first"
             )
-        if reason:
-            result.refused.append((item.name, reason))
-        else:
-            result.linked.append(item.name)
-    return result
+        return ""
+
+    def _without_referred(self, exchanges: Sequence[Exchange]) -> list[Exchange]:
+        """Refuse the objects that would get another matrix while others refer to it."""
+        moving = [exchange.item for exchange in exchanges if not exchange.stays]
+        users = bpy.data.user_map(subset=moving) if moving else {}
+        kept = []
+        for exchange in exchanges:
+            item = exchange.item
+            hangers = [
+                user.name
+                for user in (() if exchange.stays else users[item])
+                if isinstance(user, bpy.types.Object) and user.parent != item and user != item
+            ]
+            if hangers:
+                self._refuse(
+                    item, f"{hangers[0]!r} refers to it, and its mesh is placed otherwise in its object"
+                )
+            else:
+                kept.append(exchange)
+        return kept
+
+    def _exchange(self, exchanges: Sequence[Exchange]) -> None:
+        """Exchange the meshes of objects of which none is below another; what would move is as before."""
+        context = self._context
+        seen = {
+            exchange.item: points_seen(context, exchange.item)
+            for exchange in exchanges
+            if is_deformed(exchange.item)
+        }
+        kept = [Kept(exchange.item, self._children.get(exchange.item, [])) for exchange in exchanges]
+        for exchange, old in zip(exchanges, kept, strict=True):
+            exchange.item.data = exchange.data
+            if not exchange.stays:
+                put_in_place(exchange, old)
+        context.view_layer.update()
+        failed = False
+        for exchange, old in zip(exchanges, kept, strict=True):
+            reason = moved_reason(context, exchange, old, seen.get(exchange.item))
+            if reason:
+                old.put_back()
+                failed = True
+                self._refuse(exchange.item, reason)
+            else:
+                self.result.linked.append(exchange.item.name)
+        if failed:
+            context.view_layer.update()
+
+
+def _stages(groups: Sequence[Sequence[Any]]) -> list[list[Sequence[Any]]]:
+    """Put groups that share an object with an earlier one into a later stage than that."""
+    stages: list[list[Sequence[Any]]] = []
+    stage_of: dict[Any, int] = {}
+    for group in groups:
+        stage = max(stage_of.get(item, -1) for item in group) + 1
+        stages.extend([] for _ in range(stage + 1 - len(stages)))
+        stages[stage].append(group)
+        stage_of.update(dict.fromkeys(group, stage))
+    return stages
+
+
+def _by_depth(exchanges: Sequence[Exchange]) -> list[list[Exchange]]:
+    """Objects by the number of those above them that are exchanged too: parents come before children."""
+    chosen = {exchange.item for exchange in exchanges}
+    waves: defaultdict[int, list[Exchange]] = defaultdict(list)
+    for exchange in exchanges:
+        depth, above = 0, exchange.item.parent
+        while above is not None:
+            depth += above in chosen
+            above = above.parent
+        waves[depth].append(exchange)
+    return [waves[depth] for depth in sorted(waves)]
 
 
 def _mesh_reason(data: Any) -> str:
@@ -128,115 +295,3 @@ def _correction(target: WorldMesh, own: WorldMesh | None) -> tuple[FloatArray, b
         return f"it has other {', '.join(differences)}"
     matrix = np.linalg.inv(own.matrix) @ found.matrix @ target.matrix
     return matrix, found.same_order
-
-
-def _link(context: Any, item: Any, data: Any, correction: FloatArray, same_order: bool) -> str:
-    """Exchange the mesh of one object; on any reason not to, everything is as before."""
-    before = np.array(item.matrix_world, np.float64)
-    wanted = before @ correction
-    corners = np.array([[*corner, 1.0] for corner in _box(data)])
-    reach = np.linalg.norm(np.ptp((corners @ wanted.T)[:, :3], axis=0))
-    allowed = TOLERANCE * reach + SINGLE * np.abs(before[:3, 3]).max()
-    stays = _farthest(corners, before, wanted) <= allowed
-    reason = _moving_reason(context, item, stays, same_order)
-    if reason:
-        return reason
-    seen = _evaluated(context, item) if _is_deformed(item) else None
-    children = [
-        (child, child.matrix_parent_inverse.copy(), child.matrix_world.copy()) for child in item.children
-    ]
-    old_data, old_basis = item.data, item.matrix_basis.copy()
-    item.data = data
-    if not stays:
-        _place(item, children, before, wanted)
-    context.view_layer.update()
-    if _farthest(corners, np.array(item.matrix_world, np.float64), wanted) > allowed:
-        reason = "its rotation and scale cannot hold the mesh in place; apply its or its parents' scale first"
-    elif any(not np.allclose(child.matrix_world, was, atol=allowed) for child, _, was in children):
-        reason = "its children would move"
-    elif seen is not None and not _same_points(seen, _evaluated(context, item), allowed):
-        reason = f"its {'modifiers' if item.modifiers else 'parent'} would give another shape"
-    if reason:
-        item.data = old_data
-        item.matrix_basis = old_basis
-        for child, inverse, _ in children:
-            child.matrix_parent_inverse = inverse
-        context.view_layer.update()
-    return reason
-
-
-def _place(
-    item: Any, children: Sequence[tuple[Any, Any, Any]], before: FloatArray, wanted: FloatArray
-) -> None:
-    from mathutils import Matrix
-
-    item.matrix_world = Matrix(wanted.tolist())
-    # A child follows its parent's matrix: undo the change of that in the child's own.
-    back = np.linalg.inv(wanted) @ before
-    for child, inverse, _ in children:
-        child.matrix_parent_inverse = Matrix((back @ np.array(inverse, np.float64)).tolist())
-
-
-def _is_deformed(item: Any) -> bool:
-    """Whether an object may be seen otherwise than its mesh says."""
-    return bool(item.modifiers) or (item.parent is not None and item.parent_type in DEFORMING_PARENTS)
-
-
-def _moving_reason(context: Any, item: Any, stays: bool, same_order: bool) -> str:
-    """Why an object must not get a mesh with another origin or order of vertices, or an empty text."""
-    if not same_order:
-        if any(child.parent_type.startswith("VERTEX") for child in item.children):
-            return "children hang on its vertices, which are in another order"
-        if item.modifiers:
-            return "it has modifiers, and its vertices are in another order"
-    if stays:
-        return ""
-    if item.modifiers:
-        return "it has modifiers, and its mesh is placed otherwise in its object"
-    if _is_deformed(item):
-        return "its parent deforms it, and its mesh is placed otherwise in its object"
-    if _is_animated(item) or item.constraints:
-        return "it is animated or constrained, and its mesh is placed otherwise in its object"
-    if item.rigid_body is not None:
-        return "it is a rigid body, and its mesh is placed otherwise in its object"
-    if any(child.library is not None or child.override_library is not None for child in item.children):
-        return "it has children from another file"
-    if split_evaluated(item.children, context)[1]:
-        return "it has children that are disabled in viewports or in excluded collections; show them first"
-    users = bpy.data.user_map(subset=[item])[item]
-    hangers = [
-        user.name
-        for user in users
-        if isinstance(user, bpy.types.Object) and user.parent != item and user != item
-    ]
-    if hangers:
-        return f"{hangers[0]!r} refers to it, and its mesh is placed otherwise in its object"
-    return ""
-
-
-def _box(data: Any) -> FloatArray:
-    """(8, 3) corners of the box around a mesh, in its own space."""
-    points = vertex_positions(data)
-    low, high = points.min(axis=0), points.max(axis=0)
-    choice = np.array([[index >> axis & 1 for axis in range(3)] for index in range(8)], bool)
-    return np.asarray(np.where(choice, high, low), np.float64)
-
-
-def _farthest(corners: FloatArray, one: FloatArray, two: FloatArray) -> float:
-    return float(np.linalg.norm((corners @ (one - two).T)[:, :3], axis=1).max())
-
-
-def _evaluated(context: Any, item: Any) -> FloatArray:
-    """(n, 3) vertices as seen, in the world."""
-    evaluated = item.evaluated_get(context.evaluated_depsgraph_get())
-    data = evaluated.to_mesh()
-    try:
-        points = vertex_positions(data)
-    finally:
-        evaluated.to_mesh_clear()
-    matrix: FloatArray = np.array(evaluated.matrix_world, np.float64)
-    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float64)
-
-
-def _same_points(one: FloatArray, two: FloatArray, allowed: float) -> bool:
-    return one.shape == two.shape and bool(np.abs(one - two).max(initial=0) <= 2 * allowed)

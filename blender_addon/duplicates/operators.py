@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find groups of duplicates, select them, and let the chosen ones share one mesh."""
+"""Find groups of duplicates and select them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from bpy.props import IntProperty
 
 from .. import state
 from ..library.model import current_model
-from ..library.scene_source import is_here
 from ..preferences import preferences
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
+from .members import is_in_object_mode, objects_by_name, objects_of
 from .properties import show_groups
 
 if TYPE_CHECKING:
@@ -35,6 +35,9 @@ def _cancel_running() -> None:
     if running is not None:
         running.cancel()
         state.current().duplicates.search = None
+    linking = state.current().duplicates.linking
+    if linking is not None:
+        linking.stopped = True  # it ends at its next tick
 
 
 def _some(names: Sequence[str]) -> str:
@@ -200,7 +203,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
         if not len(context.window_manager.shape_google_duplicates.groups):
             cls.poll_message_set("Find duplicates first")
             return False
-        return _in_object_mode(cls, context)
+        return is_in_object_mode(cls, context)
 
     def execute(self, context: Any) -> set[str]:
         """Select them."""
@@ -210,7 +213,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
             self.report({"ERROR"}, f"There is no group {index}; there are {len(shown.groups)}")
             return {"CANCELLED"}
         group = shown.groups[index]
-        objects = _objects(context, group, shown.found_in)
+        objects = objects_of(group, objects_by_name(context), shown.found_in)
         visible = [item for item in objects if item.visible_get(view_layer=context.view_layer)]
         if not visible:
             self.report({"WARNING"}, f"No visible object of the group of {group.name!r} is in this scene")
@@ -222,70 +225,6 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
         context.view_layer.objects.active = visible[0]
         self.report({"INFO"}, f"Selected {len(visible)} of {len(group.members)}")
         return {"FINISHED"}
-
-
-class SHAPEGOOGLE_OT_link_duplicates(bpy.types.Operator):
-    """Let the members of the chosen groups share the first one's mesh."""
-
-    bl_idname = "shape_google.link_duplicates"
-    bl_label = "Link Data"
-    bl_description = (
-        "Let the members of the chosen groups share the mesh of their first one. Nothing moves: matrices are "
-        "corrected. Objects where this is not possible, such as with shape keys or an armature, are left "
-        "unchanged and named"
-    )
-    bl_options: ClassVar = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        """Check that a group of the scene is chosen."""
-        shown = context.window_manager.shape_google_duplicates
-        if shown.found_in != "SCENE" or not any(group.chosen and group.linkable for group in shown.groups):
-            cls.poll_message_set("Choose at least one group of identical or scaled objects of this scene")
-            return False
-        return _in_object_mode(cls, context)
-
-    def execute(self, context: Any) -> set[str]:
-        """Link them."""
-        from .linking import link_data
-
-        shown = context.window_manager.shape_google_duplicates
-        linked: list[str] = []
-        refused: list[tuple[str, str]] = []
-        for group in shown.groups:
-            if group.chosen and group.linkable:
-                objects = _objects(context, group, "SCENE")
-                if len(objects) > 1:
-                    result = link_data(context, objects)
-                    linked += result.linked
-                    refused += result.refused
-                else:
-                    refused.append((group.name, "its group is not there any more; find duplicates again"))
-                group.chosen = False
-        for name, reason in refused:
-            self.report({"WARNING"}, f"{name!r} was left as it is: {reason}")
-        shown.status = f"{len(linked)} linked, {len(refused)} left as they are"
-        self.report({"INFO"}, shown.status)
-        return {"FINISHED"} if linked else {"CANCELLED"}
-
-
-def _in_object_mode(operator: Any, context: Any) -> bool:
-    if context.mode != "OBJECT":
-        operator.poll_message_set("Switch to object mode")
-        return False
-    return True
-
-
-def _objects(context: Any, group: Any, scope: str) -> list[Any]:
-    """Members of a group that are objects of this scene; names may have changed since they were found."""
-    here = context.scene.objects
-    if scope == "LIBRARY":
-        # Two members may be one object: indexed from the saved file, and from the open scene.
-        names = [member.name for member in group.members if is_here(member.source, member.name)]
-        return [here[name] for name in dict.fromkeys(names)]
-    by_name = {(item.name, "" if item.library is None else item.library.filepath): item for item in here}
-    members = [by_name.get((member.name, member.library)) for member in group.members]
-    return [item for item in members if item is not None and item.type == "MESH"]
 
 
 @persistent
@@ -302,7 +241,6 @@ _register, _unregister = bpy.utils.register_classes_factory(
         SHAPEGOOGLE_OT_find_duplicates,
         SHAPEGOOGLE_OT_cancel_duplicates,
         SHAPEGOOGLE_OT_select_duplicates,
-        SHAPEGOOGLE_OT_link_duplicates,
     )
 )
 

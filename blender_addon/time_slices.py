@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`InSlices`: work on Blender's own data in short slices; the window shows progress and can cancel.
+
+Only the main thread may touch bpy, so such work cannot go to another process.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from . import jobs
+
+__all__ = ["InSlices"]
+
+# Long enough that little is lost between slices, short enough for the window to answer.
+SECONDS_OF_SLICE = 0.15
+SECONDS_BETWEEN_SLICES = 0.01
+CATEGORY = "Shape Google"
+
+
+class InSlices:
+    """Base of operators whose work is an iterator that yields wherever it may be interrupted.
+
+    While it runs, the window takes clicks in the add-on's sidebar and Esc, and nothing that could change the
+    scene.
+
+    Attributes
+    ----------
+    stopped : bool
+        Set by whoever wants the work to end at the next step.
+    """
+
+    stopped = False
+
+    def begin(self, context: Any, steps: Iterator[None]) -> set[str]:
+        """Start the work; for `invoke`."""
+        self._steps = steps
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(SECONDS_BETWEEN_SLICES, window=context.window)
+        manager.modal_handler_add(self)
+        self.show_progress(context)
+        return {"RUNNING_MODAL"}
+
+    def show_progress(self, context: Any) -> None:
+        """Show what has been done so far, and set the text of the status bar."""
+        raise NotImplementedError
+
+    def finish(self, context: Any, *, cancelled: bool) -> set[str]:
+        """Report what was done; returns the operator's result."""
+        raise NotImplementedError
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Do some steps at each tick of the timer."""
+        if self.stopped or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
+            return self.finish(context, cancelled=True)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"} if _is_in_sidebar(context, event) else {"RUNNING_MODAL"}
+        end = time.monotonic() + SECONDS_OF_SLICE
+        try:
+            for _ in self._steps:
+                if time.monotonic() > end:
+                    self.show_progress(context)
+                    jobs.redraw()
+                    return {"PASS_THROUGH"}
+        except BaseException:
+            self.cancel(context)
+            raise
+        self.cancel(context)
+        return self.finish(context, cancelled=False)
+
+    def cancel(self, context: Any) -> None:
+        """Stop the timer. Blender calls it too when it opens a file or ends."""
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+        jobs.redraw()
+
+
+def _is_in_sidebar(context: Any, event: Any) -> bool:
+    """Whether the mouse moves or clicks in the add-on's tab, where the button to cancel is."""
+    if event.type not in {"LEFTMOUSE", "MOUSEMOVE", "INBETWEEN_MOUSEMOVE"}:
+        return False
+    return any(
+        0 <= event.mouse_x - region.x < region.width and 0 <= event.mouse_y - region.y < region.height
+        for area in context.window.screen.areas
+        if area.type == "VIEW_3D"
+        for region in area.regions
+        if region.type == "UI" and region.active_panel_category == CATEGORY
+    )
