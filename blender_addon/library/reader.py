@@ -2,16 +2,16 @@
 """A Blender that reads .blend and .fbx files for the worker processes of the core.
 
 Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described
-in `shapegoogle_core.indexing.external_reader`. It imports nothing but bpy, since a Blender started with
-factory settings has neither this add-on nor its wheels. Scripts inside the files never run, and the files
-are only read.
+in `shapegoogle_core.indexing.external_reader`. It imports nothing but bpy and `sharing`, since a Blender
+started with factory settings has neither this add-on nor its wheels. Scripts inside the files never run, and
+the files are only read.
 """
 
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import json
-import math
 import os
 import signal
 import sys
@@ -28,10 +28,6 @@ __all__ = ["main"]
 ANSWER = "shapegoogle-answer "
 # Blender's z.
 UP_AXIS = 2
-# Relative difference of scales that count as equal: float32 matrices carry about seven digits.
-SAME_SCALE = 1e-5
-# Types of parents that deform their children, as a modifier would.
-DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
 # Option of Linux's prctl for the signal that a process gets when its parent ends.
 PR_SET_PDEATHSIG = 1
 
@@ -166,58 +162,64 @@ def _tags(item: Any) -> list[str]:
 def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
     shapes: list[dict[str, Any]] = []
     problems: list[str] = []
-    known: dict[Any, dict[str, Any]] = {}
+    meshes: Any = _module("sharing").SharedMeshes(objects)
     for item, evaluated in _evaluated(objects):
-        matrix = evaluated.matrix_world
-        placement = {"object": item.name, "matrix": [number for row in matrix for number in row]}
-        shares = _is_plain(item) and _is_similarity(matrix)
-        if shares and item.data in known:
-            shape = known[item.data]
-            shape["placements"].append(placement)
-            shape["tags"] += [tag for tag in _tags(item) if tag not in shape["tags"]]
-            continue
-        if item.type == "POINTCLOUD":
-            vertex_count, face_count = _write_positions(evaluated.data.points, output), 0
-        else:
+        matrix, content = evaluated.matrix_world, meshes.content(item)
+        shape = None if content is None else meshes.find(item, matrix, content)
+        if shape is None:
             try:
-                mesh = evaluated.to_mesh()
+                positions, faces = _arrays(evaluated)
             except RuntimeError as error:
                 problems.append(f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers")
                 continue
-            vertex_count, face_count = _write_arrays(mesh, output)
-            evaluated.to_mesh_clear()
-        if not vertex_count:
-            continue
-        counts = {"vertices": vertex_count, "faces": face_count}
-        shape = {"name": item.name, **counts, "placements": [placement], "tags": _tags(item)}
-        shapes.append(shape)
-        if shares:
-            known[item.data] = shape
+            if not positions:
+                continue
+            content = meshes.read(item, positions, faces)
+            shape = meshes.find(item, matrix, content)
+        if shape is None:
+            positions.tofile(output)
+            faces.tofile(output)
+            counts = {"vertices": len(positions) // 3, "faces": len(faces) // 3}
+            shape = {"name": item.name, **counts, "placements": [], "tags": []}
+            shapes.append(shape)
+            meshes.put(item, matrix, content, shape)
+        numbers = [number for row in matrix for number in row]
+        shape["placements"].append({"object": item.name, "matrix": numbers})
+        shape["tags"] += [tag for tag in _tags(item) if tag not in shape["tags"]]
     return {"shapes": shapes, "problems": problems}
 
 
-def _write_arrays(mesh: Any, output: BinaryIO) -> tuple[int, int]:
-    """Write vertices and triangles; returns their numbers.
+def _module(name: str) -> Any:
+    """Load a module from beside this script, which is in no package when it runs."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None and spec.loader is not None  # noqa: PT018 - the path ends with .py
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _arrays(evaluated: Any) -> tuple[array[float], array[int]]:
+    """Coordinates and triangles of an evaluated object, in its own space.
 
     A mesh without triangles gets no vertices either: wires and single points are helpers, not shapes.
     """
-    mesh.calc_loop_triangles()
-    face_count = len(mesh.loop_triangles)
-    if not face_count:
-        return 0, 0
-    vertex_count = _write_positions(mesh.vertices, output)
-    faces = array("i", bytes(12 * face_count))
-    mesh.loop_triangles.foreach_get("vertices", faces)
-    faces.tofile(output)
-    return vertex_count, face_count
+    faces = array("i")
+    if evaluated.type == "POINTCLOUD":
+        return _positions(evaluated.data.points), faces
+    mesh = evaluated.to_mesh()
+    try:
+        mesh.calc_loop_triangles()
+        faces = array("i", bytes(12 * len(mesh.loop_triangles)))
+        mesh.loop_triangles.foreach_get("vertices", faces)
+        return _positions(mesh.vertices) if faces else array("f"), faces
+    finally:
+        evaluated.to_mesh_clear()
 
 
-def _write_positions(points: Any, output: BinaryIO) -> int:
-    """Write the places of vertices or points; returns their number."""
+def _positions(points: Any) -> array[float]:
     positions = array("f", bytes(12 * len(points)))
     points.foreach_get("co", positions)
-    positions.tofile(output)
-    return len(points)
+    return positions
 
 
 def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
@@ -241,24 +243,6 @@ def _evaluated(objects: list[Any]) -> Iterator[tuple[Any, Any]]:
     depsgraph.update()
     for item in objects:
         yield item, item.evaluated_get(depsgraph)
-
-
-def _is_plain(item: Any) -> bool:
-    """Whether an object is seen as its data alone, so that objects of the same data are the same shape."""
-    # In old files a parent deforms its children without any modifier.
-    deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
-    return not item.modifiers and getattr(item.data, "shape_keys", None) is None and not deformed
-
-
-def _is_similarity(matrix: Any) -> bool:
-    """Whether a matrix only moves, rotates, mirrors and scales uniformly."""
-    columns = [matrix.col[index].to_3d() for index in range(3)]
-    scale = max(column.length for column in columns)
-    if not (scale > 0 and math.isfinite(scale)):
-        return False
-    even = all(abs(column.length - scale) <= SAME_SCALE * scale for column in columns)
-    pairs = ((0, 1), (0, 2), (1, 2))
-    return even and all(abs(columns[a].dot(columns[b])) <= SAME_SCALE * scale**2 for a, b in pairs)
 
 
 if __name__ == "__main__":

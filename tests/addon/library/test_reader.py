@@ -98,21 +98,63 @@ def test_armatures_pose(read: Any, tmp_path: Path) -> None:
     assert shape.mesh.vertices[:, 2].mean() > 4
 
 
+def linked(first: Any, name: str, scale: Any = (1, 1, 1), place: Any = (0, 0, 0)) -> Any:
+    """An object that shares the mesh of another one."""
+    copy = first.copy()
+    copy.name, copy.scale, copy.location = name, scale, place
+    bpy.context.collection.objects.link(copy)
+    return copy
+
+
+def objects_of(shapes: Any) -> list[list[str]]:
+    return [[placement.object_name for placement in shape.placements] for shape in shapes]
+
+
 def test_linked_data_is_described_once(read: Any, tmp_path: Path) -> None:
     first = add("A")
-    for name, scale in (("B", (3, 3, 3)), ("C", (1, 1, 2)), ("D", (-1, 1, 1))):
-        copy = first.copy()
-        copy.name = name
-        copy.scale = scale
-        bpy.context.collection.objects.link(copy)
+    for name, scale in (("B", (3, 3, 3)), ("C", (1, 1, 2)), ("D", (-1, 1, 1)), ("E", (2, 2, -4))):
+        linked(first, name, scale, (5, 0, 0))
+    linked(first, "F", (1, 1, 1)).hide_viewport = True
+    bpy.data.scenes.new("Other").collection.objects.link(elsewhere := linked(first, "G"))
+    bpy.context.collection.objects.unlink(elsewhere)
+    moving = linked(first, "H")
+    moving.scale = 2, 2, 2
+    moving.keyframe_insert("scale", frame=bpy.context.scene.frame_current)
+    flat = linked(first, "I", (1, 1, 0))
+    bpy.context.view_layer.update()
+    matrices = {item.name: np.array(item.matrix_world) for item in (first, moving, flat)}
     shapes = read(save(tmp_path / "scene.blend")).shapes
-    objects = [[placement.object_name for placement in shape.placements] for shape in shapes]
-    # Stretched in one direction it is another shape.
-    assert objects == [["A", "B", "D"], ["C"]]
-    np.testing.assert_allclose(shapes[0].placements[2].matrix, np.diag([-1, 1, 1, 1]))
+    # What is stretched in one direction is another shape, but one for all that are stretched alike.
+    assert objects_of(shapes) == [["A", "B", "D", "F", "G", "H"], ["C", "E"], ["I"]]
+    mirrored = np.diag([-1.0, 1, 1, 1])
+    mirrored[0, 3] = 5
+    np.testing.assert_allclose(shapes[0].placements[2].matrix, mirrored)
+    np.testing.assert_allclose(shapes[0].placements[5].matrix, matrices["H"])
+    assert shapes[1].placements[1].extents[0] == pytest.approx(2 * shapes[1].placements[0].extents[0])
 
 
-def test_objects_that_their_parents_deform_have_shapes_of_their_own(read: Any, tmp_path: Path) -> None:
+def test_objects_that_are_evaluated_alike_are_one_shape(read: Any, tmp_path: Path) -> None:
+    """Modifiers, shape keys and drivers decide, not that there are some."""
+    first = add("A")
+    first.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    linked(first, "B", (-2, 2, 2))
+    linked(first, "C").modifiers["Subdivision"].levels = 2
+    linked(first, "D").modifiers["Subdivision"].show_viewport = False
+    linked(first, "E").modifiers.clear()
+    driven = linked(first, "F")
+    driven.driver_add('modifiers["Subdivision"].levels').driver.expression = "2"
+    keyed = add("K", location=(9, 0, 0))
+    keyed.shape_key_add(name="Basis")
+    keyed.shape_key_add(name="Long").data[0].co.x += 3
+    linked(keyed, "L", place=(9, 9, 0))
+    pinned = linked(keyed, "M")
+    pinned.active_shape_key_index, pinned.show_only_shape_key = 1, True
+    bpy.context.view_layer.update()
+    shapes = read(save(tmp_path / "scene.blend")).shapes
+    assert objects_of(shapes) == [["A", "B"], ["C", "F"], ["D", "E"], ["K", "L"], ["M"]]
+
+
+def test_an_object_that_its_parent_deforms_has_a_shape_of_its_own(read: Any, tmp_path: Path) -> None:
     """As Blender before 2.5 made them: no modifier says that they are deformed."""
     first = add("A")
     for name, parented in (("B", True), ("C", True), ("D", False)):
@@ -129,8 +171,9 @@ def test_objects_that_their_parents_deform_have_shapes_of_their_own(read: Any, t
             copy.parent, copy.parent_type = lattice, "LATTICE"
     bpy.context.view_layer.update()
     shapes = {shape.object_name: shape for shape in read(save(tmp_path / "scene.blend")).shapes}
-    assert {name: len(shape.placements) for name, shape in shapes.items()} == {"A": 2, "B": 1, "C": 1}
-    extents = [np.ptp(shapes[name].mesh.vertices[:, 0]) for name in "BC"]
+    # The lattice of B has its own form: it deforms nothing.
+    assert objects_of(shapes.values()) == [["A", "B", "D"], ["C"]]
+    extents = [np.ptp(shapes[name].mesh.vertices[:, 0]) for name in "AC"]
     assert not math.isclose(*extents, rel_tol=0.05)
 
 
