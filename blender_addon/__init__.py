@@ -29,11 +29,23 @@ from . import (
     signature,
     state,
     transfer,
+    wrapped_text,
 )
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (preferences, library, search, gallery, signature, duplicates, transfer, session, commands)
+_MODULES = (
+    preferences,
+    wrapped_text,
+    library,
+    search,
+    gallery,
+    signature,
+    duplicates,
+    transfer,
+    session,
+    commands,
+)
 
 
 def register() -> None:

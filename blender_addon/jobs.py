@@ -31,6 +31,8 @@ T = TypeVar("T")
 
 # Seconds between the main thread's checks for results, which draw nothing.
 INTERVAL = 0.02
+# Of the sidebar, the tab that has the add-on's panels.
+CATEGORY = "Shape Google"
 # How the events of a command begin, which are JSON, and its errors.
 EVENT, ERROR = "{", "shapegoogle: "
 
@@ -76,10 +78,14 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
 
 
 def redraw() -> None:
-    """Have all 3D views drawn again: the sidebar shows results and progress."""
+    """Have the preferences and the sidebars with the add-on's tab drawn again; never the 3D views."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
+                for region in area.regions:
+                    if region.type == "UI" and region.active_panel_category == CATEGORY:
+                        region.tag_redraw()
+            elif area.type == "PREFERENCES":
                 area.tag_redraw()
 
 

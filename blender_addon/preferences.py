@@ -146,17 +146,17 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column.prop(self, "memory_limit", text="Memory Limit (MB)")
         column = layout.column(heading="Model")
         column.prop(self, "model")
-        if self.model == "FILE":
-            column.prop(self, "model_file")
+        row = column.row()
+        row.enabled = self.model == "FILE"
+        row.prop(self, "model_file")
         # Below the fields, not below their names.
         split = column.split(factor=0.4)
         split.separator()
         column = split.column()
-        column.operator("shape_google.train_model", icon="FILE_REFRESH")
-        progress = context.window_manager.shape_google.training
-        if progress:
-            column.operator("shape_google.cancel_training", icon="CANCEL")
-            column.label(text=progress, icon="INFO")
+        row = column.row(align=True)
+        row.operator("shape_google.train_model", icon="FILE_REFRESH")
+        row.operator("shape_google.cancel_training", text="", icon="X")
+        column.label(text=context.window_manager.shape_google.training)
 
     def library_path(self) -> Path:
         """Return the library file: the chosen one, or the one in the libraries' folder."""

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel Duplicates: groups of the same and of similar shapes, to select and to link."""
+"""The panel Duplicates: groups of the same and of similar shapes, to select and to link.
+
+All rows are always there, with the same heights: nothing moves under the pointer.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,10 @@ from typing import Any
 
 import bpy
 
-from ..wrapped_text import wrapped
+from ..wrapped_text import fixed_text
 from .properties import KINDS
 
 __all__ = ["register", "unregister"]
-
-# More lines than these would push the rest of the sidebar out of sight.
-MOST_MEMBERS = 12
 
 
 class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
@@ -60,65 +60,86 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
         shown = context.window_manager.shape_google_duplicates
         layout.row().prop(shown, "scope", expand=True)
         column = layout.column()
-        if shown.scope == "SCENE":
-            column.prop(shown, "similar")
+        row = column.row()
+        row.enabled = shown.scope == "SCENE"
+        row.prop(shown, "similar")
         row = column.row()
         row.active = shown.similar or shown.scope == "LIBRARY"
         row.prop(shown, "min_similarity", slider=True)
+        row = layout.row(align=True)
+        row.scale_y = 1.3
         if shown.running:
-            row = layout.row(align=True)
-            row.scale_y = 1.3
-            row.progress(factor=shown.progress, text=shown.status)
-            row.operator("shape_google.cancel_duplicates", text="", icon="X")
+            row.progress(factor=shown.progress, text=f"{shown.progress:.0%}")
         else:
-            row = layout.row()
-            row.scale_y = 1.3
             row.operator("shape_google.find_duplicates", icon="VIEWZOOM")
-            if shown.status:
-                wrapped(layout, shown.status, context)
-        if not len(shown.groups):
-            return
-        layout.template_list("SHAPEGOOGLE_UL_duplicates", "", shown, "groups", shown, "index", rows=4)
+        row.operator("shape_google.cancel_duplicates", text="", icon="X")
+        fixed_text(layout, shown.status, context)
+        layout.template_list(
+            "SHAPEGOOGLE_UL_duplicates", "", shown, "groups", shown, "index", rows=4, maxrows=4
+        )
         row = layout.row(align=True)
         row.operator("shape_google.select_duplicates", text="Select", icon="RESTRICT_SELECT_OFF")
-        if shown.found_in == "SCENE":
-            row.operator("shape_google.link_duplicates", icon="LINKED")
-        if 0 <= shown.index < len(shown.groups):
-            group = shown.groups[shown.index]
-            column = layout.column(align=True)
-            column.label(
-                text=f"{KINDS[group.kind][0]}: {group.meshes} × {group.name}", icon=KINDS[group.kind][1]
-            )
-            saving = "Copies take" if group.kind == "COPIES" else "One instead of all saves"
-            if group.linkable:
-                saving = "Linking saves"
-            column.label(text=f"{saving} {group.saving}")
-            self._draw_members(layout, group)
-
-    def _draw_members(self, layout: Any, group: Any) -> None:
+        row.operator("shape_google.link_duplicates", icon="LINKED")
+        group = shown.groups[shown.index] if 0 <= shown.index < len(shown.groups) else None
         column = layout.column(align=True)
-        column.scale_y = 0.8
-        for member in group.members[:MOST_MEMBERS]:
-            details = []
-            if group.kind == "SIMILAR":
-                details.append(f"{member.similarity:.3f}")
-            if abs(member.scale - 1) > 1e-4:
-                details.append(f"×{member.scale:.4g}")
-            if member.note:
-                details.append(f"other {member.note}")
-            if member.source:
-                # The name of a file with one shape is that of the shape: show its folder instead.
-                parts = PurePath(member.source).parts[-2:]
-                details.append(parts[0] if parts[-1] == member.name else parts[-1])
-            row = column.row()
-            row.label(text=member.name, icon="OBJECT_DATA")
-            if details:
-                row.label(text=", ".join(details))
-        more = len(group.members) - MOST_MEMBERS
-        if more > 0:
-            column.label(text=f"and {more} more")
+        if group is None:
+            column.label(text="No group chosen")
+            column.label(text="")
+        else:
+            kind, icon = KINDS[group.kind]
+            column.label(text=f"{kind}: {group.meshes} × {group.name}", icon=icon)
+            column.label(text=f"{_saving(group)} {group.saving}")
+        # A list of no group has to have some owner: an empty one takes that of the settings.
+        owner = shown if group is None else group
+        layout.template_list(
+            "SHAPEGOOGLE_UL_duplicate_members",
+            "",
+            owner,
+            "members",
+            owner,
+            "active_member",
+            rows=4,
+            maxrows=4,
+        )
+
+
+def _saving(group: Any) -> str:
+    if group.linkable:
+        return "Linking saves"
+    return "Copies take" if group.kind == "COPIES" else "One instead of all saves"
+
+
+class SHAPEGOOGLE_UL_duplicate_members(bpy.types.UIList):
+    """Members of a group of duplicates."""
+
+    def draw_item(
+        self,
+        _context: Any,
+        layout: Any,
+        data: Any,
+        item: Any,
+        _icon: int,
+        _active_data: Any,
+        _active_property: str,
+    ) -> None:
+        """One line for a member."""
+        details = []
+        if data.kind == "SIMILAR":
+            details.append(f"{item.similarity:.3f}")
+        if abs(item.scale - 1) > 1e-4:
+            details.append(f"×{item.scale:.4g}")
+        if item.note:
+            details.append(f"other {item.note}")
+        if item.source:
+            # The name of a file with one shape is that of the shape: show its folder instead.
+            parts = PurePath(item.source).parts[-2:]
+            details.append(parts[0] if parts[-1] == item.name else parts[-1])
+        row = layout.row()
+        row.label(text=item.name, icon="OBJECT_DATA")
+        if details:
+            row.label(text=", ".join(details))
 
 
 register, unregister = bpy.utils.register_classes_factory(
-    (SHAPEGOOGLE_UL_duplicates, SHAPEGOOGLE_PT_duplicates)
+    (SHAPEGOOGLE_UL_duplicates, SHAPEGOOGLE_UL_duplicate_members, SHAPEGOOGLE_PT_duplicates)
 )

@@ -63,6 +63,7 @@ class SHAPEGOOGLE_PG_duplicate_group(bpy.types.PropertyGroup):
     saving: StringProperty()
     linkable: BoolProperty()
     members: CollectionProperty(type=SHAPEGOOGLE_PG_duplicate_member)
+    active_member: IntProperty(name="Member")
 
 
 class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
@@ -99,6 +100,11 @@ class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
     )
     groups: CollectionProperty(type=SHAPEGOOGLE_PG_duplicate_group)
     index: IntProperty(name="Group")
+    members: CollectionProperty(
+        type=SHAPEGOOGLE_PG_duplicate_member,
+        description="Always empty: the list shown while no group is chosen",
+    )
+    active_member: IntProperty(name="Member")
     found_in: StringProperty()
     status: StringProperty()
     running: BoolProperty()

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gallery in the panel Search: the chosen match, and the pictures of all."""
+"""The gallery in the panel Search: the chosen match, and the pictures of all.
+
+All rows are always there, with the same heights: nothing moves under the pointer.
+"""
 
 from __future__ import annotations
 
@@ -17,39 +20,42 @@ PICTURE_SCALE = 4.6
 COLUMN_WIDTH = 105
 # More rows would push the following panels out of sight; the other matches are on further pages.
 GALLERY_ROWS = 3
+# All that can be done with a match; what is not possible with the chosen one is disabled.
+_BUTTONS = (
+    ("select", "RESTRICT_SELECT_OFF"),
+    ("append", "APPEND_BLEND"),
+    ("link", "LINK_BLEND"),
+    ("open", "FILE_BLEND"),
+    ("mark", "COLOR"),
+)
 
 
-def draw_match(layout: Any, session: Any, match: Any) -> None:
-    """Draw the chosen match with its buttons.
+def draw_match(layout: Any, session: Any, match: Any | None) -> None:
+    """Draw the chosen match with its buttons, in a place and size that do not depend on it.
 
     Parameters
     ----------
     layout : bpy.types.UILayout
     session : SHAPEGOOGLE_PG_session
-    match : SHAPEGOOGLE_PG_match
+    match : SHAPEGOOGLE_PG_match or None
+        Without one, all is there but disabled.
     """
     box = layout.box()
     column = box.column(align=True)
-    column.label(text=match.object_name or match.name, icon="OUTLINER_OB_MESH")
-    # The whole path is in the tooltip of the picture; here it would move the gallery up and down.
-    where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
+    column.enabled = match is not None
+    column.label(text=_title(match), icon="OUTLINER_OB_MESH")
     lines = column.column(align=True)
     lines.scale_y = 0.8
-    for line in (where, *details(match)):
+    for line in _lines(match):
         lines.label(text=line)
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
-    if match.in_scene:
-        grid.operator("shape_google.select_match", icon="RESTRICT_SELECT_OFF")
-    else:
-        grid.operator("shape_google.append_match", icon="APPEND_BLEND")
-        grid.operator("shape_google.link_match", icon="LINK_BLEND")
-        grid.operator("shape_google.open_match", icon="FILE_BLEND")
-    grid.operator("shape_google.mark_match", icon="COLOR")
-    draw_transfer(box.row(align=True))
+    for name, icon in _BUTTONS:
+        grid.operator(f"shape_google.{name}_match", icon=icon)
+    draw_transfer(grid.row(align=True))
     marks = [
         example.unlike
         for example in session.examples
-        if (example.library, example.shape_id) == (session.library, match.shape_id)
+        if match is not None and (example.library, example.shape_id) == (session.library, match.shape_id)
     ]
     row = box.row(align=True)
     for unlike, text, icon in ((False, "More Like This", "ADD"), (True, "Not Like This", "REMOVE")):
@@ -57,8 +63,21 @@ def draw_match(layout: Any, session: Any, match: Any) -> None:
         button.unlike = unlike
 
 
+def _title(match: Any | None) -> str:
+    return "No match chosen" if match is None else match.object_name or match.name
+
+
+def _lines(match: Any | None) -> list[str]:
+    """Where a match is, and what it is; as many lines for each. Blender shortens those that are too long."""
+    if match is None:
+        return ["", "", ""]
+    # The whole path is in the tooltip of the picture.
+    where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
+    return [where, *details(match)]
+
+
 def draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:
-    """Draw a page of pictures with the texts below them.
+    """Draw a page of pictures with the texts below them, and above it the buttons that turn the pages.
 
     Parameters
     ----------
@@ -74,27 +93,31 @@ def draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], contex
     pages = max(1, -(-len(shown) // size))
     # Filters and the width of the sidebar may leave fewer pages than there were.
     page = min(session.page, pages - 1)
+    row = layout.row(align=True)
+    _draw_turn(row, page - 1, pages, "TRIA_LEFT")
+    middle = row.row()
+    middle.alignment = "CENTER"
+    last = min((page + 1) * size, len(shown))
+    middle.label(text=f"{page * size + 1} to {last} of {len(shown)}" if shown else "No matches")
+    _draw_turn(row, page + 1, pages, "TRIA_RIGHT")
     grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
-    for index, match in shown[page * size : (page + 1) * size]:
+    cells: list[tuple[int, Any] | None] = [*shown[page * size : (page + 1) * size]]
+    # The last page and no page at all are as high as any other.
+    for cell in cells + [None] * (size - len(cells)):
         column = grid.box().column(align=True)
-        icon = pictures.icon_of(match.shape_id)
-        if icon:
-            column.template_icon(icon_value=icon, scale=PICTURE_SCALE)
-        else:
-            column.label(text="No picture")
+        if cell is None:
+            column.template_icon(icon_value=0, scale=PICTURE_SCALE)
+            column.label(text="")
+            column.label(text="")
+            continue
+        index, match = cell
+        column.template_icon(icon_value=pictures.icon_of(match.shape_id), scale=PICTURE_SCALE)
         column.operator(
             "shape_google.choose_match",
             text=match.object_name or match.name,
             depress=index == session.active_match,
         ).index = index
         column.label(text=below_picture(match))
-    if pages > 1:
-        row = layout.row(align=True)
-        _draw_turn(row, page - 1, pages, "TRIA_LEFT")
-        middle = row.row()
-        middle.alignment = "CENTER"
-        middle.label(text=f"{page * size + 1} to {min((page + 1) * size, len(shown))} of {len(shown)}")
-        _draw_turn(row, page + 1, pages, "TRIA_RIGHT")
 
 
 def _draw_turn(layout: Any, page: int, pages: int, icon: str) -> None:

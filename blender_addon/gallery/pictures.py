@@ -39,10 +39,13 @@ def keep(shape_id: int, png: bytes | None) -> None:
 
 
 def icon_of(shape_id: int) -> int:
-    """Return the number of a shape's icon; 0 if it has no picture."""
+    """Return the number of a shape's icon; that of a question mark if it has no picture."""
     pictures = state.current().gallery.pictures
     preview = None if pictures is None else pictures.get(str(shape_id))
-    return 0 if preview is None else int(preview.icon_id)
+    if preview is not None:
+        return int(preview.icon_id)
+    icons = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+    return int(icons["QUESTION"].value)
 
 
 def clear() -> None:

@@ -87,7 +87,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
             self.report({"ERROR"}, "None of the chosen folders exists; add one, or connect its drive")
             return False
         session.errors.clear()
-        session.summary, session.done, session.total = "", 0, 0
+        session.summary, session.done, session.total, session.share = "", 0, 0, 0.0
         session.progress = "Searching for files …"
         running = state.current().library.indexing
         try:
@@ -155,6 +155,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
 
 def _show_file(session: Any, run: BackgroundRun | SceneIndexing, event: dict[str, Any]) -> None:
     session.done, session.total = event["done"], event["total"]
+    session.share = event["done"] / event["total"]
     seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
     session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
     if event["status"] == "failed":
@@ -216,6 +217,14 @@ class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
     bl_idname = "shape_google.copy_errors"
     bl_label = "Copy Errors"
     bl_description = "Copy all errors to the clipboard, one line each"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that there are errors."""
+        if not len(session_of(context).errors):
+            cls.poll_message_set("Nothing has failed")
+            return False
+        return True
 
     def execute(self, context: Any) -> set[str]:
         """Copy them."""

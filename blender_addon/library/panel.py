@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel Library: the file, its sources, and the progress of indexing."""
+"""The panel Library: the file, its sources, its model, and the progress of indexing and training.
+
+All rows are always there, with the same heights: what comes and goes while work runs in the background would
+move the buttons of this panel and of all below it under the pointer.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ import bpy
 from .. import connections
 from ..preferences import preferences
 from ..state import session_of
-from ..wrapped_text import wrapped
+from ..wrapped_text import fixed_text
 
 __all__ = ["register", "unregister"]
 
@@ -75,8 +79,8 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
         layout.operator("shape_google.choose_library", text=chosen.library_path().name, icon="FILE_FOLDER")
         _draw_sources(layout, chosen, context)
         _draw_indexing(layout, session, context)
-        if session.errors:
-            _draw_errors(layout, session, context)
+        _draw_model(layout, session, context)
+        _draw_errors(layout, session, context)
 
 
 def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
@@ -92,48 +96,53 @@ def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
     column.prop(chosen, "use_scene")
     row = body.row()
     row.template_list(
-        "SHAPEGOOGLE_UL_folders", "", chosen, "folders", chosen, "active_folder", rows=2, maxrows=6
+        "SHAPEGOOGLE_UL_folders", "", chosen, "folders", chosen, "active_folder", rows=3, maxrows=3
     )
     column = row.column(align=True)
     column.operator("shape_google.add_folder", text="", icon="ADD")
     column.operator("shape_google.remove_folder", text="", icon="REMOVE")
-    if 0 <= chosen.active_folder < len(chosen.folders):
-        wrapped(body, chosen.folders[chosen.active_folder].path, context)
+    is_chosen = 0 <= chosen.active_folder < len(chosen.folders)
+    fixed_text(body, chosen.folders[chosen.active_folder].path if is_chosen else "", context, lines=1)
     split = body.split(factor=0.3)
     split.label(text="Objects")
     split.prop(chosen, "objects", text="")
 
 
 def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
-    if session.indexing:
-        row = layout.row(align=True)
-        row.scale_y = 1.3
-        share = session.done / session.total if session.total else 0.0
-        row.progress(factor=share, text=session.progress)
-        row.operator("shape_google.cancel_indexing", text="", icon="X")
-        return
     row = layout.row(align=True)
     row.scale_y = 1.3
-    row.operator("shape_google.index_library", icon="FILE_REFRESH")
-    row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
-    if session.summary:
-        wrapped(layout, session.summary, context)
+    if session.indexing:
+        row.progress(factor=session.share, text=f"{session.share:.0%}")
+        row.operator("shape_google.cancel_indexing", text="", icon="X")
+    else:
+        row.operator("shape_google.index_library", icon="FILE_REFRESH")
+        row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
+    fixed_text(layout, session.progress if session.indexing else session.summary, context)
+
+
+def _draw_model(layout: Any, session: Any, context: Any) -> None:
+    header, body = layout.panel("SHAPEGOOGLE_model", default_closed=True)
+    header.label(text=f"Model: {session.model}" if not session.training else f"Training: {session.training}")
+    header.operator("shape_google.cancel_training", text="", icon="X", emboss=False)
+    if body is None:
+        return
+    body.operator("shape_google.train_model", icon="FILE_REFRESH")
+    fixed_text(body, session.training or session.trained, context)
 
 
 def _draw_errors(layout: Any, session: Any, context: Any) -> None:
-    header, body = layout.panel("SHAPEGOOGLE_errors")
-    header.label(text=f"{len(session.errors)} not indexed", icon="ERROR")
-    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
+    header, body = layout.panel("SHAPEGOOGLE_errors", default_closed=True)
+    count = len(session.errors)
+    header.label(text=f"Not Indexed: {count:,}", icon="ERROR" if count else "NONE")
+    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN", emboss=False)
     if body is None:
         return
     body.template_list(
-        "SHAPEGOOGLE_UL_errors", "", session, "errors", session, "active_error", rows=2, maxrows=6
+        "SHAPEGOOGLE_UL_errors", "", session, "errors", session, "active_error", rows=3, maxrows=3
     )
-    if 0 <= session.active_error < len(session.errors):
-        error = session.errors[session.active_error]
-        box = body.box()
-        wrapped(box, error.path, context)
-        wrapped(box, error.reason, context)
+    error = session.errors[session.active_error] if 0 <= session.active_error < count else None
+    fixed_text(body, error.path if error else "", context, lines=1)
+    fixed_text(body, error.reason if error else "", context, lines=3)
 
 
 class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 __all__ = ["IndexingProperties", "add_error", "register", "unregister"]
 
@@ -25,12 +25,15 @@ class IndexingProperties:
     indexing: BoolProperty(name="Indexing")
     done: IntProperty()
     total: IntProperty()
+    share: FloatProperty(description="Share of the work that is done, by time")
     progress: StringProperty(name="Progress")
     summary: StringProperty(name="Summary")
     shape_count: IntProperty(name="Shapes")
     errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
     active_error: IntProperty(name="Error")
+    model: StringProperty(name="Model", description="Model of the library, or of a new one")
     training: StringProperty(name="Training")
+    trained: StringProperty(name="Trained", description="How the last training ended")
 
 
 def add_error(session: Any, path: str, reason: str) -> None:

@@ -69,7 +69,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
         if bpy.app.background:
             run.join()
             _take(run, path)
-            self.report({"INFO"}, session_of(context).summary)
+            self.report({"INFO"}, session_of(context).trained)
         else:
             look = partial(_look, run, path)
             bpy.app.timers.register(look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
@@ -96,9 +96,9 @@ def _take(run: BackgroundRun, path: Path) -> None:
     if path.exists() and run.exit_code in (0, 1):
         chosen = preferences()
         chosen.model, chosen.model_file = "FILE", str(path)
-        session.summary = f"Trained {path.name}; it is used for new libraries"
+        session.trained = f"Trained {path.name}; it is used for new libraries"
     else:
-        session.summary = "Training failed; see the list of errors"
+        session.trained = "Training failed; see the list of what was not indexed"
         add_error(session, str(path), run.last_words())
 
 
@@ -118,7 +118,7 @@ class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
         """Stop it."""
         _end_training()
         session = session_of(context)
-        session.training, session.summary = "", "Training cancelled"
+        session.training, session.trained = "", "Training cancelled"
         return {"FINISHED"}
 
 

@@ -51,9 +51,17 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
                     example.unlike = self.unlike
                 return {"FINISHED"}
         example = session.examples.add()
+        session.active_example = len(session.examples) - 1
         example.name = match.object_name or match.name
         example.library, example.shape_id, example.unlike = session.library, match.shape_id, self.unlike
         return {"FINISHED"}
+
+
+def _has_examples(operator: Any, context: Any) -> bool:
+    if not examples_of(session_of(context), preferences(context).library_path()):
+        operator.poll_message_set("There are no examples from this library")
+        return False
+    return True
 
 
 class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
@@ -61,17 +69,28 @@ class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
 
     bl_idname = "shape_google.remove_example"
     bl_label = "Remove Example"
-    bl_description = "Remove this example from the list"
+    bl_description = "Remove the chosen example from the list"
     bl_options = {"INTERNAL"}
 
-    index: IntProperty(options={"SKIP_SAVE"})
+    index: IntProperty(
+        name="Example", description="Number in the list, from 0; -1: the chosen one", default=-1, min=-1
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that there are examples."""
+        return _has_examples(cls, context)
 
     def execute(self, context: Any) -> set[str]:
-        """Remove it."""
+        """Remove it, and choose the one after it."""
         session = session_of(context)
-        if not 0 <= self.index < len(session.examples):
+        own = [index for index, _ in examples_of(session, preferences(context).library_path())]
+        index = session.active_example if self.index < 0 else self.index
+        if index not in own:
             return {"CANCELLED"}
-        session.examples.remove(self.index)
+        session.examples.remove(index)
+        place = min(own.index(index), len(own) - 2)
+        session.active_example = own[place] - (own[place] > index) if place >= 0 else 0
         return {"FINISHED"}
 
 
@@ -85,10 +104,7 @@ class SHAPEGOOGLE_OT_clear_examples(bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there are examples."""
-        if not examples_of(session_of(context), preferences(context).library_path()):
-            cls.poll_message_set("There are no examples from this library")
-            return False
-        return True
+        return _has_examples(cls, context)
 
     def execute(self, context: Any) -> set[str]:
         """Remove them."""

@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel Search: query with the selection, filter the matches, and look at them."""
+"""The panel Search: query with the selection, filter the matches, and look at them.
+
+All rows are always there, with the same heights, also before the first search: nothing moves under the
+pointer.
+"""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import bpy
 
 from ..gallery import panel as gallery
 from ..gallery.filters import shown_matches
+from ..gallery.on_match import active_match
 from ..library.warm_up import warm_up
 from ..preferences import preferences
 from ..scene.selection import shape_objects
 from ..state import session_of
 from ..transfer.panel import draw_choices
-from ..wrapped_text import wrapped
+from ..wrapped_text import fixed_text
 from .properties import examples_of
 
 __all__ = ["register", "unregister"]
@@ -36,42 +42,60 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         warm_up(context)
         row = layout.row(align=True)
         row.scale_y = 1.3
-        if session.searching:
-            row.label(text=session.answer, icon="SORTTIME")
-            row.operator("shape_google.cancel_search", text="", icon="X")
-        else:
-            row.operator("shape_google.find_similar", icon="VIEWZOOM")
-        if context.mode == "OBJECT" and len(shape_objects(context.selected_objects)) > 1:
-            layout.row(heading="Several").prop(session, "several", expand=True)
-        _draw_examples(layout, examples_of(session, preferences(context).library_path()))
+        row.operator("shape_google.find_similar", icon="VIEWZOOM")
+        row.operator("shape_google.cancel_search", text="", icon="X")
+        row = layout.row(heading="Several")
+        row.enabled = context.mode == "OBJECT" and len(shape_objects(context.selected_objects)) > 1
+        row.prop(session, "several", expand=True)
+        fixed_text(layout, session.answer, context)
+        _draw_examples(layout, session, preferences(context).library_path())
         _draw_filters(layout, session)
-        if session.answer and not session.searching:
-            wrapped(layout, session.answer, context)
-        if not session.matches:
-            return
-        shown = shown_matches(session)
-        if any(index == session.active_match for index, _ in shown):
-            gallery.draw_match(layout, session, session.matches[session.active_match])
-            # Only at full width, so not in the box.
-            draw_choices(layout, session)
-        gallery.draw_gallery(layout, session, shown, context)
-        hidden = len(session.matches) - len(shown)
-        if hidden:
-            layout.label(text=f"{hidden} hidden by the filters", icon="FILTER")
+        gallery.draw_match(layout, session, active_match(context))
+        # Only at full width, so not in the box.
+        draw_choices(layout, session)
+        gallery.draw_gallery(layout, session, shown_matches(session), context)
 
 
-def _draw_examples(layout: Any, examples: list[tuple[int, Any]]) -> None:
-    if not examples:
+def _draw_examples(layout: Any, session: Any, library: Path) -> None:
+    examples = [example for _, example in examples_of(session, library)]
+    unlike = sum(example.unlike for example in examples)
+    header, body = layout.panel("SHAPEGOOGLE_examples", default_closed=True)
+    counts = ((len(examples) - unlike, "like"), (unlike, "not like"))
+    header.label(text=f"Examples: {', '.join(f'{count} {kind}' for count, kind in counts)}")
+    header.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)
+    if body is None:
         return
-    column = layout.box().column(align=True)
-    row = column.row()
-    row.label(text="Examples from the Library")
-    row.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)
-    for index, example in examples:
-        row = column.row()
-        kind = "Not like" if example.unlike else "Like"
-        row.label(text=f"{kind} {example.name}", icon="REMOVE" if example.unlike else "ADD")
-        row.operator("shape_google.remove_example", text="", icon="X", emboss=False).index = index
+    row = body.row()
+    row.template_list(
+        "SHAPEGOOGLE_UL_examples", "", session, "examples", session, "active_example", rows=3, maxrows=3
+    )
+    row.column().operator("shape_google.remove_example", text="", icon="REMOVE").index = -1
+
+
+class SHAPEGOOGLE_UL_examples(bpy.types.UIList):
+    """Examples from the present library."""
+
+    def draw_item(
+        self,
+        _context: Any,
+        layout: Any,
+        _data: Any,
+        item: Any,
+        _icon: int,
+        _active_data: Any,
+        _active_property: str,
+    ) -> None:
+        """Lay an example out."""
+        kind = "Not like" if item.unlike else "Like"
+        layout.label(text=f"{kind} {item.name}", icon="REMOVE" if item.unlike else "ADD")
+
+    def draw_filter(self, _context: Any, _layout: Any) -> None:
+        """Leave the filters of lists out: examples of other libraries must stay hidden."""
+
+    def filter_items(self, context: Any, data: Any, _name: str) -> tuple[list[int], list[int]]:
+        """Show the examples of the present library."""
+        own = {index for index, _ in examples_of(data, preferences(context).library_path())}
+        return [self.bitflag_filter_item if index in own else 0 for index in range(len(data.examples))], []
 
 
 def _draw_filters(layout: Any, session: Any) -> None:
@@ -93,4 +117,4 @@ def _draw_filters(layout: Any, session: Any) -> None:
     body.prop(session, "collapse")
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PT_search,))
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_UL_examples, SHAPEGOOGLE_PT_search))

@@ -96,7 +96,7 @@ def _forget(*_arguments: Any) -> None:
 
 @bpy.app.handlers.persistent
 def _look_again(*_arguments: Any) -> None:
-    """Restore views kept while another file was opened: they may show colours that are not in it."""
+    """Restore views that outlasted the opening of a file, if it has no painted colours."""
     shading.restore_unpainted(bpy.context)
     state.current().signature.restored_views = []
 

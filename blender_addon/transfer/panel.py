@@ -11,18 +11,16 @@ __all__ = ["draw_choices", "draw_transfer"]
 
 
 def draw_transfer(row: Any) -> None:
-    """Draw the button, or how far the transfer that runs has come.
+    """Draw the button, with how far the transfer that runs has come, and the one that cancels it.
 
     Parameters
     ----------
     row : bpy.types.UILayout
     """
     running = state.current().transfer.operator
-    if running is not None:
-        row.label(text=running.waits_for, icon="SORTTIME")
-        row.operator("shape_google.cancel_transfer", text="", icon="X")
-    else:
-        row.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
+    text = running.waits_for if running is not None else "Transfer"
+    row.operator("shape_google.transfer_match", text=text, icon="MOD_DATA_TRANSFER")
+    row.operator("shape_google.cancel_transfer", text="", icon="X")
 
 
 def draw_choices(layout: Any, session: Any) -> None:

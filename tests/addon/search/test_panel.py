@@ -30,7 +30,14 @@ class Layout:
         return self._part(), self._part()
 
     def template_icon(self, **_options: Any) -> None:
-        pass
+        self._drawn.append("picture")
+
+    def template_list(
+        self, list_type: str, _id: str, data: Any, name: str, *_active: Any, **_rows: Any
+    ) -> None:
+        assert hasattr(bpy.types, list_type)
+        assert name in data.bl_rna.properties
+        self._drawn.append(list_type)
 
     def label(self, *, text: str, icon: str = "NONE") -> None:
         assert icon in ICONS
