@@ -80,10 +80,13 @@ class SearchState:
         The query that is being answered.
     answer : Answer or None
         The answer that is shown.
+    searched : frozenset of int
+        Session uids of the objects that the last query was made with.
     """
 
     waiting: Future[Answer] | None = None
     answer: Answer | None = None
+    searched: frozenset[int] = frozenset()
 
 
 @dataclass
@@ -94,9 +97,12 @@ class GalleryState:
     ----------
     pictures : bpy.utils.previews.ImagePreviewCollection or None
         Icons of the shapes shown, by their id.
+    placed : set of int
+        Session uids of the objects that were appended from this answer.
     """
 
     pictures: Any = None
+    placed: set[int] = field(default_factory=set)
 
 
 @dataclass

@@ -8,7 +8,6 @@ from typing import Any
 import bpy
 from bpy.props import IntProperty
 
-from ..library.scene_source import is_here
 from ..state import session_of
 from . import pictures
 from .labels import tooltip
@@ -58,26 +57,12 @@ class SHAPEGOOGLE_OT_turn_page(bpy.types.Operator):
         return {"FINISHED"}
 
 
-@bpy.app.handlers.persistent
-def _look_again(*_arguments: Any) -> None:
-    """Find out again which matches are in the scene: another file is open."""
-    for line in session_of(bpy.context).matches:
-        line.in_scene = is_here(line.source, line.object_name)
-
-
-_register, _unregister = bpy.utils.register_classes_factory(
+register, _unregister = bpy.utils.register_classes_factory(
     (SHAPEGOOGLE_OT_choose_match, SHAPEGOOGLE_OT_turn_page)
 )
 
 
-def register() -> None:
-    """Register the operators."""
-    _register()
-    bpy.app.handlers.load_post.append(_look_again)
-
-
 def unregister() -> None:
     """Unregister the operators and remove the pictures."""
-    bpy.app.handlers.load_post.remove(_look_again)
     _unregister()
     pictures.clear()

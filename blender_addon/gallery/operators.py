@@ -7,18 +7,15 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import bpy
-from mathutils import Vector
+from bpy.props import BoolProperty
 
-from ..scene.selection import mesh_objects
+from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
-from . import placing
+from . import free_place, placing
 from .on_match import OnMatch, active_match
 from .placing import PlacingError
 
 __all__ = ["register", "unregister"]
-
-# Gap between the query and the match beside it, as a share of their widths.
-GAP = 0.2
 
 
 class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
@@ -26,8 +23,15 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.append_match"
     bl_label = "Append"
-    bl_description = "Copy the match to the 3D cursor of this scene; mesh files are imported"
+    bl_description = (
+        "Copy the match to the 3D cursor of this scene, or beside the query if it would be inside it; mesh "
+        "files are imported"
+    )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    keep_asset: BoolProperty(
+        name="Keep Asset Mark", description="The copy is an asset too if the match is one", default=True
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -42,12 +46,16 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Append it."""
         match = active_match(context)
+        parts = free_place.query_parts(context)
         try:
             objects = placing.bring_in(context, match.source, match.object_name)
         except PlacingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        placing.move_to(objects, context.scene.cursor.location)
+        free_place.put_at_cursor(context, objects, parts)
+        for item in objects:
+            if item.asset_data is not None and not self.keep_asset:
+                item.asset_clear()
         self.report({"INFO"}, f"Appended {objects[0].name}")
         return {"FINISHED"}
 
@@ -177,7 +185,7 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         """Check that there is a match and an object to compare it with."""
         if not super().poll(context):
             return False
-        if context.active_object is None or context.active_object.type != "MESH":
+        if context.active_object is None or context.active_object.type not in ("MESH", *CARRIERS):
             cls.poll_message_set("Select the object that you searched with")
             return False
         return True
@@ -225,6 +233,14 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         self._appended: set[int] = set()
         settings = context.scene.shape_google_painting
         self._shown = settings.kind, settings.color
+        there = set(context.view_layer.objects)
+        parts = [part for part in meshes_of(query, context) if part in there]
+        if not parts:
+            self._give_up(
+                context,
+                f"{query.name!r} has no mesh in this view layer that can be painted; select the mesh itself",
+            )
+            return None
         here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
         others: list[Any] = [here]
         if here is None:
@@ -243,23 +259,15 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
             if reason:
                 self._give_up(context, reason)
                 return None
-            _put_beside(query, objects)
-        objects = list(dict.fromkeys([query, *others]))
-        placing.select_only(context, objects)
+            free_place.put_beside(context, objects, parts)
+        objects = list(dict.fromkeys([*parts, *others]))
+        placing.select_only(context, list(dict.fromkeys([query, *objects])))
         self._sides = [
-            (query.name, {query.data.session_uid}),
+            (query.name, {part.data.session_uid for part in parts}),
             (match.name, {item.data.session_uid for item in others}),
         ]
         settings.kind, settings.color = "WORDS", True
         return objects
-
-
-def _put_beside(query: Any, objects: list[Any]) -> None:
-    low, high = placing.bounds(query)
-    other_low, other_high = placing.bounds(objects[0])
-    widths = high.x - low.x, other_high.x - other_low.x
-    x = high.x + GAP * sum(widths) / 2 + widths[1] / 2
-    placing.move_to(objects, Vector((x, (low.y + high.y) / 2, low.z)))
 
 
 register, unregister = bpy.utils.register_classes_factory(

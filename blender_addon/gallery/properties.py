@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -13,6 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..library.scene_source import is_here
+
 __all__ = ["GalleryProperties", "register", "unregister"]
 
 _SOURCES = (
@@ -20,6 +24,10 @@ _SOURCES = (
     ("SCENE", "This Scene", "Only objects that are in the open scene"),
     ("FILES", "Other Files", "Only shapes that are not in the open scene"),
 )
+
+
+def _is_in_scene(match: Any) -> bool:
+    return is_here(match.source, match.object_name)
 
 
 class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
@@ -35,7 +43,11 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     label: StringProperty(description="The kind below the picture")
     size: FloatProperty(name="Size", description="Size relative to the query")
     vertex_count: IntProperty(name="Vertices")
-    in_scene: BoolProperty(name="In This Scene")
+    in_scene: BoolProperty(
+        name="In This Scene",
+        description="Whether its object is in the open scene now",
+        get=_is_in_scene,
+    )
 
 
 class GalleryProperties:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import mesh_arrays
-from .selection import joined_name, mesh_objects, shape_objects
+from .selection import joined_name, mesh_objects, meshes_of, query_objects
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
@@ -133,19 +133,59 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
                 )
             raise MeshError(f"{names} {verb} no selected faces; select the faces to search with")
         return [part]
-    chosen = shape_objects(context.selected_objects)
+    chosen = query_objects(context.selected_objects)
     if not chosen and active is not None:
-        chosen = shape_objects([active])
+        chosen = query_objects([active])
     if not chosen:
         raise MeshError("no mesh or point cloud is selected; select the shape to search with")
-    depsgraph = context.evaluated_depsgraph_get()
     if separate:
         chosen.sort(key=lambda item: item != active)
-    meshes = [evaluated_mesh(item, depsgraph) for item in chosen]
+    depsgraph = context.evaluated_depsgraph_get()
+    meshes = [mesh for item in _without_parts(chosen, context) for mesh in _seen(item, context, depsgraph)]
     empty = [mesh.name for mesh in meshes if not len(mesh.vertices)]
     if empty and (separate or len(empty) == len(meshes)):
         raise MeshError(f"{empty[0]!r} has neither faces nor single points; select a mesh or a point cloud")
     return meshes if separate else [_joined(meshes)]
+
+
+def _without_parts(chosen: Sequence[Any], context: Any) -> list[Any]:
+    """Leave out rigs and the like whose meshes are selected too: these say which parts are meant."""
+    selected = set(chosen)
+    return [
+        item
+        for item in chosen
+        if item.type in ("MESH", "POINTCLOUD") or not selected.intersection(meshes_of(item, context))
+    ]
+
+
+def _seen(item: Any, context: Any, depsgraph: Any) -> list[Mesh]:
+    """Mesh of an object as it is seen; of a rig, a lattice or an empty, that of its meshes joined."""
+    from shapegoogle_core import MeshError
+
+    if item.type in ("MESH", "POINTCLOUD"):
+        return [evaluated_mesh(item, depsgraph)]
+    if item.instance_type == "COLLECTION":
+        parts = _instanced(item, depsgraph)
+    else:
+        parts = [_evaluated_arrays(part, depsgraph) for part in meshes_of(item, context)]
+    if not parts:
+        raise MeshError(
+            f"{item.name!r} has no visible mesh: it deforms none, and none is its child; select a mesh"
+        )
+    return [_core_mesh(item.name, parts)]
+
+
+def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, FloatArray]]:
+    """Arrays of all meshes that a collection instance shows, also in nested ones, each where it is seen."""
+    # What the iterator gives lasts only until its next step.
+    shown = [
+        (instance.object.original, np.array(instance.matrix_world, np.float64))
+        for instance in depsgraph.object_instances
+        if instance.is_instance and instance.parent is not None and instance.parent.original == item
+    ]
+    return [
+        (*_evaluated_arrays(part, depsgraph)[:2], matrix) for part, matrix in shown if part.type == "MESH"
+    ]
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:

@@ -6,7 +6,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["asset_tags", "joined_name", "mesh_objects", "shape_objects", "split_evaluated"]
+__all__ = [
+    "CARRIERS",
+    "asset_tags",
+    "joined_name",
+    "mesh_objects",
+    "meshes_of",
+    "query_objects",
+    "searched_objects",
+    "shape_objects",
+    "split_evaluated",
+]
+
+CARRIERS = ("ARMATURE", "LATTICE", "EMPTY")
+"""Types of objects without a surface that carry or deform meshes; an artist selects them in their place."""
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:
@@ -17,6 +30,77 @@ def mesh_objects(objects: Sequence[Any]) -> list[Any]:
 def shape_objects(objects: Sequence[Any]) -> list[Any]:
     """Return the objects that may be shapes, meshes and point clouds, in the same order."""
     return [item for item in objects if item.type in ("MESH", "POINTCLOUD")]
+
+
+def query_objects(objects: Sequence[Any]) -> list[Any]:
+    """Return the objects that may stand for a shape, in the same order; cheap enough for panels.
+
+    Parameters
+    ----------
+    objects : sequence of bpy.types.Object
+
+    Returns
+    -------
+    items : list of bpy.types.Object
+        Meshes, point clouds, and rigs, lattices and empties, whose meshes `meshes_of` finds.
+    """
+    return [item for item in objects if item.type in ("MESH", "POINTCLOUD", *CARRIERS)]
+
+
+def searched_objects(context: Any) -> frozenset[int]:
+    """Return the session uids of the selected objects, and of the meshes that they stand for.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        If nothing is selected, its active object is used.
+    """
+    chosen = context.selected_objects or [item for item in [context.active_object] if item is not None]
+    parts = [part for item in chosen for part in meshes_of(item, context) or shape_objects([item])]
+    return frozenset(part.session_uid for part in parts)
+
+
+def meshes_of(item: Any, context: Any) -> list[Any]:
+    """Return the mesh objects that an object stands for.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    context : bpy.types.Context
+        Its view layer is used.
+
+    Returns
+    -------
+    meshes : list of bpy.types.Object
+        A mesh itself. For a rig, a lattice or an empty: the visible meshes that it deforms, or that are its
+        children, or theirs; of a collection instance, the meshes of the collection. For others none.
+    """
+    if item.type == "MESH":
+        return [item]
+    if item.type not in CARRIERS:
+        return []
+    if item.instance_type == "COLLECTION" and item.instance_collection is not None:
+        return mesh_objects(item.instance_collection.all_objects)
+    return [
+        other
+        for other in mesh_objects(context.view_layer.objects)
+        if (_is_deformed_by(other, item) or _is_below(other, item))
+        and other.visible_get(view_layer=context.view_layer)
+    ]
+
+
+def _is_deformed_by(item: Any, carrier: Any) -> bool:
+    return any(
+        modifier.type in ("ARMATURE", "LATTICE", "HOOK") and modifier.object == carrier
+        for modifier in item.modifiers
+    )
+
+
+def _is_below(item: Any, ancestor: Any) -> bool:
+    parent = item.parent
+    while parent is not None and parent != ancestor:
+        parent = parent.parent
+    return parent is not None
 
 
 def split_evaluated(objects: Iterable[Any], context: Any) -> tuple[list[Any], list[Any]]:

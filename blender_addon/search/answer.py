@@ -9,7 +9,7 @@ import bpy
 
 from .. import jobs, state
 from ..gallery import labels, pictures
-from ..library.scene_source import file_of, is_here
+from ..library.scene_source import file_of
 from ..state import session_of
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     session.matches.clear()
     state.current().search.answer = answer
     pictures.clear()
+    state.current().gallery.placed.clear()
     for match in answer.matches:
         line = session.matches.add()
         line.name = match.name
@@ -48,7 +49,6 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count = match.vertex_count
         labels.set_state(line, labels.COMPARING)
-        line.in_scene = is_here(line.source, line.object_name)
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
     session.active_match = 0 if answer.matches else -1
     session.page = 0

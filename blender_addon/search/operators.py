@@ -10,7 +10,7 @@ import bpy
 
 from .. import jobs, state
 from ..preferences import preferences
-from ..scene.selection import joined_name, shape_objects
+from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import SearchState, session_of
 from .answer import explain_matches, show_answer, show_evidence, show_failure
 from .properties import examples_of
@@ -42,7 +42,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             return False
         active = context.active_object
         chosen = context.selected_objects if active is None else (*context.selected_objects, active)
-        if not shape_objects(chosen) and all(example.unlike for example in _examples(context)):
+        if not query_objects(chosen) and all(example.unlike for example in _examples(context)):
             cls.poll_message_set("Select a mesh or a point cloud")
             return False
         if not preferences(context).library_path().is_file():
@@ -122,7 +122,8 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             [(example.shape_id, example.name) for example in like],
             [(example.shape_id, example.name) for example in unlike],
         )
-        state.current().search.waiting = future
+        search = state.current().search
+        search.waiting, search.searched = future, searched_objects(context)
         session.searching = True
         session.query = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:

@@ -17,7 +17,7 @@ from ..gallery.filters import shown_matches
 from ..gallery.on_match import active_match
 from ..library.warm_up import warm_up
 from ..preferences import preferences
-from ..scene.selection import shape_objects
+from ..scene.selection import query_objects
 from ..state import session_of
 from ..transfer.panel import draw_choices
 from ..wrapped_text import fixed_text
@@ -45,7 +45,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         row.operator("shape_google.find_similar", icon="VIEWZOOM")
         row.operator("shape_google.cancel_search", text="", icon="X")
         row = layout.row(heading="Several")
-        row.enabled = context.mode == "OBJECT" and len(shape_objects(context.selected_objects)) > 1
+        row.enabled = context.mode == "OBJECT" and len(query_objects(context.selected_objects)) > 1
         row.prop(session, "several", expand=True)
         fixed_text(layout, session.answer, context)
         _draw_examples(layout, session, preferences(context).library_path())

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import bpy
 
 from .. import state
+from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import SignatureState
 from . import bag_chart, shading
 from .painter import MODES, Painter
@@ -19,10 +20,16 @@ def _poll(operator: Any, context: Any) -> bool:
     if context.mode not in MODES:
         operator.poll_message_set("Switch to object mode or to edit mode of a mesh")
         return False
-    if not any(item.type == "MESH" for item in context.selected_objects):
+    if not any(item.type in ("MESH", *CARRIERS) for item in context.selected_objects):
         operator.poll_message_set("Select at least one mesh object")
         return False
     return True
+
+
+def _meshes(context: Any) -> list[Any]:
+    """Return the selected meshes; without any, those of the selected rigs, lattices and empties."""
+    selected = context.selected_objects
+    return mesh_objects(selected) or [mesh for item in selected for mesh in meshes_of(item, context)]
 
 
 class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
@@ -45,11 +52,20 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Run long computations in the worker process, then paint."""
-        return self.paint_in_background(context, context.selected_objects)
+        meshes = self._meshes(context)
+        return self.paint_in_background(context, meshes) if meshes else {"CANCELLED"}
 
     def execute(self, context: Any) -> set[str]:
         """Compute and paint at once."""
-        return self.paint_at_once(context, context.selected_objects)
+        meshes = self._meshes(context)
+        return self.paint_at_once(context, meshes) if meshes else {"CANCELLED"}
+
+    def _meshes(self, context: Any) -> list[Any]:
+        """Find what to paint; none after a report."""
+        meshes = _meshes(context)
+        if not meshes:
+            self.report({"ERROR"}, f"{context.selected_objects[0].name!r} has no visible mesh; select a mesh")
+        return meshes
 
 
 class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
@@ -72,7 +88,7 @@ class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
         """Remove them."""
         from . import attributes, painting
 
-        items, refused = painting.targets(context.selected_objects)
+        items, refused = painting.targets(_meshes(context))
         for reason in refused:
             self.report({"WARNING"}, reason)
         removed = [attributes.clear(item.data) for item in items]

@@ -11,7 +11,7 @@ from .. import jobs, state
 from ..gallery import placing
 from ..gallery.on_match import OnMatch
 from ..gallery.placing import PlacingError
-from ..scene.selection import mesh_objects
+from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import TransferState, session_of
 
 if TYPE_CHECKING:
@@ -51,10 +51,10 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             return False
         session = session_of(context)
         item = context.active_object
-        if item is None or item.type != "MESH":
+        if item is None or item.type not in ("MESH", *CARRIERS):
             cls.poll_message_set("Select the object that you searched with")
             return False
-        if item.library is not None or item.data.library is not None:
+        if item.library is not None or (item.data is not None and item.data.library is not None):
             cls.poll_message_set("The active object is linked from another file and cannot be changed here")
             return False
         if not (session.transfer_groups or session.transfer_colors or session.transfer_uvs):
@@ -122,7 +122,13 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
 
         session = session_of(context)
         placing.to_object_mode(context)
-        item = context.active_object
+        item = _target(context)
+        if item is None:
+            name = context.active_object.name
+            self.report(
+                {"ERROR"}, f"{name!r} has no visible mesh of this file; select the mesh to transfer to"
+            )
+            return None
         # By number, since references do not survive an undo while the worker computes.
         self._item, self._replace = item.session_uid, session.transfer_replace
         try:
@@ -160,7 +166,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             raise PlacingError(f"{match.name!r} is a point cloud, which has nothing to transfer")
         if here is not None and here.type == "MESH":
             return carry_over.read_source(here, **wanted)
-        selected = list(context.view_layer.objects.selected)
+        selected, active = list(context.view_layer.objects.selected), context.view_layer.objects.active
         before = set(bpy.data.user_map())
         try:
             found = mesh_objects(placing.bring_in(context, match.source, match.object_name))
@@ -180,7 +186,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
             for each in context.view_layer.objects:
                 each.select_set(each in selected)
-            context.view_layer.objects.active = item
+            context.view_layer.objects.active = active
 
     def _finish(self) -> set[str]:
         from shapegoogle_core import ShapeGoogleError
@@ -245,13 +251,31 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             self.report({"INFO"}, text)
 
 
+def _target(context: Any) -> Any | None:
+    """Return the active object; of the meshes of a rig or the like, the one with the largest surface.
+
+    A map between two surfaces takes one surface each: of a character that is the body, without its eyes.
+    """
+    meshes = [
+        mesh
+        for mesh in meshes_of(context.active_object, context)
+        if mesh.library is None and mesh.data.library is None
+    ]
+    return max(meshes, key=_area, default=None)
+
+
+def _area(item: Any) -> float:
+    scale = abs(item.matrix_world.determinant()) ** (2 / 3)
+    return float(scale * sum(polygon.area for polygon in item.data.polygons))
+
+
 def _listed(names: list[str]) -> str:
     shown = ", ".join(repr(name) for name in names[:5])
     return shown if len(names) <= 5 else f"{shown} and {len(names) - 5} more"
 
 
 class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):
-    """Stop carry_over."""
+    """Stop the transfer."""
 
     bl_idname = "shape_google.cancel_transfer"
     bl_label = "Cancel Transfer"

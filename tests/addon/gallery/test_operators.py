@@ -24,11 +24,12 @@ def add(name: str, subdivisions: int = 3) -> Any:
     return item
 
 
-def choose(name: str, source: Path | str, *, in_scene: bool = False) -> None:
+def choose(name: str, source: Path | str = "Unsaved") -> None:
+    """Choose a match; without a file, one of the open scene."""
     session = bpy.context.window_manager.shape_google
     match = session.matches.add()
     match.name = match.object_name = name
-    match.source, match.in_scene = str(source), in_scene
+    match.source = str(source)
     session.active_match = len(session.matches) - 1
 
 
@@ -130,7 +131,7 @@ def test_select_leaves_edit_mode_and_deselects_all_else() -> None:
     bpy.context.collection.objects.link(target)
     light.select_set(True)
     bpy.ops.object.mode_set(mode="EDIT")
-    choose("Target", "(unsaved scene)", in_scene=True)
+    choose("Target")
     assert bpy.ops.shape_google.select_match() == {"FINISHED"}
     assert (edited.mode, bpy.context.mode) == ("OBJECT", "OBJECT")
     assert bpy.context.selected_objects == [target]
@@ -178,6 +179,6 @@ class TestMark:
 
     def test_the_query_itself(self) -> None:
         query = add("Query")
-        choose("Query", "(unsaved scene)", in_scene=True)
+        choose("Query")
         assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
         assert bpy.context.selected_objects == [query]

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""Rigs, lattices, empties and collection instances stand for the meshes that they move."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from shapegoogle_core import MeshError
+
+CARRIERS = ("rig", "lattice", "empty", "instance")
+
+
+@pytest.fixture
+def meshes(addon: ModuleType) -> Any:
+    return importlib.import_module(f"{addon.__name__}.scene.meshes")
+
+
+def add_ball(name: str, x: float) -> Any:
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, location=(x, 0, 0))
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def carry(kind: str) -> Any:
+    """Two balls, the first twice as large, that belong to an object which is the only one selected."""
+    balls = [add_ball("Body", 0), add_ball("Hat", 3)]
+    balls[0].scale = 2, 2, 2
+    if kind == "rig":
+        bpy.ops.object.armature_add()
+    elif kind == "lattice":
+        bpy.ops.object.add(type="LATTICE")
+    else:
+        bpy.ops.object.empty_add()
+    carrier = bpy.context.object
+    carrier.name = "Carrier"
+    if kind in ("rig", "lattice"):
+        balls[0].modifiers.new("Carried", {"rig": "ARMATURE", "lattice": "LATTICE"}[kind]).object = carrier
+        balls[1].parent = balls[0]
+        balls[1].parent = carrier
+    elif kind == "empty":
+        between = bpy.data.objects.new("Between", None)
+        bpy.context.collection.objects.link(between)
+        between.parent = carrier
+        for ball in balls:
+            ball.parent = between
+    else:
+        collection = bpy.data.collections.new("Carried")
+        bpy.context.scene.collection.children.link(collection)
+        for ball in balls:
+            bpy.context.collection.objects.unlink(ball)
+            collection.objects.link(ball)
+        bpy.context.view_layer.layer_collection.children["Carried"].exclude = True
+        carrier.instance_type, carrier.instance_collection = "COLLECTION", collection
+        carrier.location = 10, 0, 0
+    bpy.context.view_layer.update()
+    return carrier
+
+
+@pytest.mark.parametrize("kind", CARRIERS)
+def test_all_its_meshes_are_one_query(meshes: Any, kind: str) -> None:
+    carry(kind)
+    other = add_ball("Another", -9)
+    other.select_set(False)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Carrier"]
+    (mesh,) = meshes.query_meshes(bpy.context)
+    assert mesh.name == "Carrier"
+    assert len(mesh.vertices) == 2 * len(other.data.vertices)
+    low, high = mesh.vertices.min(0), mesh.vertices.max(0)
+    shift = 10 if kind == "instance" else 0
+    np.testing.assert_allclose((low[0], high[0]), (shift - 2, shift + 4), atol=0.02)
+
+
+def test_with_one_of_its_meshes_selected_only_that_is_meant(meshes: Any) -> None:
+    carrier = carry("rig")
+    hat = bpy.data.objects["Hat"]
+    for item in (carrier, hat):
+        item.select_set(True)
+    (mesh,) = meshes.query_meshes(bpy.context)
+    assert (mesh.name, len(mesh.vertices)) == ("Hat", len(hat.data.vertices))
+
+
+def test_a_hidden_mesh_is_no_part_and_none_is_refused(meshes: Any) -> None:
+    carry("rig")
+    bpy.data.objects["Hat"].hide_set(True)
+    (mesh,) = meshes.query_meshes(bpy.context)
+    assert len(mesh.vertices) == len(bpy.data.objects["Body"].data.vertices)
+    bpy.data.objects["Body"].hide_set(True)
+    with pytest.raises(MeshError, match="'Carrier' has no visible mesh"):
+        meshes.query_meshes(bpy.context)
+
+
+def test_its_meshes_are_painted_and_marked() -> None:
+    carrier = carry("rig")
+    bpy.context.scene.shape_google_painting.kind = "HKS"
+    assert bpy.ops.shape_google.paint() == {"FINISHED"}
+    assert all("sg_hks" in bpy.data.objects[name].data.attributes for name in ("Body", "Hat"))
+    match = bpy.context.window_manager.shape_google.matches.add()
+    match.name = match.object_name = "Hat"
+    match.source = "Unsaved"
+    bpy.context.window_manager.shape_google.active_match = 0
+    bpy.context.view_layer.objects.active = carrier
+    assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
+    assert all("sg_word" in bpy.data.objects[name].data.attributes for name in ("Body", "Hat"))
+    assert bpy.context.active_object == carrier
+
+
+def test_one_that_carries_nothing_is_refused() -> None:
+    bpy.ops.object.empty_add()
+    assert bpy.ops.shape_google.paint.poll()
+    with pytest.raises(RuntimeError, match="'Empty' has no visible mesh"):
+        bpy.ops.shape_google.paint()
