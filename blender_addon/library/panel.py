@@ -121,7 +121,7 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
 
 
 def _draw_model(layout: Any, session: Any, context: Any) -> None:
-    header, body = layout.panel("SHAPEGOOGLE_model", default_closed=True)
+    header, body = layout.panel_prop(session, "show_model")
     header.label(text=f"Model: {session.model}" if not session.training else f"Training: {session.training}")
     header.operator("shape_google.cancel_training", text="", icon="X", emboss=False)
     if body is None:
@@ -131,7 +131,7 @@ def _draw_model(layout: Any, session: Any, context: Any) -> None:
 
 
 def _draw_errors(layout: Any, session: Any, context: Any) -> None:
-    header, body = layout.panel("SHAPEGOOGLE_errors", default_closed=True)
+    header, body = layout.panel_prop(session, "show_errors")
     count = len(session.errors)
     header.label(text=f"Not Indexed: {count:,}", icon="ERROR" if count else "NONE")
     header.operator("shape_google.copy_errors", text="", icon="COPYDOWN", emboss=False)

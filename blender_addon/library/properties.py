@@ -32,6 +32,8 @@ class IndexingProperties:
     errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
     active_error: IntProperty(name="Error")
     model: StringProperty(name="Model", description="Model of the library, or of a new one")
+    show_model: BoolProperty(name="Model", description="Show the model and its training")
+    show_errors: BoolProperty(name="Not Indexed", description="Show what was not indexed, and why")
     training: StringProperty(name="Training")
     trained: StringProperty(name="Trained", description="How the last training ended")
 

@@ -59,7 +59,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
 def _draw_examples(layout: Any, session: Any, library: Path) -> None:
     examples = [example for _, example in examples_of(session, library)]
     unlike = sum(example.unlike for example in examples)
-    header, body = layout.panel("SHAPEGOOGLE_examples", default_closed=True)
+    header, body = layout.panel_prop(session, "show_examples")
     counts = ((len(examples) - unlike, "like"), (unlike, "not like"))
     header.label(text=f"Examples: {', '.join(f'{count} {kind}' for count, kind in counts)}")
     header.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)

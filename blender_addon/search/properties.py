@@ -40,6 +40,7 @@ class SearchProperties:
         name="Several Objects", description="Meaning of several selected objects", items=_SEVERAL
     )
     examples: CollectionProperty(type=SHAPEGOOGLE_PG_example)
+    show_examples: BoolProperty(name="Examples", description="Show the list of examples")
     active_example: IntProperty(name="Example")
     answer: StringProperty(name="Answer")
     library: StringProperty(name="Library", description="Library of the matches")

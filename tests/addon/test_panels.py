@@ -42,6 +42,10 @@ class Layout:
     def panel(self, _name: str, **_options: Any) -> tuple[Layout, Layout]:
         return self._part(), self._part()
 
+    def panel_prop(self, data: Any, name: str) -> tuple[Layout, Layout]:
+        assert name in data.bl_rna.properties
+        return self._part(), self._part()
+
     def template_icon(self, icon: int = 0, *, icon_value: int = 0, scale: float) -> None:
         self._drawn.append(Row(f"picture of {scale}", str(icon or icon_value)))
 

@@ -88,6 +88,7 @@ def test_a_file_that_cannot_be_read_is_listed_and_why(window: Any, indexed: Any,
     assert Path(path) == shapes / "unicorn.blend"
     assert "unicorn.blend" in reason
     window.open("Library")
+    window.run("bpy.context.window_manager.shape_google.show_errors = True")
     before = window.picture("ui")
     window.run("bpy.context.window_manager.shape_google.active_error = -1")
     # The sentence is below the list for as long as its line is chosen.
@@ -96,6 +97,7 @@ def test_a_file_that_cannot_be_read_is_listed_and_why(window: Any, indexed: Any,
     window.press("shape_google.copy_errors", columns=LAST)
     window.settle()
     assert reason in window.run("result = bpy.context.window_manager.clipboard")
+    window.run("bpy.context.window_manager.shape_google.show_errors = False")
 
 
 def test_find_similar_fills_the_gallery(window: Any, found: Any) -> None:
