@@ -24,8 +24,8 @@ import bpy
 
 __all__ = ["main"]
 
-# As in shapegoogle_core.indexing.external_reader, which cannot be imported here.
-ANSWER = "shapegoogle-answer "
+# As in shapegoogle_core.processes.messages, which cannot be imported here.
+MESSAGES = "SHAPEGOOGLE_MESSAGES"
 # Blender's z.
 UP_AXIS = 2
 # Option of Linux's prctl for the signal that a process gets when its parent ends.
@@ -35,7 +35,8 @@ PR_SET_PDEATHSIG = 1
 def main() -> None:
     """Answer one request after the other until the input is closed."""
     _end_with_parent()
-    _reply({"ready": True})
+    answers = _message_pipe()
+    _reply(answers, {"ready": True})
     limited = False
     # In binary, since the encoding of text differs under Windows and in the C locale.
     for line in sys.stdin.buffer:
@@ -51,13 +52,25 @@ def main() -> None:
             limit = request["memory_limit"]
             reason = f"needs more than {limit} MB of memory; simplify it or raise the memory limit"
             answer = {"error": f"{Path(request['path']).name!r} {reason}"}
-        _reply(answer)
+        _reply(answers, answer)
 
 
-def _reply(answer: dict[str, Any]) -> None:
-    # Blender prints on the same stream, also from C, so begin a new line.
-    sys.stdout.flush()
-    os.write(1, f"\n{ANSWER}{json.dumps(answer)}\n".encode("ascii"))
+def _message_pipe() -> int:
+    """File descriptor for answers: Blender and other libraries print on the standard streams, from C too."""
+    number = int(os.environ.pop(MESSAGES))
+    if sys.platform == "win32":
+        import msvcrt
+
+        number = msvcrt.open_osfhandle(number, os.O_WRONLY)
+    os.set_inheritable(number, False)
+    return number
+
+
+def _reply(answers: int, answer: dict[str, Any]) -> None:
+    """Send an answer as one line; in ASCII, so that no name can break it."""
+    rest = memoryview(json.dumps(answer).encode("ascii") + b"\n")
+    while rest:
+        rest = rest[os.write(answers, rest) :]
 
 
 def _end_with_parent() -> None:

@@ -9,20 +9,20 @@ one line of JSON on its standard input::
 The limit is in megabytes, on top of what the program holds before its first request.
 
 It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
-triangles (int32), little-endian, in the coordinates of the objects that show it. It answers with one line on
-its standard output that begins with `ANSWER`; all other lines are ignored. A shape has one placement for each
-object that shows it; "tags" may be left out. With "joined", all placements are parts of one shape::
+triangles (int32), little-endian, in the coordinates of the objects that show it. It answers with one line of
+JSON on its message pipe (see `shapegoogle_core.processes.messages`); it may print whatever it likes. A shape
+has one placement for each object that shows it; "tags" may be left out. With "joined", all placements are
+parts of one shape::
 
-    shapegoogle-answer {"ready": true}
-    shapegoogle-answer {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "tags": ["prop"],
-    "placements": [{"object": "Cube", "matrix": [16 numbers, row by row]}, …]}, …],
-    "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
-    shapegoogle-answer {"error": "'scene.blend' is no Blender file"}
+    {"ready": true}
+    {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "tags": ["prop"],
+     "placements": [{"object": "Cube", "matrix": [16 numbers, row by row]}, …]}, …],
+     "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
+    {"error": "'scene.blend' is no Blender file"}
 """
 
 from __future__ import annotations
 
-import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,9 +40,8 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.processes.program import Program
 
-__all__ = ["ANSWER", "ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
+__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
 
-ANSWER = "shapegoogle-answer "
 # Number of a program's last lines that an error message shows.
 SHOWN_LINES = 5
 # Seconds that a program may take to start.
@@ -172,7 +171,7 @@ class ReaderProcess:
                 "memory_limit": self._reader.memory_limit,
                 **dict(self._reader.options),
             }
-            answer = self._ask(path, json.dumps(request))
+            answer = self._ask(path, request)
             if "error" in answer:
                 raise MeshError(str(answer["error"]))
             yield from _shapes(path, answer, output)
@@ -183,9 +182,9 @@ class ReaderProcess:
         if program is not None:
             program.close()
 
-    def _ask(self, path: Path, request: str) -> Mapping[str, Any]:
+    def _ask(self, path: Path, request: Mapping[str, Any]) -> Mapping[str, Any]:
         program = self._started()
-        program.other_lines.clear()
+        program.printed.clear()
         program.send(request)
         try:
             answer = program.message(self._reader.time_limit)
@@ -195,13 +194,14 @@ class ReaderProcess:
                 f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
                 "given up; simplify it or raise the time limit"
             ) from error
-        if answer is None:
+        if not isinstance(answer, dict):
+            ending = program.ending(SHOWN_LINES)
+            self.close()
             raise MeshError(
-                f"{path.name!r} crashed {self._reader.title}, which read it ({self._ending(program)}); open "
-                "and save it again, or simplify it"
+                f"{path.name!r} crashed {self._reader.title}, which read it ({ending}); open and save it "
+                "again, or simplify it"
             )
-        parsed: Mapping[str, Any] = json.loads(answer)
-        return parsed
+        return answer
 
     def _started(self) -> Program:
         if self._program is not None and self._program.exit_code is not None:
@@ -210,7 +210,6 @@ class ReaderProcess:
             try:
                 self._program = Program(
                     self._reader.command,
-                    marker=ANSWER,
                     environment={**os.environ, **dict(self._reader.environment)},
                     with_input=True,
                 )
@@ -222,7 +221,9 @@ class ReaderProcess:
                 self.close()
                 raise self._not_started("it reports nothing") from error
             if ready is None:
-                raise self._not_started(self._ending(self._program))
+                ending = self._program.ending(SHOWN_LINES)
+                self.close()
+                raise self._not_started(ending)
         return self._program
 
     def _not_started(self, reason: str) -> ReaderError:
@@ -230,13 +231,6 @@ class ReaderProcess:
             f"{self._reader.title} cannot be started ({reason}: {self._reader.command[0]!r}); install it "
             "again, or choose another one"
         )
-
-    def _ending(self, program: Program) -> str:
-        """Close a program that has ended and describe how it did."""
-        self._program = None
-        exit_code = program.close()
-        printed = program.last_lines(SHOWN_LINES)
-        return f"exit code {exit_code}{', last output: ' + printed if printed else ''}"
 
 
 def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[NewShape[Mesh] | str]:

@@ -18,6 +18,9 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from pathlib import Path
 from types import FrameType
+from typing import BinaryIO
+
+from shapegoogle_core.processes.messages import MESSAGES, inheritable
 
 __all__ = [
     "NO_WINDOW",
@@ -58,8 +61,8 @@ def launch(
     *,
     environment: Mapping[str, str] | None = None,
     with_input: bool = True,
-    join_errors: bool = False,
-) -> subprocess.Popen[bytes]:
+    with_output: bool = True,
+) -> tuple[subprocess.Popen[bytes], BinaryIO]:
     """Start another program with pipes to it, and without a window of its own.
 
     The program does not inherit this process's memory limit: Blender, for one, reserves far more memory than
@@ -73,27 +76,41 @@ def launch(
         All its environment variables; by default those of this process.
     with_input : bool, optional
         Whether its standard input is a pipe; it is empty otherwise.
-    join_errors : bool, optional
-        Whether its standard error comes with its standard output; it is that of this process otherwise.
+    with_output : bool, optional
+        Whether its standard output is a pipe that standard error goes to as well, to be read all the time;
+        both are those of this process otherwise.
 
     Returns
     -------
     process : subprocess.Popen
+    messages : binary file
+        What it writes to its message pipe, see `messages`.
 
     Raises
     ------
     OSError
         If the program cannot be started.
     """
-    with without_memory_limit():
-        return subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE if with_input else subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT if join_errors else None,
-            creationflags=NO_WINDOW,
-            env=environment,
-        )
+    reading, writing = os.pipe()
+    messages = os.fdopen(reading, "rb")
+    try:
+        with without_memory_limit(), inheritable(writing) as (number, options):
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE if with_input else subprocess.DEVNULL,
+                stdout=subprocess.PIPE if with_output else None,
+                stderr=subprocess.STDOUT if with_output else None,
+                creationflags=NO_WINDOW,
+                env={**(os.environ if environment is None else environment), MESSAGES: number},
+                **options,
+            )
+    except BaseException:
+        messages.close()
+        raise
+    finally:
+        # As long as it is open here too, the end of the program is not the end of its messages.
+        os.close(writing)
+    return process, messages
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -27,7 +28,7 @@ from shapegoogle_core.processes.launching import (
     single_threaded,
 )
 
-__all__ = ["CrashError", "Pool", "PoolTask", "TimeLimitError"]
+__all__ = ["CrashError", "Pool", "PoolTask", "Spent", "TimeLimitError"]
 
 R = TypeVar("R")
 
@@ -47,6 +48,21 @@ class CrashError(Exception):
     """A task ended its process; the message says how, such as "SIGSEGV" or "exit code 3"."""
 
 
+@dataclass(frozen=True)
+class Spent:
+    """Time that a process spent on a task.
+
+    Attributes
+    ----------
+    seconds : float
+    idle : float
+        Seconds for which the process had waited for the task.
+    """
+
+    seconds: float = 0.0
+    idle: float = 0.0
+
+
 @dataclass(eq=False)
 class PoolTask(Generic[R]):
     """A task of a `Pool`.
@@ -62,7 +78,12 @@ class PoolTask(Generic[R]):
     function: Callable[..., R]
     arguments: tuple[object, ...]
     done: bool = False
-    _future: Future[R] = field(default_factory=Future, repr=False)
+    _future: Future[tuple[R, Spent]] = field(default_factory=Future, repr=False)
+
+    @property
+    def spent(self) -> Spent:
+        """Time spent on it once it is done; nothing is known of a task that failed."""
+        return Spent() if self._future.exception() is not None else self._future.result()[1]
 
     def result(self) -> R:
         """Return the result of the function.
@@ -81,11 +102,12 @@ class PoolTask(Generic[R]):
             Whatever the function raised.
         """
         try:
-            return self._future.result()
+            result, _ = self._future.result()
         except TimeoutError as error:
             raise TimeLimitError("the time limit was exceeded") from error
         except ProcessExpired as error:
             raise CrashError(cause_of_death(error.exitcode)) from error
+        return result
 
 
 class Pool:
@@ -181,13 +203,18 @@ class Pool:
         self._hand_out()
         return task
 
-    def finished(self) -> list[PoolTask[Any]]:
+    def finished(self, timeout: float | None = None) -> list[PoolTask[Any]]:
         """Wait until at least one task is done.
+
+        Parameters
+        ----------
+        timeout : float, optional
+            Seconds to wait at most.
 
         Returns
         -------
         tasks : list of PoolTask
-            All that are done and were not returned before; empty if there are no tasks.
+            All that are done and were not returned before; empty if there are no tasks, or after the timeout.
 
         Raises
         ------
@@ -196,7 +223,9 @@ class Pool:
         """
         while len(self):
             self._hand_out()
-            done, _ = wait(self._running, return_when=FIRST_COMPLETED)
+            done, _ = wait(self._running, timeout, return_when=FIRST_COMPLETED)
+            if not done:
+                return []
             whole = [future for future in done if not isinstance(future.exception(), BrokenProcessPool)]
             if not whole:
                 self._restart()
@@ -279,6 +308,8 @@ class _ThisProcess:
 
     started: tuple[object, ...] = ()
     """Result of `start`, if there is such a function."""
+    idle_since: float | None = None
+    """End of the last task."""
 
 
 def _start(
@@ -299,5 +330,11 @@ def _start(
         limit_memory(memory_limit)
 
 
-def _run(function: Callable[..., R], arguments: tuple[object, ...]) -> R:
-    return function(*_ThisProcess.started, *arguments)
+def _run(function: Callable[..., R], arguments: tuple[object, ...]) -> tuple[R, Spent]:
+    start = time.monotonic()
+    idle = 0.0 if _ThisProcess.idle_since is None else start - _ThisProcess.idle_since
+    try:
+        result = function(*_ThisProcess.started, *arguments)
+    finally:
+        _ThisProcess.idle_since = time.monotonic()
+    return result, Spent(_ThisProcess.idle_since - start, idle)

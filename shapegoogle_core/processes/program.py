@@ -1,44 +1,46 @@
 # SPDX-License-Identifier: MIT
-"""Another program that is asked, or watched, by lines of text."""
+"""Another program that is asked, or watched, by messages."""
 
 from __future__ import annotations
 
+import json
 import subprocess
 import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from typing import Any
 
-from shapegoogle_core.processes.launching import launch
+from shapegoogle_core.processes.launching import cause_of_death, launch
+from shapegoogle_core.processes.messages import IncompleteMessageError, WrongMessageError, read_document
 
 __all__ = ["Program"]
 
 # Seconds that a program may take to end by itself when it is asked to.
 PATIENCE = 5.0
-# Number of lines that are kept to explain why a program ended.
+# Seconds to wait for the last lines of a program that has ended: another process may hold its output open.
+PATIENCE_FOR_LINES = 1.0
+# Number of lines that are kept to explain why a program ended, and of characters of each.
 KEPT_LINES = 100
+LINE_LENGTH = 1000
 
 
 class Program:
-    """A running program whose output has two kinds of lines: messages and everything else it prints.
-
-    Standard error comes with standard output.
+    """A running program that sends messages on a pipe of their own; what it prints is kept for errors.
 
     Parameters
     ----------
     command : sequence of str
-        The program and its arguments.
-    marker : str
-        How a message begins.
+        The program and its arguments. It writes its messages as `messages.MessageWriter` does.
     environment : mapping of str to str, optional
         All its environment variables; by default those of this process.
     with_input : bool, optional
-        Whether lines can be sent to it.
+        Whether requests can be sent to it.
 
     Attributes
     ----------
-    other_lines : deque of str
-        The last lines that were no messages, without line breaks.
+    printed : deque of str
+        The last lines of its standard output and standard error, without line breaks.
 
     Raises
     ------
@@ -49,49 +51,56 @@ class Program:
     --------
     >>> import sys
     >>> from shapegoogle_core.processes.program import Program
-    >>> code = "for line in open(0): print('a banner'); print('answer:', len(line.strip()), flush=True)"
-    >>> program = Program([sys.executable, "-c", code], marker="answer: ", with_input=True)
+    >>> code = '''
+    ... import json, os, sys
+    ... messages = open(int(os.environ["SHAPEGOOGLE_MESSAGES"]), "w")
+    ... for line in sys.stdin:
+    ...     print("a banner")
+    ...     print(json.dumps({"letters": len(json.loads(line))}), file=messages, flush=True)
+    ... '''
+    >>> program = Program([sys.executable, "-c", code], with_input=True)
     >>> program.send("horse")
     >>> program.message(time_limit=60)
-    '5'
+    {'letters': 5}
     >>> program.close()
     0
-    >>> list(program.other_lines)
-    ['a banner']
+    >>> program.last_lines(3)
+    'a banner'
     """
 
     def __init__(
         self,
         command: Sequence[str],
         *,
-        marker: str,
         environment: Mapping[str, str] | None = None,
         with_input: bool = False,
     ) -> None:
-        self.other_lines: deque[str] = deque(maxlen=KEPT_LINES)
-        self._marker = marker
+        self.printed: deque[str] = deque(maxlen=KEPT_LINES)
         self._late = threading.Event()
-        self._process = launch(command, environment=environment, with_input=with_input, join_errors=True)
+        self._process, self._messages = launch(command, environment=environment, with_input=with_input)
+        # All the time: a program whose output nobody reads waits for ever once its pipe is full.
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     @property
     def exit_code(self) -> int | None:
         """Exit code; None while the program runs."""
         return self._process.poll()
 
-    def send(self, line: str) -> None:
-        """Send a line to the program; one that has ended does not get it.
+    def send(self, request: object) -> None:
+        """Send a request to the program; one that has ended does not get it.
 
         Parameters
         ----------
-        line : str
-            Without a line break.
+        request : object
+            Sent to its standard input as one line of JSON.
         """
         assert self._process.stdin is not None
         with suppress(BrokenPipeError):  # `message` reports that it has ended
-            self._process.stdin.write(f"{line}\n".encode())
+            self._process.stdin.write(json.dumps(request).encode("ascii") + b"\n")
             self._process.stdin.flush()
 
-    def message(self, time_limit: float | None = None) -> str | None:
+    def message(self, time_limit: float | None = None) -> Any:
         """Wait for the next message.
 
         Parameters
@@ -101,8 +110,8 @@ class Program:
 
         Returns
         -------
-        message : str or None
-            The line after the marker; None if the program has closed its output, as it does when it ends.
+        message : object
+            None if the program has ended, possibly in the middle of a message.
 
         Raises
         ------
@@ -113,46 +122,65 @@ class Program:
         if time_limit is not None:
             timer = threading.Timer(max(time_limit, 0.0), self._give_up)
             timer.start()
-        assert self._process.stdout is not None
         try:
-            for data in self._process.stdout:
-                line = data.decode("utf-8", "replace").rstrip()
-                if line.startswith(self._marker):
-                    return line.removeprefix(self._marker)
-                self.other_lines.append(line)
+            message = read_document(self._messages)
+        except IncompleteMessageError:
+            message = None
+        except WrongMessageError:
+            # What it says next makes no sense either.
+            self._process.kill()
+            message = None
         finally:
             if timer is not None:
                 timer.cancel()
-        if self._late.is_set():
+        if message is None and self._late.is_set():
             raise TimeoutError(f"no message within {time_limit:g} s")
-        return None
+        return message
 
-    def messages(self) -> Iterator[str]:
+    def messages(self) -> Iterator[Any]:
         """Iterate over all messages until the program ends.
 
         Yields
         ------
-        message : str
-            The line after the marker.
+        message : object
         """
         while (message := self.message()) is not None:
             yield message
 
     def last_lines(self, count: int) -> str:
-        """Join the last lines that were no messages, for an error message.
+        """Join the last lines that it printed, for an error message.
 
         Parameters
         ----------
         count : int
-            Number of lines, of which empty ones are left out.
+            Number of lines; empty ones are left out.
 
         Returns
         -------
         text : str
             Joined by semicolons.
         """
-        lines = list(self.other_lines)[-count:]
-        return "; ".join(line.strip() for line in lines if line.strip())
+        if self.exit_code is not None:
+            self._listener.join(PATIENCE_FOR_LINES)
+        lines = [line for line in map(str.strip, tuple(self.printed)) if line]
+        return "; ".join(lines[-count:])
+
+    def ending(self, count: int) -> str:
+        """Describe how the program ended, for an error message; it is killed if it has not.
+
+        Parameters
+        ----------
+        count : int
+            Number of lines that it printed at last.
+
+        Returns
+        -------
+        text : str
+            Such as "exit code 3: out of memory".
+        """
+        cause = cause_of_death(self._wait())
+        printed = self.last_lines(count)
+        return f"{cause}: {printed}" if printed else cause
 
     def close(self) -> int:
         """Close the program's input, which asks it to end, and kill it if it does not.
@@ -164,7 +192,10 @@ class Program:
         if self._process.stdin is not None:
             with suppress(BrokenPipeError):  # it has ended already
                 self._process.stdin.close()
-        return self._end()
+        exit_code = self._wait()
+        self._listener.join(PATIENCE_FOR_LINES)
+        self._messages.close()
+        return exit_code
 
     def terminate(self) -> int:
         """End the program by SIGTERM, so that it can clean up, and kill it if it does not end.
@@ -188,6 +219,14 @@ class Program:
         """
         return self._process.wait()
 
+    def _listen(self) -> None:
+        """Keep the last lines of what it prints."""
+        assert self._process.stdout is not None
+        with self._process.stdout as output:
+            # In pieces: a library may print megabytes without a line break.
+            while data := output.readline(LINE_LENGTH):
+                self.printed.append(data.decode("utf-8", "replace").rstrip("\r\n"))
+
     def _give_up(self) -> None:
         self._late.set()
         self._process.kill()
@@ -198,9 +237,3 @@ class Program:
         except subprocess.TimeoutExpired:
             self._process.kill()
             return self._process.wait()
-
-    def _end(self) -> int:
-        exit_code = self._wait()
-        assert self._process.stdout is not None
-        self._process.stdout.close()
-        return exit_code

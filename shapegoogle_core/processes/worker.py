@@ -19,20 +19,29 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import (
     block_broken_pipe_signal,
+    cause_of_death,
     divert_output,
     launch,
     single_threaded,
+)
+from shapegoogle_core.processes.messages import (
+    IncompleteMessageError,
+    claim_message_pipe,
+    read_frame,
+    write_frame,
 )
 
 __all__ = ["Task", "Worker", "serve"]
 
 T = TypeVar("T")
 
+# Seconds that the process may take to end once it has closed its pipe.
+PATIENCE = 5.0
 # The worker searches modules where this process does: Blender's extensions add paths of their own.
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -88,6 +97,7 @@ class Worker:
         self._tasks: SimpleQueue[_Entry | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
         self._process: subprocess.Popen[bytes] | None = None
+        self._answers: BinaryIO | None = None
         # Held while a task begins or ends, so that a late `cancel` does not hit the next one's process.
         self._lock = threading.Lock()
         self._current: Task[Any] | None = None
@@ -191,58 +201,65 @@ class Worker:
         with self._lock:
             if task.abandoned:
                 raise CancelledError
-            process = self._running()
+            process, answers = self._running()
         assert process.stdin is not None
-        assert process.stdout is not None
         try:
-            process.stdin.write(message)
-            process.stdin.flush()
-            answer: tuple[bool, Any] = pickle.load(process.stdout)
-            return answer
-        except (OSError, EOFError, pickle.UnpicklingError) as error:
+            write_frame(process.stdin, message)
+            content = read_frame(answers)
+        except (OSError, IncompleteMessageError):
+            content = None
+        if content is None:
+            with suppress(subprocess.TimeoutExpired):  # it is killed then
+                process.wait(PATIENCE)
             self._end()
             raise ShapeGoogleError(
-                f"the process that computes has ended unexpectedly (exit code {process.returncode}), "
-                "possibly out of memory; try again with a simpler shape"
-            ) from error
+                f"the process that computes has ended unexpectedly ({cause_of_death(process.returncode)}); "
+                "try again with a simpler shape"
+            )
+        answer: tuple[bool, Any] = pickle.loads(content)
+        return answer
 
-    def _running(self) -> subprocess.Popen[bytes]:
+    def _running(self) -> tuple[subprocess.Popen[bytes], BinaryIO]:
         if self._process is not None and self._process.poll() is not None:
             self._end()
-        if self._process is None:
+        if self._process is None or self._answers is None:
+            command = [sys.executable, "-c", _START, json.dumps(sys.path)]
             try:
                 with single_threaded():
-                    self._process = launch([sys.executable, "-c", _START, json.dumps(sys.path)])
+                    self._process, self._answers = launch(command, with_output=False)
             except OSError as error:
                 raise ShapeGoogleError(
                     f"Python cannot be started at {sys.executable!r} ({error.strerror or error}); install "
                     "Blender again, or use another build of it"
                 ) from error
-        return self._process
+        return self._process, self._answers
 
     def _end(self) -> None:
         process, self._process = self._process, None
         if process is not None:
             process.kill()
             process.wait()
-            for stream in (process.stdin, process.stdout):
-                if stream is not None:
-                    # Closing may try to write to a process that is dead.
-                    with suppress(BrokenPipeError):
-                        stream.close()
+            if process.stdin is not None:
+                # Closing may try to write to a process that is dead.
+                with suppress(BrokenPipeError):
+                    process.stdin.close()
+        if self._answers is not None:
+            self._answers.close()
+            self._answers = None
 
 
 def serve() -> None:
-    """Run tasks from standard input one after the other until it is closed; answer on standard output."""
-    # Output of libraries must not end up among the answers.
-    answers = os.fdopen(divert_output(), "wb")
-    while True:
-        try:
-            function, arguments = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
-        answers.write(_answer(function, arguments))
-        answers.flush()
+    """Run tasks from standard input one after the other until it is closed; answer on the message pipe."""
+    answers = claim_message_pipe()
+    assert answers is not None
+    # Standard output may be that of a command: what libraries print does not belong there.
+    os.close(divert_output())
+    try:
+        while (task := read_frame(sys.stdin.buffer)) is not None:
+            answer = _answer(*pickle.loads(task))
+            write_frame(answers, answer)
+    except (IncompleteMessageError, BrokenPipeError):
+        return  # the program that started this one has gone
 
 
 def _answer(function: Callable[..., Any], arguments: tuple[object, ...]) -> bytes:

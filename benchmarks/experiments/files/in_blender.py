@@ -14,32 +14,36 @@ import os
 import sys
 from array import array
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TextIO
 
 import bpy
 
 __all__ = ["main"]
 
-# As in `readers`, which cannot be imported here.
-ANSWER = "files-answer "
+# As in `shapegoogle_core.processes.messages`, which cannot be imported here.
+MESSAGES = "SHAPEGOOGLE_MESSAGES"
 
 
 def main() -> None:
     """Answer one request after the other until the input is closed."""
-    _reply({"ready": bpy.app.version_string})
+    number = int(os.environ.pop(MESSAGES))
+    if sys.platform == "win32":
+        import msvcrt
+
+        number = msvcrt.open_osfhandle(number, os.O_WRONLY)
+    answers = os.fdopen(number, "w", encoding="ascii")
+    _reply(answers, {"ready": bpy.app.version_string})
     for line in sys.stdin.buffer:
         request = json.loads(line)
         try:
             answer = read(Path(request["path"]), Path(request["output"]))
         except Exception as error:  # importers fail in every way, and the others must still be read
             answer = {"error": " ".join(str(error).split()) or type(error).__name__}
-        _reply(answer)
+        _reply(answers, answer)
 
 
-def _reply(answer: dict[str, Any]) -> None:
-    # Blender prints on the same stream, also from C, so begin a new line.
-    sys.stdout.flush()
-    os.write(1, f"\n{ANSWER}{json.dumps(answer)}\n".encode("ascii"))
+def _reply(answers: TextIO, answer: dict[str, Any]) -> None:
+    print(json.dumps(answer), file=answers, flush=True)
 
 
 def read(path: Path, output: Path) -> dict[str, Any]:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import sys
 import tempfile
 import time
@@ -27,7 +26,6 @@ from shapegoogle_core.processes.progress import progress_bar
 
 __all__ = ["find_blender", "read_through_blender"]
 
-ANSWER = "files-answer "
 # Seconds that Blender may take to start.
 START_LIMIT = 120.0
 READER_OF_THE_PRODUCT = Path(__file__).resolve().parents[3] / "blender_addon" / "library" / "reader.py"
@@ -142,7 +140,7 @@ class _Alone:
         started = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
             output = Path(folder, "parts.bin")
-            self._program.send(json.dumps({"path": str(path.absolute()), "output": str(output)}))
+            self._program.send({"path": str(path.absolute()), "output": str(output)})
             try:
                 answer = self._program.message(self._limit)
             except TimeoutError:
@@ -152,11 +150,10 @@ class _Alone:
                 code = self._program.close()
                 self._program = None
                 return Reading(BLENDER, path, "crash", [], f"its process ended by {cause_of_death(code)}")
-            parsed = json.loads(answer)
             seconds = time.monotonic() - started
-            if "error" in parsed:
-                return Reading(BLENDER, path, "refused", [], str(parsed["error"]), seconds)
-            parts = _parts_of(parsed["parts"], output, turned=path.suffix.lower() in (".glb", ".gltf"))
+            if "error" in answer:
+                return Reading(BLENDER, path, "refused", [], str(answer["error"]), seconds)
+            parts = _parts_of(answer["parts"], output, turned=path.suffix.lower() in (".glb", ".gltf"))
         return Reading(BLENDER, path, "read" if parts else "nothing", parts, "", seconds)
 
     def close(self) -> None:
@@ -167,7 +164,7 @@ class _Alone:
 
 def _started(command: Sequence[str]) -> Program:
     try:
-        program = Program(command, marker=ANSWER, with_input=True)
+        program = Program(command, with_input=True)
         ready = program.message(START_LIMIT)
     except (OSError, TimeoutError) as error:
         raise BenchmarkError(

@@ -4,11 +4,15 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
 import time
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
+
+from shapegoogle_core.processes import worker
 
 
 def misbehave(what: str) -> str:
@@ -60,3 +64,13 @@ def wait_for(path: Path) -> None:
     """Wait until a file is there."""
     while not path.exists():
         time.sleep(0.01)
+
+
+def die_while_answering() -> None:
+    """Make this process die when it has sent a part of its answer."""
+
+    def send_a_part(pipe: BinaryIO, content: bytes) -> None:
+        pipe.write((len(content) + 1000).to_bytes(8, "little") + content)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    setattr(worker, "write_frame", send_a_part)  # noqa: B010 - it is no variable

@@ -24,8 +24,9 @@ def test_processes_compute_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setenv("MKL_NUM_THREADS", "3")
     with single_threaded():
         code = "import os; print(os.environ['OMP_NUM_THREADS'], os.environ['MKL_NUM_THREADS'])"
-        process = launch([sys.executable, "-c", code], with_input=False)
+        process, messages = launch([sys.executable, "-c", code], with_input=False)
         output, _ = process.communicate()
+        messages.close()
     assert output.split() == [b"1", b"3"]
     assert "OMP_NUM_THREADS" not in os.environ
     assert os.environ["MKL_NUM_THREADS"] == "3"

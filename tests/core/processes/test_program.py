@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Another program: messages, other lines, time limits, and how it ends."""
+"""Another program: messages, what else it prints, time limits, and how it ends."""
 
 from __future__ import annotations
 
@@ -11,56 +11,90 @@ import pytest
 
 from shapegoogle_core.processes.program import Program
 
-# Answers each line; some words make it misbehave.
+START = """
+import json, os, signal, sys, time
+from shapegoogle_core.processes.messages import MessageWriter, claim_message_pipe
+pipe = claim_message_pipe()
+write = MessageWriter(pipe).write
+"""
+
+# Answers each request; some words make it misbehave.
 ECHO = """
-import os, sys, time
 print("a banner", flush=True)
 for line in sys.stdin:
-    word = line.strip()
+    word = json.loads(line)
     print("noise", file=sys.stderr, flush=True)
     if word == "hang":
         time.sleep(3600)
+    if word == "talk":
+        for stream in (1, 2):
+            os.write(stream, b"x" * 2**20 + bytes(range(256)) + b"\\n")
     if word == "die":
         print("something is wrong", flush=True)
         os._exit(3)
-    print("answer", word, flush=True)
+    if word == "die in a message":
+        pipe.write(b'{"answer": "a lon')
+        os._exit(3)
+    if word == "nonsense":
+        pipe.write(b"Blender quit\\n")
+    if word == "close":
+        pipe.close()
+        time.sleep(3600)
+    write({"answer": word})
 print("the end")
 """
 
+# What breaks lines, or looks like the end of a message.
+NAMES = ["a\nb", "a\r\nb", "a\u2028b\u2029c\x85d", "\udcff\udc80", "}{\x00\x1b[31m\u202eabc", "Pferd ä 🐎"]
 
-def start(code: str, marker: str = "answer ", with_input: bool = True) -> Program:
-    return Program([sys.executable, "-c", code], marker=marker, with_input=with_input)
+
+def start(code: str, with_input: bool = True) -> Program:
+    return Program([sys.executable, "-c", START + code], with_input=with_input)
 
 
-def test_messages_and_other_lines() -> None:
+def test_messages_and_what_it_prints() -> None:
     program = start(ECHO)
-    for word in ("horse", "Pferd ä"):
+    for word in ["horse", *NAMES, "talk", {"huge": "ä" * 5_000_000}]:
         program.send(word)
-        assert program.message() == word
+        assert program.message() == {"answer": word}
     running = program.exit_code is None
     assert running
     assert program.close() == 0
     assert program.exit_code == 0
-    assert list(program.other_lines)[:3] == ["a banner", "noise", "noise"]
-    assert program.last_lines(2) == "noise; noise"
+    assert program.last_lines(2) == "noise; the end"
 
 
-def test_a_program_that_dies() -> None:
+@pytest.mark.parametrize("word", ["die", "die in a message"])
+def test_a_program_that_dies(word: str) -> None:
     program = start(ECHO)
-    program.send("die")
+    program.send(word)
     assert program.message() is None
-    assert program.wait() == 3
-    assert program.last_lines(2) == "noise; something is wrong"
+    assert program.ending(1).startswith("exit code 3: ")
     # Whoever asks it again learns the same.
     program.send("horse")
     assert program.message() is None
     assert program.close() == 3
 
 
+def test_a_program_that_sends_nonsense_is_ended() -> None:
+    program = start(ECHO)
+    program.send("nonsense")
+    assert program.message() is None
+    assert program.close() != 0
+
+
+def test_a_program_that_only_closes_its_messages_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shapegoogle_core.processes.program.PATIENCE", 0.1)
+    program = start(ECHO)
+    program.send("close")
+    assert program.message() is None
+    assert "SIGKILL" in program.ending(1) or sys.platform == "win32"
+
+
 def test_a_program_that_hangs_is_killed() -> None:
     program = start(ECHO)
     program.send("horse")
-    assert program.message() == "horse"
+    assert program.message() == {"answer": "horse"}
     program.send("hang")
     with pytest.raises(TimeoutError, match="no message within"):
         program.message(time_limit=0.5)
@@ -74,25 +108,36 @@ def test_closing_a_program_that_has_ended() -> None:
 
 
 def test_watching_until_the_end() -> None:
-    code = "import sys; [print('answer', number) for number in range(3)]; print('done'); sys.exit(1)"
-    program = start(code, with_input=False)
-    assert list(program.messages()) == ["0", "1", "2"]
+    program = start("[write(number) for number in range(3)]; print('done'); sys.exit(1)", with_input=False)
+    assert list(program.messages()) == [0, 1, 2]
     assert program.wait() == 1
-    assert list(program.other_lines) == ["done"]
+    assert program.last_lines(5) == "done"
+
+
+def test_threads_share_a_pipe() -> None:
+    code = """
+from threading import Thread
+threads = [Thread(target=write, args=([number] * 50_000,)) for number in range(8)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+"""
+    program = start(code, with_input=False)
+    messages = sorted(program.messages())
+    assert messages == [[number] * 50_000 for number in range(8)]
+    assert program.close() == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGTERM")
 def test_a_program_that_is_terminated_can_clean_up() -> None:
     code = (
-        "import signal, sys, time\n"
-        "def end(*_): print('answer cleaned', flush=True); sys.exit(5)\n"
+        "def end(*_): write('cleaned'); sys.exit(5)\n"
         "signal.signal(signal.SIGTERM, end)\n"
-        "print('answer ready', flush=True)\n"
+        "write('ready')\n"
         "time.sleep(3600)\n"
     )
     program = start(code, with_input=False)
     assert program.message() == "ready"
-    messages: list[str] = []
+    messages: list[object] = []
     reader = threading.Thread(target=lambda: messages.extend(program.messages()))
     reader.start()
     assert program.terminate() == 5
@@ -102,13 +147,15 @@ def test_a_program_that_is_terminated_can_clean_up() -> None:
 
 def test_a_program_that_cannot_be_started(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        Program([str(tmp_path / "none")], marker="")
+        Program([str(tmp_path / "none")])
 
 
 def test_environment() -> None:
-    program = Program(
-        [sys.executable, "-c", "import os; print('answer', os.environ.get('WORD'))"],
-        marker="answer ",
-        environment={"WORD": "horse", "SYSTEMROOT": ""},
-    )
+    code = """
+import json, os
+with open(int(os.environ["SHAPEGOOGLE_MESSAGES"]), "w") as messages:
+    print(json.dumps(os.environ["WORD"]), file=messages)
+"""
+    program = Program([sys.executable, "-c", code], environment={"WORD": "horse", "SYSTEMROOT": ""})
     assert list(program.messages()) == ["horse"]
+    program.close()

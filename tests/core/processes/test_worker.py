@@ -18,6 +18,8 @@ import pytest
 
 from shapegoogle_core.errors import MeshError, ShapeGoogleError
 from shapegoogle_core.mesh import read_mesh
+from shapegoogle_core.processes.launching import launch
+from shapegoogle_core.processes.messages import read_frame, write_frame
 from shapegoogle_core.processes.worker import Worker
 from tests.core.processes import pool_tasks
 
@@ -131,8 +133,28 @@ def test_a_late_cancel_does_not_hit_the_next_task(worker: Worker, tmp_path: Path
 
 @pytest.mark.skipif(sys.platform == "win32", reason="closes a file as only Unix can")
 def test_without_standard_error() -> None:
-    message = pickle.dumps((print, ("noise",))) + pickle.dumps((abs, (-3,)))
+    tasks = io.BytesIO()
+    for task in ((print, ("noise",)), (abs, (-3,))):
+        write_frame(tasks, pickle.dumps(task))
     code = "import os; os.close(2); from shapegoogle_core.processes.worker import serve; serve()"
-    run = subprocess.run([sys.executable, "-c", code], input=message, stdout=subprocess.PIPE, check=True)
-    answers = io.BytesIO(run.stdout)
-    assert [pickle.load(answers), pickle.load(answers)] == [(True, None), (True, 3)]
+    process, pipe = launch([sys.executable, "-c", code])
+    process.communicate(tasks.getvalue())
+    with pipe:
+        answers = [read_frame(pipe) for _ in range(3)]
+    assert process.returncode == 0
+    assert [answer and pickle.loads(answer) for answer in answers] == [(True, None), (True, 3), None]
+
+
+def test_messages_of_any_size_survive_what_libraries_print(worker: Worker) -> None:
+    """From C, before and after a task, and without an end of the line."""
+    huge = "\u2028ä" * 5_000_000
+    for _ in range(2):
+        worker.submit(os.write, 1, b"a library talks").result()
+        assert worker.submit(str.upper, huge).result() == huge.upper()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
+def test_a_process_that_dies_in_the_middle_of_an_answer(worker: Worker) -> None:
+    with pytest.raises(ShapeGoogleError, match=r"ended unexpectedly \(SIGKILL"):
+        worker.submit(pool_tasks.die_while_answering).result()
+    assert worker.submit(abs, -2).result() == 2
