@@ -8,9 +8,7 @@ Blender.
 
 from __future__ import annotations
 
-import json
 import threading
-import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from queue import Empty, SimpleQueue
@@ -23,6 +21,7 @@ from . import connections, state
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from shapegoogle_core.cli.events import Event
     from shapegoogle_core.processes.worker import Worker
 
 __all__ = ["BackgroundRun", "end", "redraw", "stop_all", "watch", "worker"]
@@ -33,8 +32,6 @@ T = TypeVar("T")
 INTERVAL = 0.02
 # Of the sidebar, the tab that has the add-on's panels.
 CATEGORY = "Shape Google"
-# How the events of a command begin, which are JSON, and its errors.
-EVENT, ERROR = "{", "shapegoogle: "
 
 
 def worker() -> Worker:
@@ -90,7 +87,7 @@ def redraw() -> None:
 
 
 class BackgroundRun:
-    """The add-on's command in another process, watched through its ``--events``.
+    """The add-on's command in another process, watched through its events.
 
     Parameters
     ----------
@@ -116,47 +113,41 @@ class BackgroundRun:
         command, environment = connections.package_command(arguments)
         self.exit_code: int | None = None
         self.reported = False
-        self._started = time.monotonic()
-        self._events: SimpleQueue[dict[str, Any]] = SimpleQueue()
-        self._program = Program(command, marker=EVENT, environment=environment)
+        self._error = ""
+        self._events: SimpleQueue[Event] = SimpleQueue()
+        self._program = Program(command, environment=environment)
         state.current().jobs.runs.append(self)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        for message in self._program.messages():
-            line = EVENT + message
-            try:
-                self._events.put(json.loads(line))
-            except ValueError:  # a line that only looks like an event
-                self._program.other_lines.append(line)
+        from shapegoogle_core.cli.events import event_from_json
 
-    def events(self) -> list[dict[str, Any]]:
+        for message in self._program.messages():
+            self._events.put(event_from_json(message))
+        self._program.wait()
+
+    def events(self) -> list[Event]:
         """Take the events since the last call; sets `exit_code` after the last one."""
+        from shapegoogle_core.cli.events import CommandError
+
         ended = not self._reader.is_alive()
-        events = []
+        events: list[Event] = []
         with suppress(Empty):
             while True:
-                events.append(self._events.get_nowait())
+                event = self._events.get_nowait()
+                if isinstance(event, CommandError):
+                    self._error = event.reason
+                else:
+                    events.append(event)
         if ended and self.exit_code is None:
             self.exit_code = self._program.wait()
             state.current().jobs.runs.remove(self)
         return events
 
-    def seconds(self) -> float:
-        """Return the seconds since it started."""
-        return time.monotonic() - self._started
-
-    def last_line(self) -> str:
-        """Return the last line that it printed and that was no event; empty if there is none."""
-        return self._program.last_lines(1)
-
     def last_words(self) -> str:
-        """Return why it ended: the error that the command reported, or else the last lines it printed."""
-        errors = [line for line in self._program.other_lines if line.startswith(ERROR)]
-        if errors:
-            return errors[-1].removeprefix(ERROR)
-        return self._program.last_lines(3) or f"exit code {self.exit_code}"
+        """Return why it ended: the error that the command reported, or how its process ended."""
+        return self._error or f"the process has ended unexpectedly ({self._program.ending(3)}); try it again"
 
     def join(self) -> None:
         """Wait until it has ended; take its `events` then."""

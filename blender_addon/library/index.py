@@ -106,7 +106,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
 
 
 def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
-    arguments = ["index", *map(str, sources), "--library", str(path), "--events", "--json"]
+    arguments = ["index", *map(str, sources), "--library", str(path)]
     arguments += ["--objects", chosen.objects.lower()]
     arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
     if chosen.jobs:
@@ -129,17 +129,24 @@ def _look() -> float | None:
 
 def _take(run: BackgroundRun | SceneIndexing) -> None:
     """Show the events of a run, and its end."""
+    from shapegoogle_core.indexing import FileOutcome, IndexingProgress, IndexSummary
+
     session = session_of(bpy.context)
     for event in run.events():
-        if "total" in event:
-            _show_file(session, run, event)
-        elif "shapes" in event:
-            run.reported = True
-            session.shape_count = event["shapes"]
-            _add_summary(session, event)
-            # Files that were there but could not be read have their line already; folders have none.
-            for failure in event["failed"]:
-                add_error(session, failure["source"], _worded(failure["error"]))
+        match event:
+            case IndexingProgress():
+                session.done, session.total = event.files_done, event.files_total
+                session.share, session.progress = event.share, event.sentence()
+            case FileOutcome(status="failed"):
+                add_error(session, str(event.path), _worded(event.reason))
+            case IndexSummary():
+                run.reported = True
+                session.shape_count = event.library_shapes
+                sentence = event.sentence()
+                session.summary = f"{session.summary}; {sentence}" if session.summary else sentence
+                # Files that were there but could not be read have their line already; folders have none.
+                for source, reason in event.failed:
+                    add_error(session, source, _worded(reason))
     running = state.current().library.indexing
     if run.exit_code is None or run not in running:
         return
@@ -153,40 +160,9 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
         session.progress = ""
 
 
-def _show_file(session: Any, run: BackgroundRun | SceneIndexing, event: dict[str, Any]) -> None:
-    session.done, session.total = event["done"], event["total"]
-    session.share = event["done"] / event["total"]
-    seconds_left = run.seconds() / event["done"] * (event["total"] - event["done"])
-    session.progress = f"{event['done']} of {event['total']}, {_duration(seconds_left)} left"
-    if event["status"] == "failed":
-        add_error(session, event["path"], _worded(event["reason"]))
-
-
 def _worded(reason: str) -> str:
     """Replace an option of the command by its name in the menu."""
     return reason.replace("--retry tries", "Retry Failed Files tries")
-
-
-def _duration(seconds: float) -> str:
-    """Write a duration in words, such as '3 min'."""
-    if seconds < 60:
-        return f"{max(round(seconds), 1)} s"
-    if seconds < 3600:
-        return f"{round(seconds / 60)} min"
-    return f"{seconds / 3600:.1f} h"
-
-
-def _add_summary(session: Any, event: dict[str, Any]) -> None:
-    if "scene" in event:
-        parts = [f"{event['scene']} shape{'' if event['scene'] == 1 else 's'} of this scene"]
-    else:
-        keys = ("added", "updated", "unchanged", "removed")
-        counts = {key: len(event[key]) if key == "removed" else event[key] for key in keys}
-        parts = [f"{count} {key}" for key, count in counts.items() if count]
-    if event["failed"]:
-        parts.append(f"{len(event['failed'])} failed")
-    text = ", ".join(parts) or "nothing found"
-    session.summary = f"{session.summary}; {text}" if session.summary else text
 
 
 class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):

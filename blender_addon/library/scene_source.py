@@ -17,6 +17,8 @@ from ..scene.selection import asset_tags, shape_objects, split_evaluated
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from shapegoogle_core.cli.events import Event
+
 __all__ = ["SceneIndexing", "file_of", "is_here", "scene_source"]
 
 # Blender's z.
@@ -82,11 +84,7 @@ class SceneIndexing:
         self._total = len(self._waiting)
         self._tasks: dict[Future[Any], str] = {}
         self._described: list[tuple[str, Any]] = []
-        self._failed: list[dict[str, str]] = []
-
-    def seconds(self) -> float:
-        """Return the seconds since it started."""
-        return time.monotonic() - self._started
+        self._failed: list[tuple[str, str]] = []
 
     def last_words(self) -> str:
         """Return why it ended."""
@@ -108,7 +106,7 @@ class SceneIndexing:
             task.cancel()
         self._tasks.clear()
 
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> list[Event]:
         """Report the objects described since the last call; stores all after the last one."""
         from shapegoogle_core import ShapeGoogleError
         from shapegoogle_core.cli.command import DONE, UNUSABLE
@@ -147,7 +145,7 @@ class SceneIndexing:
             try:
                 mesh = evaluated_mesh(item)
             except MeshError as error:
-                self._failed.append({"source": name, "error": str(error)})
+                self._failed.append((name, str(error)))
                 continue
             if mesh.is_point_cloud and (item.type == "MESH" or not len(mesh.vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
@@ -155,10 +153,11 @@ class SceneIndexing:
             shape = NewShape(mesh, name, name, up_axis=UP_AXIS, tags=asset_tags(item))
             self._tasks[jobs.worker().submit(describe, self._library, shape)] = name
 
-    def _take_finished(self) -> list[dict[str, Any]]:
+    def _take_finished(self) -> list[Event]:
         from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core.indexing import FileOutcome
 
-        events = []
+        events: list[Event] = []
         for task in [task for task in self._tasks if task.done()]:
             name = self._tasks.pop(task)
             try:
@@ -166,21 +165,44 @@ class SceneIndexing:
             except ShapeGoogleError as error:  # the process died over it: the others go on
                 result = str(error)
             if isinstance(result, str):
-                self._failed.append({"source": name, "error": result})
+                self._failed.append((name, result))
+                events.append(FileOutcome(Path(name), "failed", result))
             else:
                 self._described.append((name, result))
-            done = len(self._described) + len(self._failed)
-            status, reason = ("failed", result) if isinstance(result, str) else ("added", "")
-            event = {"done": done, "total": max(self._total, done), "path": name}
-            events.append({**event, "status": status, "reason": reason})
-        return events
+                events.append(FileOutcome(Path(name), "added", shapes=1))
+        return [*events, self._progress()] if events else []
 
-    def _store(self) -> dict[str, Any]:
+    def _progress(self) -> Event:
+        from shapegoogle_core.indexing import IndexingProgress
+
+        done = len(self._described) + len(self._failed)
+        seconds = time.monotonic() - self._started
+        left = max(self._total - done, 0)
+        return IndexingProgress(
+            files_done=0,
+            files_total=1,
+            bytes_done=0,
+            bytes_total=0,
+            shapes_done=done,
+            shapes_waiting=left,
+            seconds=seconds,
+            seconds_left=seconds / done * left if done else None,
+        )
+
+    def _store(self) -> Event:
         from shapegoogle_core import Library
+        from shapegoogle_core.indexing import IndexSummary
 
         shapes = [shape for _, shape in self._described]
         with Library.open(self._library) as library:
             # Without size or time, as it is no file: it is read again in every run.
             library.replace_source(self._source, size=None, mtime_ns=None, sha256=None, shapes=shapes)
             count = len(library)
-        return {"scene": len(shapes), "failed": self._failed, "shapes": count}
+        return IndexSummary(
+            added=1,
+            added_shapes=len(shapes),
+            failed=tuple(self._failed),
+            library_shapes=count,
+            seconds=time.monotonic() - self._started,
+            scene=True,
+        )

@@ -86,10 +86,13 @@ def _look(run: BackgroundRun, path: Path) -> float | None:
 
 def _take(run: BackgroundRun, path: Path) -> None:
     """Show the progress of training, and its end."""
-    run.events()
+    from shapegoogle_core.cli.events import StepProgress
+
     session = session_of(bpy.context)
+    for event in run.events():
+        if isinstance(event, StepProgress):
+            session.training = event.sentence().capitalize()
     if run.exit_code is None:
-        session.training = run.last_line() or "Training …"
         return
     state.current().library.training = None
     session.training = ""

@@ -26,8 +26,10 @@ from shapegoogle_core.cli.arguments import (
     positive_number,
 )
 from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, Command
+from shapegoogle_core.cli.events import summary_to_json
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
-from shapegoogle_core.cli.text import counted, say
+from shapegoogle_core.cli.text import counted, put, say
+from shapegoogle_core.indexing.events import IndexSummary
 from shapegoogle_core.indexing.settings import IndexSettings
 
 if TYPE_CHECKING:
@@ -53,12 +55,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_flag(parser, "--reread", "read all files again, changed or not")
     add_flag(parser, "--prune", "remove files from the library that are gone from these folders")
     add_flag(parser, "--json", "print one JSON object at the end")
-    add_flag(parser, "--events", "print one JSON object for each file")
+    add_flag(parser, "--events", "print JSON objects, one per line, for each file and for the progress")
 
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.index_progress import IndexProgress
-    from shapegoogle_core.indexing import IndexReport, index_files
+    from shapegoogle_core.indexing import index_files
     from shapegoogle_core.library.library import Library
     from shapegoogle_core.model import load_model
 
@@ -67,9 +69,9 @@ def _run(options: argparse.Namespace) -> int:
     known = options.library.exists()
     if not paths and not (options.prune and known):
         # A misspelt folder must not create a library.
-        if options.json:
-            shapes = _shape_count(options.library) if known else 0
-            print(json.dumps(_record(IndexReport(0, 0, 0, 0, [], 0.0), failed, [], shapes)))
+        shapes = _shape_count(options.library) if known else 0
+        summary = IndexSummary(failed=_as_text(failed), library_shapes=shapes)
+        _report(summary, options, printed=options.json)
         list_failures(failed)
         return SOME_FAILED
     settings = IndexSettings(
@@ -80,10 +82,17 @@ def _run(options: argparse.Namespace) -> int:
         folders = [entry for entry in options.inputs if _has_entries(entry)]
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
-        progress = IndexProgress(len(paths), verbose=options.verbose, events=options.events)
+        progress = IndexProgress(len(paths), verbose=options.verbose, send=options.send)
         try:
             with progress:
-                report = index_files(library, paths, settings, reader=options.reader, progress=progress)
+                report = index_files(
+                    library,
+                    paths,
+                    settings,
+                    reader=options.reader,
+                    progress=progress.outcome,
+                    status=progress.status,
+                )
         except KeyboardInterrupt:
             say(
                 f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; "
@@ -92,14 +101,48 @@ def _run(options: argparse.Namespace) -> int:
             return INTERRUPTED
         shapes = len(library)
     failed += report.failed
-    if options.json:
-        print(json.dumps(_record(report, failed, removed, shapes)))
-    else:
-        print(_summary(report, failed, removed, shapes))
+    _report(_summary(report, failed, removed, shapes), options)
     if gone:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
     list_failures(failed)
     return SOME_FAILED if failed else DONE
+
+
+def _summary(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> IndexSummary:
+    return IndexSummary(
+        added=report.added,
+        updated=report.updated,
+        unchanged=report.unchanged,
+        added_shapes=report.shapes - report.updated_shapes - report.partial_shapes,
+        updated_shapes=report.updated_shapes,
+        partial_shapes=report.partial_shapes,
+        failed=_as_text(failed),
+        warnings=_as_text(report.warnings),
+        removed=tuple(removed),
+        library_shapes=shapes,
+        seconds=report.seconds,
+    )
+
+
+def _as_text(entries: list[tuple[Path, str]]) -> tuple[tuple[str, str], ...]:
+    return tuple((str(path), sentence) for path, sentence in entries)
+
+
+def _report(summary: IndexSummary, options: argparse.Namespace, *, printed: bool = True) -> None:
+    """Send the result of the run, and print it."""
+    if options.send is not None:
+        options.send(summary)
+    if options.json:
+        put(json.dumps(summary_to_json(summary)))
+    if options.json or not printed:
+        return
+    library = f"the library has {counted(summary.library_shapes, 'shape')}"
+    if summary.added or summary.updated or summary.removed or summary.failed:
+        new = summary.added_shapes + summary.updated_shapes + summary.partial_shapes
+        rate = f" ({new / summary.seconds:.1f} shapes/s)" if new else ""
+        put(f"{summary.sentence()}; took {summary.seconds:.1f} s{rate}; {library}")
+    else:
+        put(f"nothing to do: {summary.sentence()}; {library}")
 
 
 def _shape_count(library: Path) -> int:
@@ -115,32 +158,6 @@ def _has_entries(folder: Path) -> bool:
         return any(folder.iterdir())
     except OSError:  # not a folder, missing or unreadable: `find_files` has reported it
         return False
-
-
-def _record(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> dict[str, object]:
-    return {
-        "added": report.added,
-        "updated": report.updated,
-        "unchanged": report.unchanged,
-        "removed": removed,
-        "new_shapes": report.shapes,
-        "failed": [{"source": str(path), "error": reason} for path, reason in failed],
-        "shapes": shapes,
-        "seconds": round(report.seconds, 3),
-    }
-
-
-def _summary(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> str:
-    described = report.added + report.updated
-    if not described and not removed and not failed:
-        return f"nothing to do: {counted(report.unchanged, 'file')} unchanged, {counted(shapes, 'shape')}"
-    parts = [f"{report.added} added", f"{report.updated} updated", f"{report.unchanged} unchanged"]
-    if removed:
-        parts.append(f"{len(removed)} removed")
-    if failed:
-        parts.append(f"{len(failed)} failed")
-    rate = f" ({report.shapes / report.seconds:.1f} shapes/s)" if report.shapes else ""
-    return f"{', '.join(parts)} in {report.seconds:.1f} s{rate}; the library has {counted(shapes, 'shape')}"
 
 
 COMMAND = Command("index", str(__doc__), _add_options, _run, reads_files=True)

@@ -3,23 +3,28 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
+from collections.abc import Callable
 from typing import Self
 
 from tqdm import tqdm
 
-from shapegoogle_core.indexing import FileOutcome
+from shapegoogle_core.cli.events import Event
+from shapegoogle_core.cli.text import say
+from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress
 from shapegoogle_core.processes.progress import SECONDS_BETWEEN_LINES
 
 __all__ = ["IndexProgress"]
+
+# Steps of the bar, which shows the share of the time.
+STEPS = 1000
 
 
 class IndexProgress:
     """Shows the progress of `index_files`, and each failed file when it fails.
 
-    Use it as a context manager and give it to `index_files` as `progress`.
+    Use it as a context manager and give `outcome` to `index_files` as `progress`, and `status` as `status`.
 
     Parameters
     ----------
@@ -27,9 +32,8 @@ class IndexProgress:
         Number of files.
     verbose : bool
         Also show the traceback of unexpected errors.
-    events : bool
-        Also print one line of JSON for each file on stdout, for a program that shows the progress:
-        ``{"done": 3, "total": 8, "path": …, "status": "added", "reason": ""}``.
+    send : callable, optional
+        Called with each event, for a program that shows the progress.
 
     Attributes
     ----------
@@ -37,14 +41,22 @@ class IndexProgress:
         Number of files counted so far.
     """
 
-    def __init__(self, total: int, *, verbose: bool = False, events: bool = False) -> None:
+    def __init__(
+        self, total: int, *, verbose: bool = False, send: Callable[[Event], None] | None = None
+    ) -> None:
         self.done = 0
-        self._events = events
         self._failed = 0
-        self._total = total
+        self._send = send
         self._verbose = verbose
-        self._started = self._last_line = time.monotonic()
-        self._bar = tqdm(total=total, unit="file", disable=not sys.stderr.isatty(), dynamic_ncols=True)
+        self._last_line = time.monotonic()
+        self._status: IndexingProgress | None = None
+        self._bar = tqdm(
+            total=STEPS,
+            desc=f"0 of {total} files",
+            disable=not sys.stderr.isatty(),
+            dynamic_ncols=True,
+            bar_format="{percentage:3.0f}%|{bar}| {desc}{postfix}",
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -52,31 +64,39 @@ class IndexProgress:
     def __exit__(self, *_: object) -> None:
         self._bar.close()
 
-    def __call__(self, outcome: FileOutcome) -> None:
-        """Count a file."""
+    def outcome(self, outcome: FileOutcome) -> None:
+        """Count a file.
+
+        Parameters
+        ----------
+        outcome : FileOutcome
+        """
         self.done += 1
-        if self._events:
-            event = {
-                "done": self.done,
-                "total": self._total,
-                "path": str(outcome.path),
-                "status": outcome.status,
-                "reason": outcome.reason,
-            }
-            print(json.dumps(event), flush=True)
+        if self._send is not None:
+            self._send(outcome)
         if outcome.status == "failed":
             self._failed += 1
-            self._bar.set_postfix(failed=self._failed)
+            self._bar.set_postfix(failed=self._failed, refresh=False)
             self._write(f"skipped {outcome.path}: {outcome.reason}")
             if self._verbose and outcome.details:
                 self._write(outcome.details)
-        self._bar.update()
+
+    def status(self, status: IndexingProgress) -> None:
+        """Show the progress.
+
+        Parameters
+        ----------
+        status : IndexingProgress
+        """
+        if self._send is not None:
+            self._send(status)
+        self._bar.n = max(self._bar.n, round(STEPS * status.share))
+        self._bar.set_description_str(status.sentence())
         now = time.monotonic()
         if self._bar.disable and now - self._last_line >= SECONDS_BETWEEN_LINES:
             self._last_line = now
-            rate = self.done / (now - self._started)
-            self._write(f"{self.done} of {self._total} files, {rate:.1f} per second, {self._failed} failed")
+            self._write(f"{status.sentence()}, {self._failed} failed")
 
     def _write(self, text: str) -> None:
         with self._bar.external_write_mode(file=sys.stderr):
-            print(text, file=sys.stderr, flush=True)
+            say(text)

@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli import duplicates, index, info, query, train
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
-from shapegoogle_core.cli.text import say
+from shapegoogle_core.cli.events import CommandError, Event, event_to_json
+from shapegoogle_core.cli.text import put, say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end
+from shapegoogle_core.processes.messages import MessageWriter, claim_message_pipe
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ExternalReader
@@ -59,6 +62,7 @@ def main(
         chosen = [(offer.name, getattr(options, offer.name, offer.choices[0])) for offer in reader.offers]
         options.reader = replace(reader, options=tuple(chosen))
     command = next(command for command in COMMANDS if command.name == options.command)
+    options.send = _sender(events=getattr(options, "events", False))
     try:
         with orderly_end():
             exit_code = command.run(options)
@@ -66,6 +70,8 @@ def main(
     except ShapeGoogleError as error:
         if options.verbose:
             traceback.print_exc()
+        if options.send is not None:
+            options.send(CommandError(str(error)))
         say(f"shapegoogle: {error}")
         return UNUSABLE
     except KeyboardInterrupt:
@@ -76,6 +82,17 @@ def main(
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE
     return exit_code
+
+
+def _sender(*, events: bool) -> Callable[[Event], None] | None:
+    """Return the function that events are sent with, if anyone wants them."""
+    pipe = claim_message_pipe()
+    if pipe is not None:
+        writer = MessageWriter(pipe)
+        return lambda event: writer.write(event_to_json(event))
+    if events:
+        return lambda event: put(json.dumps(event_to_json(event)))
+    return None
 
 
 def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentParser:

@@ -6,7 +6,19 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-__all__ = ["counted", "say", "table"]
+from shapegoogle_core.api.text import counted
+
+__all__ = ["counted", "put", "say", "table"]
+
+
+def put(text: str) -> None:
+    """Print to stdout, at once: where both streams go to one file, nothing may come in between.
+
+    Parameters
+    ----------
+    text : str
+    """
+    print(text, flush=True)
 
 
 def say(text: str) -> None:
@@ -17,22 +29,6 @@ def say(text: str) -> None:
     text : str
     """
     print(text, file=sys.stderr, flush=True)
-
-
-def counted(number: int, noun: str) -> str:
-    """Write a number with its noun, such as "1 file" or "2,000 files".
-
-    Parameters
-    ----------
-    number : int
-    noun : str
-        In the singular.
-
-    Returns
-    -------
-    text : str
-    """
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def table(rows: Sequence[Sequence[str]], alignment: str) -> list[str]:

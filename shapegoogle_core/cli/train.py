@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 from shapegoogle_core.cli.arguments import add_flag, add_inputs, add_jobs, add_value, number_from
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
+from shapegoogle_core.cli.steps import StepReporter
 from shapegoogle_core.cli.text import counted
 from shapegoogle_core.errors import MeshError, ModelError
 
@@ -50,7 +51,6 @@ def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.model import PRESETS
     from shapegoogle_core.model.training import TrainingShape, train_model
     from shapegoogle_core.processes.launching import default_jobs
-    from shapegoogle_core.processes.progress import progress_bar
 
     if options.preset not in PRESETS:
         raise ModelError(f"there is no preset {options.preset!r}; choose one of {', '.join(sorted(PRESETS))}")
@@ -70,7 +70,7 @@ def _run(options: argparse.Namespace) -> int:
         jobs=options.jobs or default_jobs(),
         seed=options.seed,
         trained_on=f"{counted(len(meshes), 'shape')} of the user's, seed {options.seed}",
-        progress=progress_bar,
+        progress=StepReporter(options.send),
     )
     model.save(output)
     size = output.stat().st_size
@@ -82,11 +82,12 @@ def _run(options: argparse.Namespace) -> int:
 def _read_meshes(options: argparse.Namespace, failed: Failures) -> dict[str, list[Mesh]]:
     """Read the surfaces of all inputs, grouped by shape: with ``--poses`` by folder."""
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.processes.progress import progress_bar
 
+    progress = StepReporter(options.send)
+    paths = find_files(options, failed)
     meshes: defaultdict[str, list[Mesh]] = defaultdict(list)
     with ShapeReader(options.reader) as reader:
-        for path in progress_bar(find_files(options, failed), "reading"):
+        for path in progress(paths, "reading", len(paths)):
             try:
                 found = reader.read(path)
             except MeshError as error:

@@ -20,15 +20,18 @@ from typing import Any, Self
 from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.settings import IndexSettings
+from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, TimeLimitError
+from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, Spent, TimeLimitError
 
-__all__ = ["DescribedFile", "FilePool"]
+__all__ = ["DescribedFile", "FilePool", "FinishedFile"]
 
 # Number of problems of one file that are reported.
 SHOWN_PROBLEMS = 20
+# Seconds after which the progress is reported again although nothing is done.
+SECONDS_WITHOUT_NEWS = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,23 @@ class DescribedFile:
     problem: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class FinishedFile:
+    """A file that needs no more work.
+
+    Attributes
+    ----------
+    path : Path
+    result : DescribedFile or Failure
+    seconds : float
+        Time that reading and describing took, added up over the processes.
+    """
+
+    path: Path
+    result: DescribedFile | Failure
+    seconds: float
+
+
 @dataclass(eq=False)
 class _FileInWork:
     """A file that is read or described: its folder for temporary files, and the results so far."""
@@ -55,6 +75,8 @@ class _FileInWork:
     folder: Path
     found: ReadFile = field(default_factory=lambda: ReadFile((), ()))
     described: dict[int, NewShape[ShapeSignature] | Failure] = field(default_factory=dict)
+    mesh_sizes: list[int] = field(default_factory=list)
+    seconds: float = 0.0
 
     def outcome(self) -> DescribedFile | Failure:
         """Summarise the file when all of its shapes are described."""
@@ -71,6 +93,15 @@ class _FileInWork:
         total = len(self.found.shapes) + len(self.found.problems)
         problem = f"{self.path.name!r}: {len(failures)} of {total} objects failed: {reasons}"
         return DescribedFile(shapes, problem)
+
+
+def _mesh_sizes(found: ReadFile) -> list[int]:
+    """Bytes of each mesh on disk."""
+    if not found.shapes:
+        return []
+    offsets = [shape.content.offset for shape in found.shapes]
+    ends = [*offsets[1:], found.shapes[0].content.file.stat().st_size]
+    return [end - offset for offset, end in zip(offsets, ends, strict=True)]
 
 
 def _listed(failures: Sequence[Failure]) -> str:
@@ -110,6 +141,8 @@ class FilePool:
         Number of processes.
     settings : IndexSettings
         Limits of time and memory.
+    tracker : ProgressTracker
+        Learns of each file that is read and each shape that is described.
     """
 
     def __init__(
@@ -119,7 +152,9 @@ class FilePool:
         read: ReadFunction,
         jobs: int,
         settings: IndexSettings,
+        tracker: ProgressTracker,
     ) -> None:
+        self._tracker = tracker
         self._time_limit = settings.time_limit
         self._resources = ExitStack()
         # A process that is killed may still be writing there when the folder is removed.
@@ -150,23 +185,25 @@ class FilePool:
         """Return the number of submitted files that `finished` has not returned yet."""
         return self._files
 
-    def submit(self, path: Path) -> None:
+    def submit(self, path: Path, *, first: bool = False) -> None:
         """Submit a file; the first one starts the processes.
 
         Parameters
         ----------
         path : Path
+        first : bool, optional
+            Whether it is read before files that are not, and before shapes of later files are described.
         """
         self._files += 1
         file = _FileInWork(path, self._folder / str(next(self._numbers)))
-        self._steps[self._pool.submit(Describer.read, file.path, file.folder)] = _Step(file)
+        self._steps[self._pool.submit(Describer.read, file.path, file.folder, first=first)] = _Step(file)
 
-    def finished(self) -> list[tuple[Path, DescribedFile | Failure]]:
+    def finished(self) -> list[FinishedFile]:
         """Wait until at least one file is done.
 
         Returns
         -------
-        files : list of (Path, DescribedFile or Failure)
+        files : list of FinishedFile
             All that are done and were not returned before.
 
         Raises
@@ -174,16 +211,28 @@ class FilePool:
         ShapeGoogleError
             If the processes die again and again before any task is done.
         """
-        results: list[tuple[Path, DescribedFile | Failure]] = []
+        results: list[FinishedFile] = []
         while self._files and not results:
-            for task in self._pool.finished():
+            for task in self._pool.finished(SECONDS_WITHOUT_NEWS):
                 step = self._steps.pop(task)
-                outcome = self._take(step, self._result(step, task))
+                result, spent = self._result(step, task)
+                outcome = self._take(step, result)
+                self._track(step, spent)
                 if outcome is not None:
-                    results.append((step.file.path, outcome))
+                    results.append(FinishedFile(step.file.path, outcome, step.file.seconds))
                     self._files -= 1
                     shutil.rmtree(step.file.folder, ignore_errors=True)
+            self._tracker.report()
         return results
+
+    def _track(self, step: _Step, spent: Spent) -> None:
+        file = step.file
+        file.seconds += spent.seconds
+        if step.shape is None:
+            file.mesh_sizes = _mesh_sizes(file.found)
+            self._tracker.read(file.path, spent, file.mesh_sizes)
+        else:
+            self._tracker.described(file.path, file.mesh_sizes[step.shape], spent)
 
     def _take(
         self, step: _Step, result: ReadFile | NewShape[ShapeSignature] | Failure
@@ -202,22 +251,24 @@ class FilePool:
             return result
         return file.outcome() if len(file.described) == len(file.found.shapes) else None
 
-    def _result(self, step: _Step, task: PoolTask[Any]) -> ReadFile | NewShape[ShapeSignature] | Failure:
+    def _result(
+        self, step: _Step, task: PoolTask[Any]
+    ) -> tuple[ReadFile | NewShape[ShapeSignature] | Failure, Spent]:
         try:
             result: ReadFile | NewShape[ShapeSignature] | Failure = task.result()
         except TimeLimitError:
-            return Failure(
+            reason = (
                 f"{step.name!r} was not done after {self._time_limit:g} s and given up; simplify it or raise "
                 "the time limit"
             )
+            return Failure(reason), Spent(self._time_limit)
         except CrashError as error:
             did = "read" if step.shape is None else "described"
-            return Failure(
+            reason = (
                 f"{step.name!r} crashed the process that {did} it ({error}); export it again or simplify it"
             )
+            return Failure(reason), Spent()
         except Exception as error:
-            return Failure(
-                f"{step.name!r} ended the process that worked on it ({type(error).__name__}: {error})",
-                "".join(traceback.format_exception(error)),
-            )
-        return result
+            reason = f"{step.name!r} ended the process that worked on it ({type(error).__name__}: {error})"
+            return Failure(reason, "".join(traceback.format_exception(error))), Spent()
+        return result, task.spent

@@ -6,13 +6,13 @@ from __future__ import annotations
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
 
 from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.indexing.describing import Failure, ReadFunction
+from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress, IndexReport
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
 from shapegoogle_core.indexing.files import (
@@ -25,71 +25,20 @@ from shapegoogle_core.indexing.files import (
     stamp,
 )
 from shapegoogle_core.indexing.reading import ShapeReader
+from shapegoogle_core.indexing.remaining import working_order
 from shapegoogle_core.indexing.settings import IndexSettings
+from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape, SourceRecord
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.launching import default_jobs
 
-__all__ = ["FileOutcome", "IndexReport", "index_files"]
+__all__ = ["index_files"]
 
 # Number of submitted files per process: enough to keep all of them busy, few enough to keep memory flat.
 FILES_AHEAD = 3
 # Part of the time limit that an external reader gets, so that it is stopped before the process that asks it.
 READER_SHARE = 0.8
-
-
-@dataclass(frozen=True)
-class FileOutcome:
-    """Outcome of indexing one file.
-
-    Attributes
-    ----------
-    path : Path
-        Absolute.
-    status : str
-        "added", "updated" (its content changed), "unchanged" or "failed".
-    reason : str
-        Why it failed, else empty.
-    details : str
-        The traceback of an unexpected error, else empty.
-    """
-
-    path: Path
-    status: Literal["added", "updated", "unchanged", "failed"]
-    reason: str = ""
-    details: str = ""
-
-
-@dataclass(frozen=True)
-class IndexReport:
-    """Summary of a run of `index_files`.
-
-    Attributes
-    ----------
-    added, updated, unchanged : int
-        Numbers of files.
-    shapes : int
-        Number of shapes of the added and updated files.
-    failed : list of (Path, str)
-        Files that are not completely in the library, with the reasons.
-    seconds : float
-        Duration of the run.
-
-    Examples
-    --------
-    >>> import shapegoogle_core as sg
-    >>> report = sg.IndexReport(added=2, updated=0, unchanged=1, shapes=2, failed=[], seconds=0.5)
-    >>> report.added + report.updated
-    2
-    """
-
-    added: int
-    updated: int
-    unchanged: int
-    shapes: int
-    failed: list[tuple[Path, str]]
-    seconds: float
 
 
 def index_files(
@@ -98,6 +47,7 @@ def index_files(
     settings: IndexSettings | None = None,
     *,
     progress: Callable[[FileOutcome], None] | None = None,
+    status: Callable[[IndexingProgress], None] | None = None,
     reader: ExternalReader | None = None,
     read: ReadFunction | None = None,
 ) -> IndexReport:
@@ -119,6 +69,8 @@ def index_files(
         Number of processes, time and memory limits, and which files are read again.
     progress : callable, optional
         Called with the `FileOutcome` of each file.
+    status : callable, optional
+        Called with an `IndexingProgress` several times in a second, if there is something new.
     reader : ExternalReader, optional
         Another program for files that this package does not read. The limits of the settings hold for it
         too.
@@ -161,22 +113,29 @@ def index_files(
     """
     started = time.monotonic()
     settings = settings or IndexSettings()
-    run = _Run(library, settings, reader, progress)
+    tracker = ProgressTracker(status)
+    run = _Run(library, settings, reader, progress, tracker)
     listed = as_paths(paths)
     library.add_roots(listed)
     changed = run.pass_over_unchanged(map(Path, library.source_paths(listed)))
     jobs = settings.jobs or default_jobs()
+    several_shapes = frozenset() if reader is None else reader.suffixes
     # A mesh file is one shape; a file that another program reads may contain thousands.
     if reader is None or not any(reader.reads(path) for path in changed):
         jobs = min(jobs, max(len(changed), 1))
+    tracker.start(run.sizes, changed, jobs, several_shapes)
     read = read or ShapeReader.iterate
-    with FilePool(library.model, _limited(reader, settings), read, jobs, settings) as pool:
-        for path in changed:
+    with FilePool(library.model, _limited(reader, settings), read, jobs, settings, tracker) as pool:
+        samples, others = working_order([(path, run.sizes[path]) for path in changed], several_shapes)
+        for path, _ in samples:
+            run.begin(path, pool, first=True)
+        for path, _ in others:
             run.begin(path, pool)
             while len(pool) >= FILES_AHEAD * jobs:
                 run.store_finished(pool)
         while len(pool):
             run.store_finished(pool)
+    tracker.report(always=True)
     return IndexReport(
         added=run.counts["added"],
         updated=run.counts["updated"],
@@ -184,6 +143,9 @@ def index_files(
         shapes=run.shapes,
         failed=run.failed,
         seconds=time.monotonic() - started,
+        updated_shapes=run.updated_shapes,
+        partial_shapes=run.partial_shapes,
+        warnings=run.warnings,
     )
 
 
@@ -207,10 +169,15 @@ class _Run:
         settings: IndexSettings,
         reader: ExternalReader | None,
         progress: Callable[[FileOutcome], None] | None,
+        tracker: ProgressTracker,
     ) -> None:
         self.counts: Counter[str] = Counter()
-        self.shapes = 0
+        self.shapes = self.updated_shapes = self.partial_shapes = 0
         self.failed: list[tuple[Path, str]] = []
+        self.warnings: list[tuple[Path, str]] = []
+        self.sizes: dict[Path, int] = {}
+        self._seconds: dict[Path, float] = {}
+        self._tracker = tracker
         self._library = library
         self._settings = settings
         self._reader = reader
@@ -246,23 +213,26 @@ class _Run:
         changed = []
         for path in dict.fromkeys(paths):
             source = self._known.get(str(path))
+            self.sizes[path] = 0
             try:
                 size_and_time = stamp(path)
             except OSError as error:
                 self._fail(path, _unreadable(path, error))
                 continue
+            self.sizes[path] = size_and_time[0]
             if source is None or (source.size, source.mtime_ns) != size_and_time or self._again(source):
                 changed.append(path)
             else:
                 self._note_unchanged(path, source)
         return changed
 
-    def begin(self, path: Path, pool: FilePool) -> None:
+    def begin(self, path: Path, pool: FilePool, *, first: bool = False) -> None:
         """Store a file whose content is known, or submit it to the pool."""
         try:
             file = examine(path, self._choices(path))
         except OSError as error:
             self._fail(path, _unreadable(path, error))
+            self._tracker.passed_over(path)
             return
         source = self._known.get(str(path))
         if source is not None and source.sha256 == file.sha256 and not self._again(source):
@@ -276,11 +246,15 @@ class _Run:
             self._store(file, self._described_before(file))
         else:
             self._waiting[file.key] = [file]
-            pool.submit(path)
+            pool.submit(path, first=first)
+            return
+        self._tracker.passed_over(path)
 
     def store_finished(self, pool: FilePool) -> None:
         """Wait for the pool and store the files it finished, with the copies that waited for them."""
-        for path, result in pool.finished():
+        for finished in pool.finished():
+            path, result = finished.path, finished.result
+            self._seconds[path] = finished.seconds
             key = next(key for key, files in self._waiting.items() if files[0].path == path)
             first, *copies = self._waiting.pop(key)
             if first.changed():
@@ -324,11 +298,13 @@ class _Run:
         before = self._replace(file, shapes=shapes, error=described.problem or None)
         self.shapes += len(shapes)
         if described.problem:
+            self.partial_shapes += len(shapes)
             # The described shapes are stored, but the file counts as failed, since others are missing.
-            self._fail(file.path, Failure(described.problem))
+            self._fail(file.path, Failure(described.problem), len(shapes))
             return
         known = before is not None and before.shape_count > 0
-        self._note(FileOutcome(file.path, "updated" if known else "added"))
+        self.updated_shapes += len(shapes) if known else 0
+        self._note(FileOutcome(file.path, "updated" if known else "added", shapes=len(shapes)))
 
     def _store_failure(self, file: FileState, failure: Failure) -> None:
         if self._shapes_before(file):
@@ -374,14 +350,15 @@ class _Run:
         else:
             self._fail(path, Failure(f"{source.error} (found in an earlier run; --retry tries it again)"))
 
-    def _fail(self, path: Path, failure: Failure) -> None:
+    def _fail(self, path: Path, failure: Failure, shapes: int = 0) -> None:
         self.failed.append((path, failure.reason))
-        self._note(FileOutcome(path, "failed", failure.reason, failure.details))
+        self._note(FileOutcome(path, "failed", failure.reason, failure.details, shapes))
 
     def _note(self, outcome: FileOutcome) -> None:
         self.counts[outcome.status] += 1
+        self._tracker.file_done(outcome.path)
         if self._progress is not None:
-            self._progress(outcome)
+            self._progress(replace(outcome, seconds=self._seconds.pop(outcome.path, 0.0)))
 
 
 def _unreadable(path: Path, error: OSError) -> Failure:

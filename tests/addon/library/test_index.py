@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from shapegoogle_core import Library
+from shapegoogle_core.indexing import FileOutcome, IndexSummary
 from tests.addon.shapes import add_folder, digests, lumpy
 
 
@@ -20,7 +21,7 @@ def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
     add_folder(preferences, folder)
     assert bpy.ops.shape_google.index_library() == {"FINISHED"}
     assert not session.indexing
-    assert session.summary == "4 added, 1 failed"
+    assert session.summary == "4 shapes added from 4 files, 1 input failed"
     assert [(error.name, "broken.blend" in error.reason) for error in session.errors] == [
         ("broken.blend", True)
     ]
@@ -36,14 +37,14 @@ def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
 
     # A second time there is nothing to do; a changed file is read again.
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 unchanged, 1 failed"
+    assert session.summary == "4 files unchanged, 1 input failed"
     (error,) = session.errors
     assert error.reason.endswith("Retry Failed Files tries it again)")
     status = (folder / "pear.blend").stat()
     os.utime(folder / "pear.blend", ns=(status.st_atime_ns, status.st_mtime_ns + 10**9))
     (folder / "broken.blend").unlink()
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 unchanged"
+    assert session.summary == "4 files unchanged"
 
 
 def test_the_scene_itself(preferences: Any, session: Any) -> None:
@@ -74,11 +75,11 @@ def test_the_scene_and_its_file_are_two_sources(
     preferences.use_scene = True
     bpy.ops.shape_google.index_library()
     session = bpy.context.window_manager.shape_google
-    assert session.summary == "4 added; 2 shapes of this scene"
+    assert session.summary == "4 shapes added from 4 files; 2 shapes of this scene"
     with Library.open(preferences.library) as library:
         assert {shape.name: shape.tags for shape in library.shapes() if shape.tags} == {"Unsaved": ("lump",)}
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 unchanged; 2 shapes of this scene"
+    assert session.summary == "4 files unchanged; 2 shapes of this scene"
     bpy.ops.shape_google.find_similar()
     assert session.matches[0].name == "Unsaved"
     # Pear is in the file and in the scene: what can be selected is shown.
@@ -107,8 +108,10 @@ def test_a_cancelled_scene_stores_nothing(addon: ModuleType, preferences: Any, s
     while indexing.exit_code is None:
         indexing.join()
         events += indexing.events()
-    assert [event["path"] for event in events[:-1]] == ["Shape 0", "Shape 2"]
-    assert events[-1] == {"scene": 2, "failed": [], "shapes": 2}
+    outcomes = [event for event in events if isinstance(event, FileOutcome)]
+    assert [str(outcome.path) for outcome in outcomes] == ["Shape 0", "Shape 2"]
+    assert isinstance(events[-1], IndexSummary)
+    assert events[-1].sentence() == "2 shapes of this scene"
     Path(preferences.library).unlink()
     indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "/no/model.npz")
     assert indexing.events() == []
@@ -132,10 +135,10 @@ def test_forget_missing_files(indexed: Path, preferences: Any, session: Any) -> 
     (indexed / "plum.blend").unlink()
     (indexed / "broken.blend").unlink()
     bpy.ops.shape_google.index_library()
-    assert session.summary == "3 unchanged"
+    assert session.summary == "3 files unchanged"
     with Library.open(preferences.library) as library:
         assert len(library) == 4
     bpy.ops.shape_google.index_library(prune=True)
-    assert session.summary == "3 unchanged, 2 removed"
+    assert session.summary == "3 files unchanged, 2 files removed"
     with Library.open(preferences.library) as library:
         assert len(library) == 3

@@ -92,10 +92,10 @@ def test_index_and_index_again(run: Command, library_file: Path, folder: Path, m
     arguments = ["index", folder, "--library", library_file, "--jobs", "1"]
     code, stdout, stderr = run(*arguments, "--model", model_file)
     assert (code, stderr) == (0, "")
-    assert stdout.startswith("3 added, 0 updated, 0 unchanged in ")
+    assert stdout.startswith("3 shapes added from 3 files; took ")
     assert stdout.endswith("the library has 3 shapes\n")
     # The library brings its model along.
-    assert run(*arguments) == (0, "nothing to do: 3 files unchanged, 3 shapes\n", "")
+    assert run(*arguments) == (0, "nothing to do: 3 files unchanged; the library has 3 shapes\n", "")
 
 
 def test_index_as_json(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
@@ -108,7 +108,12 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
         "updated": 0,
         "unchanged": 3,
         "removed": [],
+        "excluded": 0,
         "new_shapes": 0,
+        "added_shapes": 0,
+        "updated_shapes": 0,
+        "warnings": [],
+        "scene": False,
         "failed": [
             {"source": str(folder / "gone.obj"), "error": "'gone.obj' does not exist; check the spelling"}
         ],
@@ -121,10 +126,10 @@ def test_prune(run: Command, indexed: Library, library_file: Path, folder: Path)
     (folder / "apple.off").unlink()
     # Nothing is forgotten unasked.
     code, stdout, _ = run("index", folder, "--library", library_file)
-    assert (code, stdout) == (0, "nothing to do: 2 files unchanged, 3 shapes\n")
+    assert (code, stdout) == (0, "nothing to do: 2 files unchanged; the library has 3 shapes\n")
     code, stdout, _ = run("index", folder, "--library", library_file, "--prune")
     assert code == 0
-    assert stdout.startswith("0 added, 0 updated, 2 unchanged, 1 removed in")
+    assert stdout.startswith("2 files unchanged, 1 file removed; took ")
     assert len(indexed) == 2
 
 

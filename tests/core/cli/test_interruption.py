@@ -37,7 +37,8 @@ def check_the_rest(library: Library, many: Path, library_file: Path, shapegoogle
     assert len(library.query(library.signature(min(before.values())), top=FILES, explain=0)) == len(before)
     done = shapegoogle("index", many, "--library", library_file, "--jobs", "1")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith(f"{FILES - len(before)} added, 0 updated, {len(before)} unchanged")
+    new = FILES - len(before)
+    assert done.stdout.startswith(f"{new} shapes added from {new} files, {len(before)} files unchanged")
     after = {shape.source: shape.shape_id for shape in library.shapes()}
     assert sorted(after) == sorted(map(str, many.iterdir()))
     assert before.items() <= after.items()

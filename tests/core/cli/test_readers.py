@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.cli import main
-from shapegoogle_core.indexing import ExternalReader
+from shapegoogle_core.cli.events import event_from_json
+from shapegoogle_core.indexing import ExternalReader, FileOutcome, IndexingProgress
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.core.number_reader import write_numbers
@@ -35,8 +36,16 @@ def test_command(
         "--json",
     ]
     assert main([*arguments, "--prefix", "y"], reader=reader) == 0
-    event, summary = map(json.loads, capsys.readouterr().out.splitlines())
-    assert event == {"done": 1, "total": 1, "path": str(path), "status": "added", "reason": ""}
+    *events, summary = map(json.loads, capsys.readouterr().out.splitlines())
+    (outcome,) = (event_from_json(event) for event in events if event["event"] == "file")
+    assert isinstance(outcome, FileOutcome)
+    assert (outcome.path, outcome.status, outcome.shapes) == (path, "added", 2)
+    first, *_, last = (event_from_json(event) for event in events if event["event"] == "progress")
+    assert isinstance(first, IndexingProgress)
+    assert isinstance(last, IndexingProgress)
+    assert (first.files_done, first.bytes_done, first.seconds_left) == (0, 0, None)
+    assert (last.files_done, last.bytes_done, last.shapes_done) == (1, path.stat().st_size, 2)
+    assert (last.share, last.seconds_left) == (1, 0)
     assert (summary["added"], summary["new_shapes"], summary["shapes"]) == (1, 2, 2)
 
     gone = str(tmp_path / "gone.numbers")

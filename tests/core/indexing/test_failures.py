@@ -22,6 +22,7 @@ from shapegoogle_core.indexing import (
     index_files,
 )
 from shapegoogle_core.indexing.file_pool import FilePool
+from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.core.indexing import misbehaving
@@ -207,6 +208,7 @@ def test_processes_that_cannot_start() -> None:
         ShapeReader.iterate,
         1,
         IndexSettings(time_limit=3600, memory_limit=1024),
+        ProgressTracker(None),
     )
     with pool:
         pool.submit(Path("apple.off"))

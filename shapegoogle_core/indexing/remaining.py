@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: MIT
+"""Estimating the remaining time of an indexing run.
+
+What is left is counted in seconds of work: the shapes that wait to be described, and the files that have not
+been read. Both are estimated from what similar ones took in this run; files are similar if they have the same
+suffix and about the same size, meshes if they have about the same size. Sizes are sorted into bins, one for
+each power of two. A distant bin counts less, so that the only file of 2,000 objects says little about the 350
+small ones.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from shapegoogle_core.processes.pool import Spent
+
+__all__ = ["RemainingTime", "working_order"]
+
+# Weight of a bin relative to the next one: with 2⁻⁴, a file 32 times as large counts a millionth.
+WEIGHT = 2.0**-4
+# Seconds of work of each process in which the assumption that all are busy counts as much as the measurement.
+ASSUMED_BUSY = 5.0
+# Part of the time without news by which the run is expected to go on.
+PATIENCE = 0.5
+
+ALL_KINDS = ""
+
+
+def working_order(
+    files: Iterable[tuple[Path, int]], several_shapes: Collection[str] = ()
+) -> tuple[list[tuple[Path, int]], list[tuple[Path, int]]]:
+    """Put files in the order in which the remaining time becomes known soon and processes end together.
+
+    Of the files that may contain thousands of shapes, the largest come first, since most of the work may be
+    in one of them. The others keep their order.
+
+    Parameters
+    ----------
+    files : iterable of (Path, int)
+        With their sizes in bytes.
+    several_shapes : collection of str
+        Suffixes of files that may contain more than one shape, in lower case.
+
+    Returns
+    -------
+    samples : list of (Path, int)
+        One file of each suffix, of median size, to be read before any shape is described.
+    others : list of (Path, int)
+    """
+    groups: defaultdict[str, list[tuple[Path, int]]] = defaultdict(list)
+    for path, size in files:
+        groups[_kind(path)].append((path, size))
+    samples, large, rest = [], [], []
+    for kind, members in groups.items():
+        by_size = sorted(members, key=lambda member: member[1])
+        # The first in the order of those of this size: copies keep theirs.
+        median = next(member for member in members if member[1] == by_size[len(by_size) // 2][1])
+        samples.append(median)
+        others = [member for member in members if member is not median]
+        if kind in several_shapes:
+            large += others
+        else:
+            rest += others
+    large.sort(key=lambda member: -member[1])
+    return samples, [*large, *rest]
+
+
+@dataclass
+class _Bin:
+    """Sums over the files, or meshes, of about one size."""
+
+    files: float = 0
+    bytes: float = 0
+    read_seconds: float = 0
+    shapes: float = 0
+    described: float = 0
+    describe_seconds: float = 0
+
+
+@dataclass
+class _Unread:
+    files: int = 0
+    bytes: int = 0
+
+
+@dataclass
+class _Kind:
+    """Files of one suffix: bins of those read, of their meshes by size, and of those not read."""
+
+    seen: defaultdict[int, _Bin] = field(default_factory=lambda: defaultdict(_Bin))
+    meshes: defaultdict[int, _Bin] = field(default_factory=lambda: defaultdict(_Bin))
+    waiting: defaultdict[int, int] = field(default_factory=lambda: defaultdict(int))
+    unread: defaultdict[int, _Unread] = field(default_factory=lambda: defaultdict(_Unread))
+
+
+class RemainingTime:
+    """Estimates the remaining time of an indexing run from the events that it is told.
+
+    It has no clock of its own.
+
+    Parameters
+    ----------
+    files : iterable of (Path, int)
+        All files to read, with their sizes in bytes.
+    jobs : int
+        Number of processes.
+    several_shapes : collection of str
+        Suffixes of files that may contain more than one shape, in lower case.
+    """
+
+    def __init__(
+        self, files: Iterable[tuple[Path, int]], jobs: int, several_shapes: Collection[str] = ()
+    ) -> None:
+        self._jobs = jobs
+        self._several = frozenset(several_shapes)
+        self._kinds: defaultdict[str, _Kind] = defaultdict(_Kind)
+        for path, size in files:
+            unread = self._kinds[_kind(path)].unread[_bin(size)]
+            unread.files += 1
+            unread.bytes += size
+        self._closed: set[Path] = set()
+        self.shapes_done = 0
+        self._work = 0.0
+        self._idle = 0.0
+        self._last: float | None = None
+
+    @property
+    def shapes_waiting(self) -> int:
+        """Number of shapes that were read and have not been described."""
+        return sum(self._kinds[ALL_KINDS].waiting.values())
+
+    def read(self, path: Path, size: int, spent: Spent, meshes: Collection[int], now: float) -> None:
+        """Note that a file was read, or could not be.
+
+        Parameters
+        ----------
+        path : Path
+        size : int
+            In bytes.
+        spent : Spent
+        meshes : collection of int
+            Size of each mesh in bytes that has to be described.
+        now : float
+            Time, in seconds.
+        """
+        self._close(path, size, spent.seconds, len(meshes))
+        for kind in self._kinds_of(path):
+            for mesh in meshes:
+                kind.waiting[_bin(mesh)] += 1
+        self._note_work(spent, now)
+
+    def passed_over(self, path: Path, size: int) -> None:
+        """Note that a file need not be read: its content is known, or it cannot be opened.
+
+        Parameters
+        ----------
+        path : Path
+        size : int
+            In bytes.
+        """
+        self._close(path, size, 0.0, 0)
+
+    def described(self, path: Path, size: int, mesh: int, spent: Spent, now: float) -> None:
+        """Note that a shape was described, or could not be.
+
+        Parameters
+        ----------
+        path : Path
+            Its file.
+        size : int
+            Of the file, in bytes.
+        mesh : int
+            Size of its mesh in bytes, as it was given to `read`.
+        spent : Spent
+        now : float
+            Time, in seconds.
+        """
+        self.shapes_done += 1
+        for kind in self._kinds_of(path):
+            kind.waiting[_bin(mesh)] -= 1
+            for entry in (kind.seen[_bin(size)], kind.meshes[_bin(mesh)]):
+                entry.described += 1
+                entry.describe_seconds += spent.seconds
+        self._note_work(spent, now)
+
+    def shapes_expected(self) -> int:
+        """Estimate the number of shapes in the files that have not been read.
+
+        Returns
+        -------
+        shapes : int
+        """
+        return round(
+            sum(
+                self._shapes(name, size, unread)
+                for name, kind in self._kinds.items()
+                if name != ALL_KINDS
+                for size, unread in kind.unread.items()
+            )
+        )
+
+    def seconds_left(self, now: float) -> float | None:
+        """Estimate the remaining time.
+
+        Parameters
+        ----------
+        now : float
+            Time, in seconds.
+
+        Returns
+        -------
+        seconds : float or None
+            None as long as too little is known: no file of some suffix has been read, or no shape described,
+            or a file that may contain thousands of shapes is far larger than those that have been read.
+        """
+        waiting = [
+            (kind, size, number)
+            for name, kind in self._kinds.items()
+            if name != ALL_KINDS
+            for size, number in kind.waiting.items()
+            if number
+        ]
+        unread = [
+            (name, size, entry)
+            for name, kind in self._kinds.items()
+            if name != ALL_KINDS
+            for size, entry in kind.unread.items()
+            if entry.files
+        ]
+        if any(self._is_a_mystery(name, size) for name, size, _ in unread):
+            return None
+        work, tasks, longest = 0.0, 0.0, 0.0
+        for kind, size, number in waiting:
+            for meshes in (kind.meshes, self._kinds[ALL_KINDS].meshes):
+                seconds = _ratio(meshes, size, "describe_seconds", "described")
+                if seconds is not None:
+                    break
+            if seconds is None:
+                return None
+            work += number * seconds
+            tasks += number
+            longest = max(longest, seconds)
+        for name, size, entry in unread:
+            per_byte = _ratio(self._kinds[name].seen, size, "read_seconds", "bytes") or 0.0
+            shapes = self._shapes(name, size, entry)
+            each = self._seconds_per_shape(name, size)
+            if each is None and shapes:
+                return None
+            work += per_byte * entry.bytes + shapes * (each or 0.0)
+            tasks += entry.files + shapes
+            longest = max(longest, per_byte * entry.bytes / entry.files + (each or 0.0))
+        if not tasks:
+            return 0.0
+        left = max(work / (self._busy() * min(self._jobs, max(tasks, 1.0))), longest)
+        silence = 0.0 if self._last is None else max(now - self._last, 0.0)
+        return max(left - silence, PATIENCE * silence)
+
+    def _is_a_mystery(self, name: str, size: int) -> bool:
+        """Whether nobody knows what is in files of a kind and size."""
+        seen = self._kinds[name].seen
+        return not seen or (name in self._several and size > max(seen) + 1)
+
+    def _kinds_of(self, path: Path) -> tuple[_Kind, _Kind]:
+        return self._kinds[_kind(path)], self._kinds[ALL_KINDS]
+
+    def _close(self, path: Path, size: int, seconds: float, shapes: int) -> None:
+        if path not in self._closed:  # a copy of a file that changed meanwhile is read after all
+            self._closed.add(path)
+            unread = self._kinds[_kind(path)].unread[_bin(size)]
+            unread.files -= 1
+            unread.bytes -= size
+        for kind in self._kinds_of(path):
+            seen = kind.seen[_bin(size)]
+            seen.files += 1
+            seen.bytes += max(size, 1)
+            seen.read_seconds += seconds
+            seen.shapes += shapes
+
+    def _note_work(self, spent: Spent, now: float) -> None:
+        self._work += spent.seconds
+        self._idle += spent.idle
+        self._last = now
+
+    def _busy(self) -> float:
+        """Return the share of their time in which the processes work."""
+        work = self._work + ASSUMED_BUSY * self._jobs
+        return work / (work + self._idle)
+
+    def _shapes(self, name: str, size: int, unread: _Unread) -> float:
+        """Estimate the number of shapes in unread files of one kind and size."""
+        seen = self._kinds[name].seen
+        if name in self._several:
+            return unread.bytes * (_ratio(seen, size, "shapes", "bytes") or 0.0)
+        per_file = _ratio(seen, size, "shapes", "files")
+        return unread.files * (1.0 if per_file is None else per_file)
+
+    def _seconds_per_shape(self, name: str, size: int) -> float | None:
+        for kind in (name, ALL_KINDS):
+            seconds = _ratio(self._kinds[kind].seen, size, "describe_seconds", "described")
+            if seconds is not None:
+                return seconds
+        return None
+
+
+def _ratio(bins: Mapping[int, _Bin], size: int, above: str, below: str) -> float | None:
+    """Ratio of two sums over all bins, those of another size with less weight; None if there is nothing."""
+    weights = {other: WEIGHT ** abs(other - size) for other in bins}
+    divisor = sum(weight * getattr(bins[other], below) for other, weight in weights.items())
+    if not divisor:
+        return None
+    return float(sum(weight * getattr(bins[other], above) for other, weight in weights.items()) / divisor)
+
+
+def _kind(path: Path) -> str:
+    return path.suffix.lower() or "."
+
+
+def _bin(size: int) -> int:
+    return size.bit_length()
