@@ -61,6 +61,7 @@ COMMANDS = (
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
     Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),
     Command("duplicates", "benchmarks.experiments.duplicates", "recall and time of the duplicate search"),
+    Command("families", "benchmarks.experiments.families", "which shapes a search shows as versions of one"),
     Command("point-clouds", "benchmarks.experiments.point_clouds", "find meshes by scans of them"),
     Command(
         "small-times",

@@ -3,7 +3,9 @@ r"""Find the shapes of a library that are most like a mesh.
 
 With --json, one line for each mesh:
   {"query": path, "matches": [
-    {"name", "source", "object_name", "similarity", "distance", "evidence"}, …]}
+    {"name", "source", "object_name", "similarity", "distance", "evidence", "placements"}, …]}
+placements is the number of objects that show the shape; placement, the matrix of the one that fits best,
+row by row. With --families, versions is the number of other shapes that are the same.
 A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
 With --together, all meshes are examples of what you search, and give one line:
   {"query": [path, …], "unlike": [path, …], "matches": […]}
@@ -74,6 +76,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser)
     add_value(parser, "--top", "N", "number of matches (%(default)s)", number_from(1), 10)
     add_flag(parser, "--exact", "compare all shapes in full: slower in a large library, misses nothing")
+    add_flag(parser, "--families", "list different shapes, of all copies and versions of each only the best")
     explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
     add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
     add_flag(parser, "--together", "the meshes are examples of one thing: run one query with all of them")
@@ -154,6 +157,7 @@ class _Queries:
             exact=self.options.exact,
             unlike=unlike,
             where=filter_of(self.options),
+            families=self.options.families,
         )
 
     def _examples(self, *groups: Sequence[str]) -> list[list[ShapeSignature]]:
@@ -224,9 +228,15 @@ def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     for rank, match in enumerate(matches, start=1):
         evidence = evidence_text(match.evidence)
         distance = f"{match.distance:.4f}"
-        rows.append((str(rank), _similarity(match), distance, evidence, match.name, match.source))
+        rows.append((str(rank), _similarity(match), distance, evidence, _name(match), match.source))
     title = f"{query}: the best {len(matches)} of {counted(shapes, 'shape')}"
     return "\n".join([title, *table(rows, ">>><<<")])
+
+
+def _name(match: Match) -> str:
+    """Format the name, with the number of objects that show the shape, and of its other versions."""
+    name = match.name if match.placement_count == 1 else f"{match.name} ×{match.placement_count:,}"
+    return f"{name} and {counted(match.versions, 'version')}" if match.versions else name
 
 
 def _similarity(match: Match) -> str:

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
+import numpy as np
+
 from shapegoogle_core.api.arguments import as_path, as_tuple, check_count, check_number, check_type
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.contents import LibraryContents, PathLike
@@ -18,6 +20,7 @@ from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evide
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.explain import explain_matches
+from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
 from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -147,6 +150,7 @@ class Library(LibraryContents):
         exact: bool = False,
         unlike: QueryShapes = (),
         where: Filter | None = None,
+        families: bool = False,
     ) -> list[Match]:
         """Find the shapes of the library that are most similar to a shape, or to several examples of one.
 
@@ -172,6 +176,9 @@ class Library(LibraryContents):
         where : Filter, optional
             Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
             matches that meet the other conditions are explained, until `top` have the kind.
+        families : bool, optional
+            Find `top` different shapes instead of `top` shapes: of all copies and versions of a shape only
+            the best is returned, with the number of the others, see `Match.versions`.
 
         Returns
         -------
@@ -217,13 +224,73 @@ class Library(LibraryContents):
         among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
         search = self._search.among_all if exact else self._search.among_nearest_codes
         kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
+        least = 0.0 if where is None or where.min_similarity is None else where.min_similarity
         matches = search(query, kept, among)
-        if where is not None and where.min_similarity is not None:
-            least = where.min_similarity
-            matches = [match for match in matches if match.similarity >= least]
+        if families:
+            found = collect_families(
+                Families(self._store, self.model, self._settings.families),
+                kept,
+                matches,
+                lambda count: self._search.among_more(query, count, matches, among, exact=exact),
+                len(self) if among is None else len(among),
+                lambda match: match.similarity >= least,
+            )
+            if kind is None:
+                return self.explain(examples, [family.best for family in found], explain)
+            return families_of_kind(
+                found, kind, lambda some: self.explain(examples, some, len(some)), top, kept
+            )
+        matches = [match for match in matches if match.similarity >= least]
         if kind is not None:
             return self._of_kind(kind, examples, matches[:kept], top)
         return self.explain(examples, matches[:top], explain)
+
+    def versions(self, shapes: QueryShapes, match: Match, *, explain: int = 10) -> list[Match]:
+        """List the family of a match: the shapes that it stands for in a search with ``families=True``.
+
+        Parameters
+        ----------
+        shapes : MeshLike, ShapeSignature, or sequence of them
+            What was searched for.
+        match : Match
+            From that search.
+        explain : int, optional
+            Number of best matches that get evidence, see `explain`.
+
+        Returns
+        -------
+        matches : list of Match
+            The match and its versions, as far as they are still in the library; best first.
+
+        Raises
+        ------
+        MeshError, LibraryError
+            As for `query`.
+        ValueError
+            If `match` is of another type, or `explain` is below 0.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         for size in (1, 2, 3):
+        ...             _ = library.add(trimesh.creation.box((size, size, size)), name=f"box {size}")
+        ...         _ = library.add(trimesh.creation.torus(2, 0.5), name="ring")
+        ...         signature = library.signature(2)
+        ...         boxes, ring = library.query(signature, families=True)
+        ...         [match.name for match in library.versions(signature, boxes)], boxes.versions
+        (['box 1', 'box 2', 'box 3'], 2)
+        """
+        check_type("match", match, Match, "a Match")
+        check_count("explain", explain, 0)
+        examples = self._signatures(shapes, "shapes", keep_surface=explain > 0)
+        if not examples:
+            raise ValueError("there is nothing to compare with: give at least one mesh or signature")
+        family = np.array(sorted({match.shape_id, *match.version_ids}), np.int64)
+        matches = self._search.among_all(Query(self.model, examples), len(family), family)
+        return self.explain(examples, matches, explain)
 
     def explain(
         self, signatures: QueryShapes, matches: Match | Sequence[Match], count: int | None = None

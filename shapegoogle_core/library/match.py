@@ -48,6 +48,11 @@ class Match:
         Number of objects that show the shape; 1 for a file without objects.
     placement : Placement or None
         The object that fits the query best, chosen with the evidence where several share the mesh.
+    versions : int
+        Number of other shapes of the same family that a search with ``families=True`` has met; there may be
+        more.
+    version_ids : tuple of int
+        Their numbers, best first; see `Library.versions`.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     alignment : Alignment or None
@@ -75,6 +80,8 @@ class Match:
     area: float
     placement_count: int = 1
     placement: Placement | None = None
+    versions: int = 0
+    version_ids: tuple[int, ...] = field(default=(), repr=False)
     evidence: Evidence | None = None
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
     aligned_sample: int = field(default=0, compare=False, repr=False)
@@ -90,14 +97,21 @@ class Match:
         Returns
         -------
         record : dict
-            ``name``, ``source``, ``object_name``, ``similarity``, ``distance`` and ``evidence`` (an object or
-            None).
+            ``name``, ``source``, ``object_name``, ``similarity``, ``distance``, ``evidence`` (an object or
+            None) and ``placements`` (their number); ``placement``, the matrix of the object that fits best,
+            row by row, where one was chosen; ``versions`` where a family has any.
         """
-        return {
+        record: dict[str, object] = {
             "name": self.name,
             "source": self.source,
             "object_name": self.object_name,
             "similarity": round(self.similarity, 6),
             "distance": self.distance,
             "evidence": None if self.evidence is None else self.evidence.to_json(),
+            "placements": self.placement_count,
         }
+        if self.placement is not None:
+            record["placement"] = self.placement.matrix.ravel().tolist()
+        if self.versions:
+            record["versions"] = self.versions
+        return record

@@ -20,7 +20,7 @@ from shapegoogle_core.library.roots.paths import (
     spellings,
     top_folders,
 )
-from shapegoogle_core.library.storage.records import NewShape, Root, SourceKey, SourceRecord
+from shapegoogle_core.library.storage.records import NewShape, Rearrangement, Root, SourceKey, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -223,6 +223,28 @@ class LibrarySources:
         """
         known = self._known(path_text(path))
         return known is not None and self._store.update_source(known, size, mtime_ns)
+
+    def rename_source(self, source: str, name: str) -> bool:
+        """Give a label another text; its shapes keep their numbers.
+
+        Parameters
+        ----------
+        source : str
+            A label, such as that of a scene that has not been saved yet.
+        name : str
+            The new text. A label that has it already is replaced.
+
+        Returns
+        -------
+        known : bool
+            Whether the library has the label.
+        """
+        old, new = SourceKey("", path_text(source)), SourceKey("", path_text(name))
+        if not self._store.known_sources([old]):
+            return False
+        if old != new:
+            self._store.rearrange(Rearrangement(moved=((old, new),), removed=(new,)))
+        return True
 
     def remove(self, source: PathLike) -> bool:
         """Remove a source with all its shapes.

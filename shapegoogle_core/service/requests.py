@@ -14,6 +14,7 @@ from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.storage.records import NewShape
@@ -29,6 +30,7 @@ __all__ = [
     "explain",
     "library_duplicates",
     "query",
+    "versions",
     "warm_up",
 ]
 
@@ -147,6 +149,9 @@ def query(
     top: int,
     like: Sequence[StoredExample] = (),
     unlike: Sequence[StoredExample] = (),
+    *,
+    families: bool = False,
+    where: Filter | None = None,
 ) -> Answer:
     """Find the shapes of a library that are most similar to a mesh, or to several examples.
 
@@ -160,6 +165,10 @@ def query(
         Number of matches.
     like, unlike : sequence of (int, str), optional
         Shapes of the library, by id and name: further examples, and examples of shapes that are not meant.
+    families : bool, optional
+        Whether to find different shapes, each with the number of its versions.
+    where : Filter, optional
+        Conditions on the matches. Only those of a kind have evidence.
 
     Returns
     -------
@@ -178,11 +187,45 @@ def query(
     signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
     signatures += [_stored_signature(library, example) for example in like]
     matches = library.query(
-        signatures, top=top, explain=0, unlike=[_stored_signature(library, example) for example in unlike]
+        signatures,
+        top=top,
+        explain=0,
+        unlike=[_stored_signature(library, example) for example in unlike],
+        families=families,
+        where=where,
     )
+    return _answer(library, signatures, matches)
+
+
+def versions(path: Path, signatures: Sequence[ShapeSignature], match: Match) -> Answer:
+    """List the family of a match of a query with ``families=True``; see `Library.versions`.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+    signatures : sequence of ShapeSignature
+        See `Answer`.
+    match : Match
+
+    Returns
+    -------
+    answer : Answer
+        The match and its versions, without evidence.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened or read.
+    """
+    library = _SESSION.library(path)
+    return _answer(library, list(signatures), library.versions(signatures, match, explain=0))
+
+
+def _answer(library: Library, signatures: list[ShapeSignature], matches: list[Match]) -> Answer:
     pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
     return Answer(
-        library=path,
+        library=library.path,
         matches=matches,
         signatures=signatures,
         thumbnails={shape_id: png for shape_id, png in pictures if png is not None},

@@ -45,6 +45,7 @@ class Search:
 
     def __init__(self, store: Store, model: ShapeModel, settings: SearchSettings) -> None:
         self._store = store
+        self._model = model
         self._settings = settings
         self._nearest_codes = NearestCodes(store, model, settings.candidates)
         self._shared_words = SharedWords(store, model, settings.candidates)
@@ -81,6 +82,47 @@ class Search:
                 return self._verified(query, best, among)
             # A writer removed one of the best meanwhile; the shape that it displaced must come in, so start
             # again.
+
+    def among_more(
+        self, query: Query, count: int, best: Sequence[Match], among: ShapeIds | None = None, *, exact: bool
+    ) -> list[Match]:
+        """Return more matches of a search, compared by their bags only.
+
+        Parameters
+        ----------
+        query : Query
+        count : int
+            Number of matches.
+        best : sequence of Match
+            From `among_nearest_codes` or `among_all`. They have been verified, and come first.
+        among : (m,) array of int64, optional
+            As before.
+        exact : bool
+            Whether `best` is from `among_all`.
+
+        Returns
+        -------
+        matches : list of Match
+            Best first: `best`, and the others after it.
+        """
+        if exact:
+            ranked = self._reranker.rank_all(query, count, among)
+        else:
+            find = partial(self._nearest_codes.find, query, count, among)
+            with self._store.snapshot():
+                ranked = self._ranked(self._nearest_codes.index, find, query, count)
+        known = {match.shape_id for match in best}
+        others = [match for match in ranked if match.shape_id not in known]
+        if others and any(match.alignment is not None for match in best):
+            # Where geometry has found nothing, the same bags are a weaker sign than without verification.
+            similarities = self._model.similarity(
+                np.array([match.distance for match in others]), verified=True
+            )
+            others = [
+                replace(match, similarity=float(similarity))
+                for match, similarity in zip(others, similarities, strict=True)
+            ]
+        return [*best, *(replace(match, distance=min(match.distance, FARTHEST)) for match in others)]
 
     def _kept(self, query: Query, top: int) -> int:
         """Return the number of matches to keep by their bags: any of them may come first in the end."""

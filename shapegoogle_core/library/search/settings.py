@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 __all__ = [
     "CandidateSettings",
     "EvidenceSettings",
+    "FamilySettings",
     "RerankSettings",
     "SearchSettings",
     "VerificationSettings",
@@ -186,6 +187,28 @@ class EvidenceSettings:
 
 
 @dataclass(frozen=True)
+class FamilySettings:
+    """Families of matches, of which a search shows the best; see `shapegoogle_core.library.search.families`.
+
+    Attributes
+    ----------
+    min_similarity : float
+        Least similarity of a member to the leader by their bags.
+    max_spectral_difference : float
+        Largest root mean square of the logarithms of the ratios of their lowest eigenvalues.
+    at_once : int
+        Number of matches in memory at once.
+    most_met : int
+        Number of matches that a search goes through at most to find the requested number of families.
+    """
+
+    min_similarity: float = 0.95
+    max_spectral_difference: float = 0.045
+    at_once: int = 500
+    most_met: int = 50_000
+
+
+@dataclass(frozen=True)
 class SearchSettings:
     """Settings of a search, by stage.
 
@@ -199,6 +222,8 @@ class SearchSettings:
         Alignment of the best candidates with the query.
     evidence : EvidenceSettings
         Explanation of the best matches.
+    families : FamilySettings
+        Shapes that are shown as versions of one.
 
     Examples
     --------
@@ -213,3 +238,4 @@ class SearchSettings:
     rerank: RerankSettings = field(default_factory=RerankSettings)
     verification: VerificationSettings = field(default_factory=VerificationSettings)
     evidence: EvidenceSettings = field(default_factory=EvidenceSettings)
+    families: FamilySettings = field(default_factory=FamilySettings)

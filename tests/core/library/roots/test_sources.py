@@ -116,6 +116,20 @@ def test_labels_are_kept_as_they_are(rooted: Library, folder: Path) -> None:
     assert rooted.remove("animals.blend")
 
 
+def test_a_renamed_label_keeps_its_shapes(rooted: Library) -> None:
+    signature = rooted.signature(1)
+    first = rooted.add_signature(signature, "a", source="unsaved 1")
+    rooted.add_signature(signature, "b", source="scene.blend (open scene)")
+    other = rooted.add_signature(signature, "c", source="unsaved 2")
+    assert rooted.rename_source("unsaved 1", "scene.blend (open scene)")
+    assert not rooted.rename_source("unsaved 1", "scene.blend (open scene)")
+    assert rooted.rename_source("unsaved 2", "unsaved 2")
+    assert {shape.shape_id: shape.source for shape in rooted.shapes() if shape.shape_id > 3} == {
+        first: "scene.blend (open scene)",
+        other: "unsaved 2",
+    }
+
+
 def test_placements(library: Library, folder: Path, indexed: Library) -> None:
     signature = indexed.signature(1)
     placements = (
