@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.errors import BenchmarkError
@@ -31,7 +31,7 @@ from benchmarks.experiments.files.reading import (
 )
 from benchmarks.experiments.files.report import summary, write_readings, write_verdicts
 from benchmarks.experiments.files.through_blender import find_blender, read_through_blender
-from benchmarks.experiments.files.verdicts import judge
+from benchmarks.experiments.files.verdicts import Verdict, judge
 from shapegoogle_core.cli.arguments import number_from
 
 __all__ = ["add_options", "find_models", "run"]
@@ -126,13 +126,22 @@ def run(options: argparse.Namespace) -> int:
             found += read_through_blender(reader, through, limits, blender)
         for reading in found:
             readings[reading.path].append(reading)
-    verdicts = [verdict for path in readings for verdict in judge(readings[path])]
-    folder = Path(os.path.commonpath([each.absolute() for each in options.folders]))
-    options.output.mkdir(parents=True, exist_ok=True)
-    every = [reading for path in readings for reading in readings[path]]
-    write_readings(options.output / "readings.csv", every, folder)
-    write_verdicts(options.output / "verdicts.csv", verdicts, folder)
-    page = summary(verdicts, folder)
-    (options.output / "summary.md").write_text(page, encoding="utf-8", errors="backslashreplace")
-    print(page.split("\n## ")[0])
+        # After every reader, since reading thousands of files takes hours.
+        verdicts = _write(readings, options.folders, options.output)
+    print((options.output / "summary.md").read_text(encoding="utf-8").split("\n## ")[0])
     return int(any(verdict.verdict == "fails" for verdict in verdicts))
+
+
+def _write(
+    readings: Mapping[Path, Sequence[Reading]], folders: Sequence[Path], output: Path
+) -> list[Verdict]:
+    """Write the tables and the summary; returns the verdicts."""
+    verdicts = [verdict for of_a_file in readings.values() for verdict in judge(of_a_file)]
+    folder = Path(os.path.commonpath([each.absolute() for each in folders]))
+    output.mkdir(parents=True, exist_ok=True)
+    every = [reading for of_a_file in readings.values() for reading in of_a_file]
+    write_readings(output / "readings.csv", every, folder)
+    write_verdicts(output / "verdicts.csv", verdicts, folder)
+    page = summary(verdicts, folder)
+    (output / "summary.md").write_text(page, encoding="utf-8", errors="backslashreplace")
+    return verdicts
