@@ -204,7 +204,7 @@ def _measure(
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BenchmarkError(f"cannot make the folder '{output}': {error.strerror or error}") from error
+        raise BenchmarkError(f"cannot make the folder '{output}': {error.strerror}") from error
     cache = BenchmarkCache(Path(options.cache) if options.cache else _default_cache())
     jobs = options.jobs or default_jobs()
     variants = choose_variants(options.variants, options.model, train=options.train, seed=options.seed)

@@ -90,7 +90,7 @@ class BenchmarkCache:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise BenchmarkError(f"cannot make the cache '{folder}': {error.strerror or error}") from error
+            raise BenchmarkError(f"cannot make the cache '{folder}': {error.strerror}") from error
         self._computed = joblib.Memory(folder, verbose=0).cache(_computed, ignore=["compute"])
 
     def __repr__(self) -> str:

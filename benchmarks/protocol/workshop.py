@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -22,7 +23,7 @@ from benchmarks.protocol.cache import (
 )
 from benchmarks.protocol.collection import BenchmarkShape, NotMakeableError
 from benchmarks.protocol.results import Problem
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import MeshError, ShapeGoogleError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.pool import CrashError, Pool, TimeLimitError
 from shapegoogle_core.processes.progress import progress_bar
@@ -288,7 +289,10 @@ def _cause(error: Exception) -> str:
         return f"it took longer than {TIME_LIMIT:g} s"
     if isinstance(error, CrashError):
         return f"its process ended ({error})"
-    return f"{type(error).__name__}: {error}"
+    if isinstance(error, ShapeGoogleError):
+        return str(error)
+    traceback.print_exception(error)
+    return "a fault in Shape Google, which the traceback on stderr shows"
 
 
 def _result(arrays: Arrays) -> Arrays:

@@ -43,7 +43,7 @@ class BackgroundSearch:
 
     def fail(self, error: BaseException) -> None:
         """End the search with an error."""
-        self.end(str(error) or type(error).__name__)
+        self.end(str(error) or "Stopped; the groups found so far are listed")
 
     def end(self, text: str) -> None:
         """Show that the search has ended, and how."""

@@ -99,7 +99,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         except OSError as error:
             while running:
                 running.pop().cancel()
-            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another library")
+            self.report({"ERROR"}, f"{path}: {error.strerror}; choose another library")
             return False
         session.indexing = True
         return True

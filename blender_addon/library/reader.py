@@ -134,7 +134,11 @@ def _reason(path: str, error: Exception) -> str:
     if Path(path).stat().st_size == 0:
         return f"{name!r} cannot be opened by Blender: it is empty (0 bytes); copy or save it again"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    text = "; ".join(line.removeprefix("Error: ") for line in lines) or type(error).__name__
+    text = "; ".join(line.removeprefix("Error: ") for line in lines)
+    if isinstance(error, OSError):
+        text = error.strerror or ""
+    elif not text or "Traceback (most recent call last)" in text:
+        text = "its importer fails"
     # Blender repeats the whole path, which the user sees elsewhere.
     text = text.replace(path, name).rstrip(".")
     return (

@@ -62,7 +62,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
             path.parent.mkdir(parents=True, exist_ok=True)
             run = BackgroundRun(arguments)
         except OSError as error:
-            self.report({"ERROR"}, f"{path}: {error.strerror or error}; choose another place")
+            self.report({"ERROR"}, f"{path}: {error.strerror}; choose another place")
             return {"CANCELLED"}
         state.current().library.training = run
         session_of(context).training = "Training …"

@@ -84,6 +84,12 @@ def main(arguments: Sequence[str]) -> int:
         return INTERRUPTED
 
 
+def _sentence(item: Any, error: Exception) -> str:
+    if isinstance(error, MemoryError):
+        return f"{item.name!r} does not fit into memory; simplify it"
+    return str(error)
+
+
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core import MeshError
     from shapegoogle_core.cli.command import DONE, SOME_FAILED, UNUSABLE
@@ -111,7 +117,7 @@ def _run(options: argparse.Namespace) -> int:
         except (MeshError, MemoryError) as error:
             if options.verbose:
                 traceback.print_exc()
-            failed.append(str(error) or f"{item.name!r} does not fit into memory")
+            failed.append(_sentence(item, error))
             _say(f"{number}: {item.name}: failed")
             continue
         count += 1

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -99,7 +100,7 @@ class Painter:
         return {"CANCELLED"}
 
     def _finish(self, task: Task, result: Any) -> None:
-        from shapegoogle_core import MeshError
+        from shapegoogle_core import MeshError, ShapeGoogleError
 
         from .results import remember
 
@@ -107,8 +108,14 @@ class Painter:
             remember(task, result())
         except MeshError as error:
             self._failed.append(str(error))
-        except Exception as error:  # such as a worker process that ran out of memory and was killed
+        except ShapeGoogleError as error:  # such as a worker process that ran out of memory and was killed
             self._failed.append(f"{task.name!r} could not be computed: {error}")
+        except Exception:
+            traceback.print_exc()
+            self._failed.append(
+                f"{task.name!r} could not be computed because of a fault in Shape Google; report it with the "
+                "last lines of the console"
+            )
 
     def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
         """Find the computations that are needed; None, after a report, if nothing can be computed."""

@@ -227,7 +227,7 @@ def run(title: str, command: Sequence[str], environment: Mapping[str, str] | Non
             check=False,
         )
     except OSError as error:
-        raise SetupError(f"{title}: {command[0]} does not start ({error})") from error
+        raise SetupError(f"{title}: {command[0]} does not start ({error.strerror})") from error
     if result.returncode != 0:
         raise SetupError(
             f"{title}: exit code {result.returncode} of {' '.join(command)}\n\n{result.stdout.rstrip()}"

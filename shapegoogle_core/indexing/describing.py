@@ -192,6 +192,7 @@ def _failure(name: str, error: Exception, memory_limit: int) -> Failure:
         )
     # Turned into text here: an exception of a library may not be picklable.
     return Failure(
-        f"{name!r} cannot be described (unexpected {type(error).__name__}: {error})",
+        f"{name!r} cannot be described because of a fault in Shape Google, not in the file; report it with "
+        "what --verbose shows",
         "".join(traceback.format_exception(error)),
     )

@@ -214,7 +214,7 @@ class ReaderProcess:
                     with_input=True,
                 )
             except OSError as error:
-                raise self._not_started(error.strerror or str(error)) from error
+                raise self._not_started(error.strerror or "the system refuses") from error
             try:
                 ready = self._program.message(START_LIMIT)
             except TimeoutError as error:

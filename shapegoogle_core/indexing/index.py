@@ -364,9 +364,7 @@ class _Run:
 def _unreadable(path: Path, error: OSError) -> Failure:
     if path.is_dir():
         return Failure(f"{path.name!r} is a folder; list its files with find_meshes")
-    return Failure(
-        f"{path.name!r} cannot be read: {error.strerror or error}; check that it is there and is yours"
-    )
+    return Failure(f"{path.name!r} cannot be read: {error.strerror}; check that it is there and is yours")
 
 
 def _as_copy(copy: FileState, first: Path, failure: Failure) -> Failure:

@@ -49,7 +49,7 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
         data = Path(key).read_bytes()
     except OSError as error:
         raise ModelError(
-            f"cannot read the model {key!r}: {error.strerror or error}; give a file made by "
+            f"cannot read the model {key!r}: {error.strerror}; give a file made by "
             f"`shapegoogle train`, or one of {', '.join(SHIPPED)}"
         ) from error
     return ShapeModel.from_bytes(data, repr(key))

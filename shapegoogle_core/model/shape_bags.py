@@ -70,7 +70,9 @@ def channel_words(
     except ValueError as error:
         # The settings have tried the parameters, so the cause is the shape, e.g. it has no positive
         # eigenvalue.
-        raise MeshError(f"the descriptor {chosen.descriptor!r} cannot be computed ({error})") from error
+        raise MeshError(
+            f"{shape.mesh.name!r}: the descriptor {chosen.descriptor!r} cannot be computed: {error}"
+        ) from error
     if chosen.soft:
         return soft_words(descriptors, vocabulary.centers, vocabulary.sigma)
     return hard_words(descriptors, vocabulary.centers)

@@ -387,4 +387,4 @@ class ShapeModel:
         try:
             Path(path).write_bytes(self.to_bytes())
         except OSError as error:
-            raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror or error}") from error
+            raise ModelError(f"cannot write the model {str(path)!r}: {error.strerror}") from error

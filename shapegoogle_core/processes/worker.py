@@ -15,6 +15,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
@@ -229,7 +230,7 @@ class Worker:
                     self._process, self._answers = launch(command, with_output=False)
             except OSError as error:
                 raise ShapeGoogleError(
-                    f"Python cannot be started at {sys.executable!r} ({error.strerror or error}); install "
+                    f"Python cannot be started at {sys.executable!r} ({error.strerror}); install "
                     "Blender again, or use another build of it"
                 ) from error
         return self._process, self._answers
@@ -267,6 +268,11 @@ def _answer(function: Callable[..., Any], arguments: tuple[object, ...]) -> byte
         return pickle.dumps((True, function(*arguments)), protocol=pickle.HIGHEST_PROTOCOL)
     except Exception as error:
         # An exception of a library may not be picklable; its text is.
-        known = isinstance(error, ShapeGoogleError)
-        sent = error if known else ShapeGoogleError(f"unexpected {type(error).__name__}: {error}")
+        if isinstance(error, ShapeGoogleError):
+            sent = error
+        else:
+            traceback.print_exc()  # to the console of the program with the window
+            sent = ShapeGoogleError(
+                "this failed because of a fault in Shape Google; report it with the last lines of the console"
+            )
         return pickle.dumps((False, sent), protocol=pickle.HIGHEST_PROTOCOL)

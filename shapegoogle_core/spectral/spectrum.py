@@ -164,7 +164,9 @@ def compute_spectrum(
     try:
         return operator_spectrum(operator, k, boundary)
     except np.linalg.LinAlgError as error:
-        raise MeshError(f"{mesh.name!r}: the eigenproblem could not be solved ({error})") from error
+        raise MeshError(
+            f"{mesh.name!r}: its eigenpairs cannot be computed; repair it or mesh it again"
+        ) from error
 
 
 def operator_spectrum(operator: Operator, k: int = 100, boundary: str = "neumann") -> Spectrum:

@@ -28,6 +28,7 @@ __all__ = [
 Parameter = str | int | float
 
 _FORMAT = 1
+_RESULT = "name a benchmark.json written by `python -m benchmarks retrieval`"
 
 
 def _number(value: Any) -> Any:
@@ -294,7 +295,9 @@ class BenchmarkResult:
             known["problems"] = tuple(Problem(**entry) for entry in known["problems"])
             return cls(**known)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise BenchmarkError(f"this is not the result of a benchmark ({error!r})") from error
+            raise BenchmarkError(
+                "this is not the result of a benchmark, or a field of it was changed by hand"
+            ) from error
 
 
 def save_result(result: BenchmarkResult, path: Path) -> None:
@@ -318,8 +321,7 @@ def save_result(result: BenchmarkResult, path: Path) -> None:
     except OSError as error:
         unfinished.unlink(missing_ok=True)
         raise BenchmarkError(
-            f"cannot write '{path}' ({error.strerror or error}); make room, or name another folder with "
-            "--output"
+            f"cannot write '{path}' ({error.strerror}); make room, or name another folder with --output"
         ) from error
 
 
@@ -344,7 +346,7 @@ def load_result(path: Path) -> BenchmarkResult:
         return BenchmarkResult.from_json(values)
     except OSError as error:
         raise BenchmarkError(f"{str(path)!r} cannot be read ({error.strerror})") from error
-    except (ValueError, BenchmarkError) as error:
-        raise BenchmarkError(
-            f"{str(path)!r}: {error}; name a benchmark.json written by `python -m benchmarks retrieval`"
-        ) from error
+    except BenchmarkError as error:
+        raise BenchmarkError(f"{str(path)!r}: {error}; {_RESULT}") from error
+    except ValueError as error:
+        raise BenchmarkError(f"{str(path)!r} is no text in JSON; {_RESULT}") from error

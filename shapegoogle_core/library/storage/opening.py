@@ -61,8 +61,10 @@ def _is_file(path: Path) -> bool:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
         return False
-    except (OSError, ValueError) as error:  # ValueError: a null character
-        raise LibraryError(f"'{path}' cannot be reached ({error}); choose another place") from error
+    except OSError as error:
+        raise LibraryError(f"'{path}' cannot be reached: {error.strerror}; choose another place") from error
+    except ValueError as error:
+        raise LibraryError(f"{str(path)!r} has a null character in its name; choose another name") from error
     if stat.S_ISDIR(mode):
         raise LibraryError(
             f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"

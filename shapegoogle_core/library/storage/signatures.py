@@ -152,7 +152,7 @@ def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -
     try:
         sample = SurfaceSample.from_bytes(data)
     except ValueError as error:
-        raise damaged(store.name, f"the surface of shape {shape_id} cannot be read: {error}") from error
+        raise damaged(store.name, f"the surface of shape {shape_id} cannot be read") from error
     settings = model.settings.sample
     if settings is None or (len(sample.points), len(sample.descriptors)) != (
         settings.points,

@@ -126,7 +126,8 @@ def read_mesh(
         raise MeshError(f"{name!r} {error}{_misnamed(path)}") from error
     except OSError as error:
         raise MeshError(
-            f"{name!r} cannot be read: {error.strerror or error}; check the disk and its permissions"
+            f"{name!r} cannot be read: {error.strerror or 'the system refuses'}; check the disk and its "
+            "permissions"
         ) from error
     except MemoryError as error:
         raise MeshError(

@@ -21,7 +21,7 @@ _READ_ONLY = (
     "add or remove shapes"
 )
 _REFUSED = (
-    "cannot be read or written ({symbol}): the disk, its quota or the network drive refused; make room or "
+    "cannot be read or written: the disk, its quota or the network drive refused; make room or "
     "copy the library to a local disk (everything added before is safe)"
 )
 # The file is there: it may not be read, or the journal beside it cannot be created.
@@ -70,14 +70,13 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
     code = getattr(error, "sqlite_errorcode", None)
     if code is None:
         return _misuse(error, path)
-    symbol = getattr(error, "sqlite_errorname", type(error).__name__)
     primary = code & 0xFF  # an extended result code carries its primary code in the lowest byte
     if primary == sqlite3.SQLITE_CANTOPEN and os.path.lexists(path):
         return LibraryError(f"'{path}' {_NOT_OPENED}")
     sentence = _SENTENCES.get(code) or _SENTENCES.get(primary)
     if sentence is None:
-        return damaged(str(path), str(error) if primary == sqlite3.SQLITE_CORRUPT else f"{symbol}: {error}")
-    return LibraryError(f"'{path}' " + sentence.format(timeout=timeout, symbol=symbol, file=path.name))
+        return damaged(str(path), "its tables contradict each other")
+    return LibraryError(f"'{path}' " + sentence.format(timeout=timeout, file=path.name))
 
 
 def read_only_error(path: Path, *, requested: bool) -> LibraryError:
@@ -104,4 +103,4 @@ def _misuse(error: sqlite3.Error, path: Path) -> LibraryError:
         return LibraryError(f"'{path}' was closed; open it again with Library.open")
     if "thread" in str(error):
         return LibraryError(f"'{path}' was opened in another thread; open the library again in each thread")
-    return LibraryError(f"'{path}' cannot take this value ({error})")
+    return LibraryError(f"'{path}' cannot store this value; give names as text and sizes as numbers")

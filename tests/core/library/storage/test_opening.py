@@ -88,7 +88,7 @@ def test_below_a_file_and_impossible_names(path: Path, model: ShapeModel) -> Non
         Library.open(path / "inside.sglib", model)
     with pytest.raises(LibraryError, match="cannot be reached"):
         Library.open(path.parent / ("x" * 5_000), model)
-    with pytest.raises(LibraryError, match=r"cannot be reached .*null"):
+    with pytest.raises(LibraryError, match="has a null character in its name"):
         Library.open(f"{path}\0", model)
     assert [entry.name for entry in path.parent.iterdir()] == [path.name]
 

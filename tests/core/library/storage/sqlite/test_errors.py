@@ -29,10 +29,13 @@ def sqlite_error(code: int) -> sqlite3.Error:
         (sqlite3.SQLITE_READONLY_ROLLBACK, "copy it together with 'shapes.sglib-journal'"),
         (sqlite3.SQLITE_CANTOPEN, "cannot be created: .*choose another place"),
         (sqlite3.SQLITE_NOTADB, "is not a Shape Google library .*choose another file"),
-        (sqlite3.SQLITE_CORRUPT, r"is damaged .*\(as SQLite words it\); restore it from a backup"),
-        (sqlite3.SQLITE_IOERR_WRITE, r"\(SQLITE_NAME\): .*make room or copy the library"),
+        (
+            sqlite3.SQLITE_CORRUPT,
+            r"is damaged .*\(its tables contradict each other\); restore it from a backup",
+        ),
+        (sqlite3.SQLITE_IOERR_WRITE, r"cannot be read or written: .*make room or copy the library"),
         (sqlite3.SQLITE_TOOBIG, "over a gigabyte; leave it out"),
-        (sqlite3.SQLITE_INTERNAL, r"is damaged .*\(SQLITE_NAME: as SQLite words it\)"),
+        (sqlite3.SQLITE_INTERNAL, r"is damaged .*contradict each other"),
     ],
 )
 def test_each_error_says_what_to_do(path: Path, code: int, advice: str) -> None:
@@ -48,5 +51,5 @@ def test_a_file_that_exists_but_cannot_be_opened(path: Path) -> None:
 
 
 def test_misuse_has_no_code(path: Path) -> None:
-    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot take this value \(odd\)"):
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot store this value; give names as text"):
         raise library_error(sqlite3.InterfaceError("odd"), path, 1)
