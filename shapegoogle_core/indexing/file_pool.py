@@ -270,8 +270,8 @@ class FilePool:
             return Failure(reason), Spent()
         except Exception as error:
             reason = (
-                f"{step.name!r} was lost by the process that worked on it; index it again, and report it with "
-                "what --verbose shows if that happens again"
+                f"{step.name!r} was lost by the process that worked on it; index it again, and report it "
+                "with what --verbose shows if that happens again"
             )
             return Failure(reason, "".join(traceback.format_exception(error))), Spent()
         return result, task.spent
