@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import json
 import os
 import stat
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote
 
 from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import MESH_SUFFIXES
+from shapegoogle_core.mesh.io.file import FormatError
+from shapegoogle_core.mesh.io.gltf import buffer_files
 
 __all__ = [
     "ContentKey",
@@ -268,16 +268,14 @@ def examine(path: Path, choices: str = "") -> FileState:
 
 
 def _parts(path: Path) -> list[Path]:
-    """List the files that contain a shape: a .gltf stores its coordinates in files beside it."""
+    """List the files that contain a shape: a .gltf stores its coordinates in files beside it, a .glb may."""
     if not stat.S_ISREG(path.stat().st_mode):
         # Reading a pipe or a device might never end.
         raise OSError(errno.EINVAL, "it is not an ordinary file")
-    if path.suffix.lower() != ".gltf":
+    if path.suffix.lower() not in (".glb", ".gltf"):
         return [path]
     try:
-        uris = [buffer["uri"] for buffer in json.loads(path.read_bytes())["buffers"] if "uri" in buffer]
-        neighbours = [path.parent / unquote(uri) for uri in uris if not uri.startswith("data:")]
-        return [path, *(neighbour for neighbour in neighbours if neighbour.is_file())]
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return [path, *buffer_files(path)]
+    except FormatError:
         # Damaged: the reader reports how.
         return [path]

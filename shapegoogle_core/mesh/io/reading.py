@@ -41,7 +41,7 @@ MESH_SUFFIXES = frozenset(READERS)
 """Suffixes of the files that `read_mesh` reads, in lower case with the dot."""
 
 # In other formats vertices without faces are curves, or the faces were lost in the export.
-_MAY_HAVE_NO_FACES = frozenset({".pcd", ".ply", ".xyz"})
+_MAY_HAVE_NO_FACES = frozenset({".glb", ".gltf", ".pcd", ".ply", ".xyz"})
 
 # First bytes of files that often have a wrong name.
 _BEGINNINGS = {
@@ -63,7 +63,8 @@ def read_mesh(
 
     All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons, also concave
     ones, are cut into triangles that cover the same surface. Materials, textures and animation are left out.
-    A .ply without faces, an .xyz and a .pcd give a point cloud. Nothing is fetched from a network.
+    A .ply without faces, a .glb or .gltf of points, an .xyz and a .pcd give a point cloud. Nothing is fetched
+    from a network.
 
     Parameters
     ----------
