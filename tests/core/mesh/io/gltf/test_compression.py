@@ -176,15 +176,16 @@ def test_streams_that_are_damaged(tmp_path: Path) -> None:
             points_of(made, view, values).save(tmp_path),
             "meshopt data in bufferViews[0].extensions.EXT_meshopt",
         )
-    for change, word in (
+    refused: list[tuple[dict[str, Any], str]] = [
         ({"mode": "OTHER"}, "the mode 'OTHER'"),
         ({"byteStride": 6}, "with 6 bytes"),
         ({"filter": "OCTAHEDRAL"}, "the meshopt filter 'OCTAHEDRAL'"),
         ({"count": 10**12}, "claims 1,000,000,000,000 values"),
         ({"count": 100}, "that cannot be decoded"),
-    ):
+    ]
+    for changes, word in refused:
         made = GltfBuilder()
-        view = compressed(made, "attributes wave 0", values, **change)
+        view = compressed(made, "attributes wave 0", values, **changes)
         refuse(points_of(made, view, values).save(tmp_path), word)
 
 
@@ -204,7 +205,7 @@ def test_draco(tmp_path: Path) -> None:
     draco = pytest.importorskip("DracoPy")
     data = draco.encode(BOX, np.array(TRIANGLES, np.uint32), quantization_bits=14)
     mesh = draco_box(GltfBuilder(), data, {"POSITION": 0}).read(tmp_path)
-    assert (len(mesh.faces), mesh.area) == (12, pytest.approx(AREA, rel=1e-3))
+    assert (len(mesh.faces), mesh.area) == pytest.approx((12, AREA), rel=1e-3)
     refuse(
         draco_box(GltfBuilder(), data, {"POSITION": 5}).save(tmp_path),
         "no attribute POSITION in the Draco data",

@@ -106,7 +106,8 @@ def test_joints_move_a_skinned_mesh(tmp_path: Path) -> None:
 def test_the_node_of_a_skinned_mesh_does_not_count(tmp_path: Path) -> None:
     plain = skinned().read(tmp_path)
     for place in ({"translation": [5, 5, 5]}, {"scale": [-3, 3, 3]}, {"rotation": [1, 0, 0, 0]}):
-        made = skinned(**place)
+        made = skinned()
+        made.tree["nodes"][0] |= place
         made.add("nodes", children=[0], scale=[7, 7, 7])
         made.tree["scenes"] = [{"nodes": [3, 1]}]
         mesh = made.read(tmp_path)

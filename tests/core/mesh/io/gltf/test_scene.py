@@ -206,7 +206,7 @@ def test_points_and_lines(tmp_path: Path) -> None:
     assert np.allclose(cloud.vertices, np.add(points, [5, 0, 0]))
     refuse(made.save(tmp_path), "50 points", max_faces=49)
     made.tree["scenes"][0]["nodes"].append(made.add("nodes", mesh=made.mesh()))
-    assert (len(made.read(tmp_path).vertices), made.read(tmp_path).area) == (8, pytest.approx(AREA))
+    assert (len(made.read(tmp_path).vertices), made.read(tmp_path).area) == pytest.approx((8, AREA))
     for mode in (1, 2, 3):
         lines = GltfBuilder()
         lines.scene(lines.add("nodes", mesh=lines.mesh(points, None, mode=mode)))
