@@ -14,6 +14,7 @@ from shapegoogle_core.descriptors import volumetric_hks as volumetric_hks
 from shapegoogle_core.descriptors import wave_kernel_signature as wave_kernel_signature
 from shapegoogle_core.errors import LibraryError as LibraryError
 from shapegoogle_core.errors import MeshError as MeshError
+from shapegoogle_core.errors import MeshWarning as MeshWarning
 from shapegoogle_core.errors import ModelError as ModelError
 from shapegoogle_core.errors import ShapeGoogleError as ShapeGoogleError
 from shapegoogle_core.indexing import IndexReport as IndexReport

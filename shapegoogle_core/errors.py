@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Errors of this package: one class for each kind of input."""
+"""Errors of this package, one class for each kind of input, and its warning."""
 
-__all__ = ["LibraryError", "MeshError", "ModelError", "ShapeGoogleError"]
+__all__ = ["LibraryError", "MeshError", "MeshWarning", "ModelError", "ShapeGoogleError"]
 
 
 class ShapeGoogleError(Exception):
@@ -34,6 +34,25 @@ class MeshError(ShapeGoogleError, ValueError):
     ...     print(error)
     'horse': a face names vertex 2, but indices must be 0 to 1; subtract 1 if yours count from 1, or export
     the mesh again if it was cut short
+    """
+
+
+class MeshWarning(UserWarning):
+    r"""A part of a mesh file was left out; the message is one sentence that names the file and the part.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> import tempfile, warnings
+    >>> from pathlib import Path
+    >>> points = "".join(f"{i % 4} {i // 4} {i % 3}\n" for i in range(16))
+    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as found:
+    ...     warnings.simplefilter("always", sg.MeshWarning)
+    ...     path = Path(folder, "scan.xyz")
+    ...     _ = path.write_text(points + "nan nan nan\n")
+    ...     scan = sg.read_mesh(path)
+    >>> scan, str(found[0].message)
+    (Mesh('scan.xyz', 16 vertices, 0 faces), "'scan.xyz' has 1 of 17 points without finite coordinates ...")
     """
 
 

@@ -9,15 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.io.ear_clipping import clip_ears, newell_normals
-from shapegoogle_core.mesh.io.file import DamagedError, check_face_count
+from shapegoogle_core.mesh.io.file import DamagedError, FormatError, check_face_count
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["Polygons", "triangulate"]
+__all__ = ["Polygons", "triangulate", "without_lost_points"]
 
 # A triangle with less than this share of its quad's area is avoided if the other diagonal gives two larger.
 _LEAST_SHARE = 1e-9
 
 _AT_ONCE = 8192
+
+# Largest share of faces that are left out because their points have no finite coordinates.
+_MOST_LEFT_OUT = 0.1
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,14 @@ class Polygons:
         Vertices of all polygons, one polygon after the other, counted from 0.
     sizes : (p,) array of int
         Number of corners of each polygon; their sum is c. Empty for points alone.
+    notes : tuple of str
+        What of the file was not read. Each completes the sentence "<file> …".
     """
 
     vertices: FloatArray
     corners: NDArray[np.int64]
     sizes: NDArray[np.int64]
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def from_triangles(cls, vertices: FloatArray, faces: NDArray[np.int64]) -> Polygons:
@@ -43,9 +49,56 @@ class Polygons:
         return cls(vertices, faces.ravel(), np.full(len(faces), 3))
 
     @classmethod
-    def from_points(cls, vertices: FloatArray) -> Polygons:
+    def from_points(cls, vertices: FloatArray, notes: tuple[str, ...] = ()) -> Polygons:
         """Take points without faces."""
-        return cls(vertices, np.empty(0, np.int64), np.empty(0, np.int64))
+        return cls(vertices, np.empty(0, np.int64), np.empty(0, np.int64), notes)
+
+
+def without_lost_points(polygons: Polygons) -> Polygons:
+    """Leave out points whose coordinates are not finite, and polygons that use them.
+
+    Scanners write such points for rays that met nothing; a few of them may be damage. With many faces
+    missing it would be another shape.
+
+    Parameters
+    ----------
+    polygons : Polygons
+
+    Returns
+    -------
+    polygons : Polygons
+        The same if all coordinates are finite; else with a note that counts what was left out.
+
+    Raises
+    ------
+    FormatError
+        If many faces use such points, or a polygon names a vertex that is not there.
+    """
+    vertices, corners, sizes = polygons.vertices, polygons.corners, polygons.sizes
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(vertices.sum()):
+            return polygons
+    sound = np.atleast_1d(np.isfinite(vertices).all(axis=1))
+    if sound.all():
+        return polygons
+    lost = len(vertices) - int(sound.sum())
+    _check_corners(polygons)
+    # Points and lines of a file may name any vertex: they are no surface.
+    uses_lost = ~sound[np.clip(corners, 0, len(vertices) - 1)]
+    complete = np.ones(len(sizes), bool)
+    complete[np.repeat(np.arange(len(sizes)), sizes)[uses_lost]] = False
+    left_out = int((~complete & (sizes > 2)).sum())
+    faces = f", and {left_out:,} of {len(sizes):,} faces use them" if left_out else ""
+    note = f"has {lost:,} of {len(vertices):,} points without finite coordinates (NaN or infinite){faces}"
+    if left_out > _MOST_LEFT_OUT * len(sizes):
+        raise FormatError(f"{note}; repair it or export it again")
+    places = np.cumsum(sound) - 1
+    return Polygons(
+        vertices[sound],
+        places[np.clip(corners, 0, len(vertices) - 1)][np.repeat(complete, sizes)],
+        sizes[complete],
+        (*polygons.notes, f"{note}; they were left out"),
+    )
 
 
 def triangulate(polygons: Polygons, max_faces: int) -> NDArray[np.int64]:
@@ -104,14 +157,16 @@ def triangulate(polygons: Polygons, max_faces: int) -> NDArray[np.int64]:
 
 
 def _check_corners(polygons: Polygons) -> None:
-    corners, count = polygons.corners, len(polygons.vertices)
-    if corners.size and (corners.min() < 0 or corners.max() >= count):
-        wrong = corners[((corners < 0) | (corners >= count)) & np.repeat(polygons.sizes > 2, polygons.sizes)]
-        if wrong.size:
-            raise DamagedError(
-                f"has a face that names vertex {wrong[0]}, but its {count:,} vertices are numbered from 0 to "
-                f"{count - 1}"
-            )
+    corners, sizes, count = polygons.corners, polygons.sizes, len(polygons.vertices)
+    if not corners.size or (corners.min() >= 0 and corners.max() < count):
+        return
+    wrong = np.flatnonzero(((corners < 0) | (corners >= count)) & np.repeat(sizes > 2, sizes))
+    if len(wrong):
+        face = int(np.searchsorted(np.cumsum(sizes), wrong[0], "right"))
+        raise DamagedError(
+            f"names vertex {corners[wrong[0]]} in face {face:,}, but counted from 0 there are only vertices "
+            f"0 to {count - 1:,}"
+        )
 
 
 def _usual_scale(vertices: FloatArray) -> FloatArray:

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from shapegoogle_core.api.arguments import as_path, check_count
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import MeshError, MeshWarning
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count, read_content
 from shapegoogle_core.mesh.io.gltf import read_glb, read_gltf
@@ -18,12 +19,12 @@ from shapegoogle_core.mesh.io.obj import read_obj
 from shapegoogle_core.mesh.io.off import read_off
 from shapegoogle_core.mesh.io.pcd import read_pcd
 from shapegoogle_core.mesh.io.ply import read_ply
-from shapegoogle_core.mesh.io.polygons import Polygons, triangulate
+from shapegoogle_core.mesh.io.polygons import Polygons, triangulate, without_lost_points
 from shapegoogle_core.mesh.io.stl import read_stl
 from shapegoogle_core.mesh.io.xyz import read_xyz
 from shapegoogle_core.mesh.mesh import Mesh
 
-__all__ = ["MESH_SUFFIXES", "READERS", "read_mesh"]
+__all__ = ["MESH_SUFFIXES", "READERS", "read_mesh", "read_with_warnings"]
 
 READERS: dict[str, Callable[[MeshFile], Polygons]] = {
     ".glb": read_glb,
@@ -63,8 +64,9 @@ def read_mesh(
 
     All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons, also concave
     ones, are cut into triangles that cover the same surface. Materials, textures and animation are left out.
-    A .ply without faces, a .glb or .gltf of points, an .xyz and a .pcd give a point cloud. Nothing is fetched
-    from a network.
+    A .ply without faces, a .glb or .gltf of points, an .xyz and a .pcd give a point cloud. Points without
+    finite coordinates, and faces that use them, are left out with a warning. Nothing is fetched from a
+    network.
 
     Parameters
     ----------
@@ -90,6 +92,11 @@ def read_mesh(
         If the file is missing, unreadable, empty, damaged, cut short, of another format, too large, or
         has neither a surface (see `check_surface`) nor points of one (`check_cloud`).
 
+    Warns
+    -----
+    MeshWarning
+        If a part of the file was left out.
+
     Examples
     --------
     >>> import shapegoogle_core as sg
@@ -100,6 +107,33 @@ def read_mesh(
     ...     mesh = sg.read_mesh(path)
     >>> mesh, mesh.area
     (Mesh('box.ply', 8 vertices, 12 faces), 22.0)
+    """
+    mesh, sentences = read_with_warnings(path, point_cloud=point_cloud, max_faces=max_faces)
+    for sentence in sentences:
+        warnings.warn(sentence, MeshWarning, stacklevel=2)
+    return mesh
+
+
+def read_with_warnings(
+    path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = 20_000_000
+) -> tuple[Mesh, tuple[str, ...]]:
+    """Read a mesh file and return its warnings, for programs that show them in their own way.
+
+    Parameters
+    ----------
+    path, point_cloud, max_faces
+        As in `read_mesh`.
+
+    Returns
+    -------
+    mesh : Mesh
+    warnings : tuple of str
+        A sentence for each part of the file that was left out.
+
+    Raises
+    ------
+    ValueError, MeshError
+        As in `read_mesh`.
     """
     check_count("max_faces", max_faces)
     path = as_path(path)
@@ -117,7 +151,7 @@ def read_mesh(
                 "convert it first"
             )
         file = MeshFile(read_content(path, max_faces), path.parent, max_faces)
-        polygons = READERS[suffix](file)
+        polygons = without_lost_points(READERS[suffix](file))
         vertices, faces = polygons.vertices, triangulate(polygons, max_faces)
         if not len(faces):
             check_point_count(len(vertices), max_faces)
@@ -139,14 +173,15 @@ def read_mesh(
         raise MeshError(
             f"{name!r} is damaged, cut short, or uses a feature that cannot be read; export it again"
         ) from error
+    sentences = tuple(f"{name!r} {note}" for note in polygons.notes)
     if point_cloud:
-        return _point_cloud(Mesh(vertices, name=name))
+        return _point_cloud(Mesh(vertices, name=name)), sentences
     mesh = Mesh(vertices, faces, name)
     if mesh.is_point_cloud and suffix in _MAY_HAVE_NO_FACES:
         check_cloud(mesh)
     else:
         check_surface(mesh)
-    return mesh
+    return mesh, sentences
 
 
 def _point_cloud(points: Mesh) -> Mesh:

@@ -1,36 +1,45 @@
 # SPDX-License-Identifier: MIT
-"""Text formats: one decoder for all of them, and tables of numbers parsed many lines at a time."""
+"""Text formats: one decoder for all of them, and their lines, each with its number for errors."""
 
 from __future__ import annotations
 
 import codecs
-from collections.abc import Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from shapegoogle_core.mesh.io.file import DamagedError
-from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = [
-    "filled_lines",
-    "parse_corners",
-    "parse_numbers",
-    "parse_polygons",
-    "plain_text",
-    "quoted",
-    "unexpected",
-    "without_mark",
-]
+__all__ = ["Lines", "filled_lines", "lines_of", "plain_text", "quoted", "unexpected", "without_mark"]
 
 _UTF_16 = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+# Characters of the beginning that show whether a text without a mark has two bytes each.
+_BEGINNING = 256
+_FEWEST_CHARACTERS = 8
+# How C libraries of Windows and others write what is not a number, or not finite.
+_NOT_A_NUMBER = re.compile(rb"[-+]?\d\.#(?:QNAN|SNAN|IND|NAN)\w*", re.IGNORECASE)
+_INFINITE = re.compile(rb"([-+]?)\d\.#INF\w*", re.IGNORECASE)
+_NAN_OF_A_KIND = re.compile(rb"\bnan\([\w]*\)", re.IGNORECASE)
 
 
 def without_mark(data: bytes) -> bytes:
     """Remove a byte order mark, and decode UTF-16; line ends stay, since binary data may follow a header."""
     if encoding := _UTF_16.get(data[:2]):
         return data[2:].decode(encoding, "replace").encode()
+    if encoding := _unmarked_encoding(data):
+        return data.decode(encoding, "replace").encode()
     return data.removeprefix(codecs.BOM_UTF8)
+
+
+def _unmarked_encoding(data: bytes) -> str | None:
+    """Return the encoding of UTF-16 without a mark: every other byte of its ASCII characters is zero."""
+    even, odd = data[: 2 * _BEGINNING : 2], data[1 : 2 * _BEGINNING : 2]
+    if len(odd) < _FEWEST_CHARACTERS:
+        return None
+    if not any(odd) and all(even):
+        return "utf-16-le"
+    return "utf-16-be" if not any(even) and all(odd) else None
 
 
 def plain_text(data: bytes) -> bytes:
@@ -39,98 +48,114 @@ def plain_text(data: bytes) -> bytes:
     Parameters
     ----------
     data : bytes
-        ASCII, any extension of it to eight bits, UTF-8, or UTF-16 with a byte order mark.
+        ASCII, any extension of it to eight bits, UTF-8, or UTF-16.
 
     Returns
     -------
     text : bytes
-        An extension of ASCII without a byte order mark; lines end with ``\n``.
+        An extension of ASCII without a byte order mark; lines end with ``\n``, and every spelling of what is
+        not a number is "nan".
     """
-    text = without_mark(data)
-    return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
+    # A search that finds nothing costs next to nothing; a regular expression does.
+    text = without_mark(data).removesuffix(b"\x1a")  # the end of a file of DOS
+    if b"\r" in text:
+        text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if b".#" in text:
+        text = _INFINITE.sub(rb"\1inf", _NOT_A_NUMBER.sub(b"nan", text))
+    return _NAN_OF_A_KIND.sub(b"nan", text) if b"(" in text else text
 
 
-def filled_lines(text: bytes, count: int) -> list[bytes]:
-    """Return the first `count` lines that are not blank; `DamagedError` if there are fewer."""
-    lines = [line for line in text.split(b"\n") if line and not line.isspace()]
-    if len(lines) < count:
-        raise DamagedError(f"ends after {len(lines):,} of the {count:,} lines that it announces")
-    return lines[:count]
-
-
-def parse_numbers(lines: Sequence[bytes], columns: Sequence[int], expected: str) -> FloatArray:
-    """Parse some columns of lines of numbers with blanks between them.
+@dataclass(frozen=True)
+class Lines:
+    """Some lines of a text file, and where they are in it.
 
     Parameters
     ----------
-    lines : sequence of bytes
-        Lines may have more columns, and not all the same number of them.
-    columns : sequence of int
-        Columns to parse, counted from 0.
+    content : list of bytes
+    find_numbers : callable
+        Returns the number of each line in the file, counted from 1. Only called for an error.
+    """
+
+    content: list[bytes]
+    find_numbers: Callable[[], Sequence[int]]
+
+    def __len__(self) -> int:
+        return len(self.content)
+
+    @cached_property
+    def numbers(self) -> Sequence[int]:
+        """Number of each line in the file, counted from 1."""
+        return self.find_numbers()
+
+    def part(self, start: int, stop: int | None = None) -> Lines:
+        """Take the lines from one place to another."""
+        return Lines(self.content[start:stop], lambda: self.numbers[start:stop])
+
+    def chosen(self, places: Sequence[int]) -> Lines:
+        """Take the lines at some places."""
+        return Lines(
+            [self.content[place] for place in places], lambda: [self.numbers[place] for place in places]
+        )
+
+    def with_content(self, content: list[bytes]) -> Lines:
+        """Replace the content of each line."""
+        return Lines(content, lambda: self.numbers)
+
+    def first(self, count: int) -> Lines:
+        """Take the first lines; raise `DamagedError` if there are fewer."""
+        if len(self) < count:
+            raise DamagedError(f"ends after {len(self):,} of the {count:,} lines that it announces")
+        return self if len(self) == count else self.part(0, count)
+
+    def unexpected(self, place: int, expected: str) -> DamagedError:
+        """Make the error for a line that has something else than expected."""
+        return unexpected(self.content[place], self.numbers[place], expected)
+
+
+def filled_lines(text: bytes, first_number: int = 1) -> Lines:
+    r"""Take the lines of a text that are not blank.
+
+    Parameters
+    ----------
+    text : bytes
+        With ``\n`` as line end.
+    first_number : int, optional
+        Number of its first line in the file.
+
+    Returns
+    -------
+    lines : Lines
+    """
+    every = text.split(b"\n")
+    lines = [line for line in every if line and not line.isspace()]
+    return Lines(lines, lambda: _numbers(every, first_number))
+
+
+def lines_of(count: int) -> str:
+    """Write a number of lines, such as "1 line" or "2,000 lines"."""
+    return f"{count:,} line{'' if count == 1 else 's'}"
+
+
+def _numbers(every: Iterable[bytes], first_number: int) -> list[int]:
+    return [number for number, line in enumerate(every, first_number) if line and not line.isspace()]
+
+
+def unexpected(line: bytes, number: int, expected: str) -> DamagedError:
+    """Make the error for a line that has something else than expected.
+
+    Parameters
+    ----------
+    line : bytes
+    number : int
+        Counted from 1.
     expected : str
-        Name of a line's content for the error, such as "a point".
+        Such as "a vertex".
 
     Returns
     -------
-    numbers : (number of lines, number of columns) array
-
-    Raises
-    ------
-    DamagedError
-        If a line has too few columns, or something else than a number there.
+    error : DamagedError
     """
-    if not lines or not columns:
-        return np.empty((len(lines), len(columns)))
-    try:
-        return np.loadtxt(lines, usecols=columns, ndmin=2, comments=None, encoding="latin-1")
-    except ValueError as error:
-        wrong = next((line for line in lines if not _has_numbers(line, columns)), lines[-1])
-        raise unexpected(wrong, expected) from error
-
-
-def parse_polygons(lines: Sequence[bytes], column: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Parse lines of polygons: the number of corners, then the vertices counted from 0.
-
-    Parameters
-    ----------
-    lines : sequence of bytes
-        Values behind the vertices, such as a colour, are left out.
-    column : int
-        Column of the number of corners.
-
-    Returns
-    -------
-    corners : (c,) array of int
-    sizes : (number of lines,) array of int
-        As in `Polygons`.
-
-    Raises
-    ------
-    DamagedError
-        If a line is not a polygon.
-    """
-    sizes = _whole_numbers(lines, [column])[:, 0]
-    wrong = (sizes < 0) | (sizes > np.fromiter(map(len, lines), np.int64, len(lines)))
-    if wrong.any():
-        raise unexpected(lines[int(wrong.argmax())], "a polygon")
-    return parse_corners(lines, column + 1, sizes), sizes
-
-
-def parse_corners(lines: Sequence[bytes], column: int, sizes: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Parse lines with a known number of corners each, which begin at a column; see `parse_polygons`."""
-    starts = np.cumsum(sizes) - sizes
-    corners = np.empty(int(sizes.sum()), np.int64)
-    for size in np.unique(sizes).tolist():
-        rows = np.flatnonzero(sizes == size)
-        chosen = lines if len(rows) == len(lines) else [lines[row] for row in rows.tolist()]
-        numbers = _whole_numbers(chosen, range(column, column + size))
-        corners[starts[rows, None] + np.arange(size)] = numbers
-    return corners
-
-
-def unexpected(line: bytes, expected: str) -> DamagedError:
-    """Make the error for a line that has something else than expected."""
-    return DamagedError(f"has a line {quoted(line)} that is not {expected}")
+    return DamagedError(f"has {quoted(line)} in line {number:,}, where {expected} is expected")
 
 
 def quoted(text: bytes | str) -> str:
@@ -162,22 +187,3 @@ def _decoded(text: bytes) -> str:
         return text.decode()
     except UnicodeDecodeError:
         return text.decode("latin-1")
-
-
-def _whole_numbers(lines: Sequence[bytes], columns: Sequence[int]) -> NDArray[np.int64]:
-    """Parse columns of polygons; some programs write whole numbers as 3.0."""
-    numbers = parse_numbers(lines, columns, "a polygon")
-    with np.errstate(invalid="ignore"):
-        whole = numbers.astype(np.int64)
-    wrong = (whole != numbers).any(axis=1)
-    if wrong.any():
-        raise unexpected(lines[int(wrong.argmax())], "a polygon")
-    return whole
-
-
-def _has_numbers(line: bytes, columns: Sequence[int]) -> bool:
-    words = line.split()
-    try:
-        return all(isinstance(float(words[column]), float) for column in columns)
-    except (IndexError, ValueError):
-        return False

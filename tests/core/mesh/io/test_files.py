@@ -13,11 +13,12 @@ import pytest
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.mesh import read_mesh
+from tests.core.mesh.io.mesh_files import volume
 
 FOLDER = Path(__file__).resolve().parents[3] / "files"
 TABLE: dict[str, Any] = tomllib.loads((FOLDER / "expected.toml").read_text("utf-8"))
 PARTS: list[str] = TABLE.pop("parts")
-KEYS = {"kind", "vertices", "triangles", "area", "extents", "warning", "error"}
+KEYS = {"kind", "vertices", "triangles", "area", "extents", "volume", "warning", "error"}
 
 # Names of exception classes, and the words in which Python and its libraries complain.
 PYTHON = re.compile(
@@ -47,6 +48,8 @@ def test_file(name: str) -> None:
     assert all(expected["warning"] in text and repr(mesh.name) in text for text in found), found
     assert (len(mesh.vertices), len(mesh.faces)) == (expected["vertices"], expected["triangles"])
     assert mesh.extents == pytest.approx(expected["extents"], rel=1e-6)
+    if "volume" in expected:
+        assert volume(mesh) == pytest.approx(expected["volume"], rel=1e-6)
     assert mesh.area == pytest.approx(expected.get("area", 0), rel=1e-6)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import MeshError, MeshWarning
 from shapegoogle_core.mesh import MESH_SUFFIXES, read_mesh
 from shapegoogle_core.processes.pool import Pool
 from tests.core.mesh.io.mutations import damaged, seeds
@@ -39,7 +39,11 @@ def read_damaged(first: int, count: int, folder: Path) -> list[str]:
                     wrong.append(f"{name} took too much memory: {error}")
             except Exception as error:
                 wrong.append(f"{name} raised {type(error).__name__}: {error}")
-        wrong += [f"{name} warned: {warning.message}" for warning in warned]
+        for warning in warned:
+            if issubclass(warning.category, MeshWarning):
+                wrong += [f"{name} {fault}" for fault in faults(str(warning.message), name)]
+            else:
+                wrong.append(f"{name} warned: {warning.message}")
         path.unlink()
     return wrong
 

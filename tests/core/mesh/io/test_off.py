@@ -56,4 +56,4 @@ def test_polygons_of_many_sizes(tmp_path: Path) -> None:
 )
 def test_damaged_faces(tmp_path: Path, face: str) -> None:
     data = off(faces=[*TRIANGLES, (7, 7, 7)]).replace(b"3 7 7 7", face.encode())
-    refuse(write(tmp_path, "face.off", data), f"a line {face!r} that is not a polygon")
+    refuse(write(tmp_path, "face.off", data), f"has {face!r} in line 23, where a polygon")

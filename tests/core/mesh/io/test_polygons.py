@@ -164,4 +164,4 @@ def test_first_halves_of_quads_come_first() -> None:
 
 def test_missing_vertices(tmp_path: Path) -> None:
     text = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n4 0 1 2 3\n3 0 1 4\n"
-    refuse(write(tmp_path, "a.off", text), "vertex 4", "from 0 to 3")
+    refuse(write(tmp_path, "a.off", text), "has '3 0 1 4' in line 8", "vertices 0 to 3")

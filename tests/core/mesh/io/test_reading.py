@@ -105,6 +105,7 @@ def test_cut_short_anywhere(tmp_path: Path) -> None:
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@pytest.mark.filterwarnings("ignore::shapegoogle_core.MeshWarning")
 @pytest.mark.parametrize("name", FILES)
 @given(data=st.data())
 def test_damage_gives_a_mesh_or_a_mesh_error(tmp_path: Path, name: str, data: st.DataObject) -> None:

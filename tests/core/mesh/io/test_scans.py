@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import MeshError, MeshWarning
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from tests.core.mesh.io.mesh_files import write
 
+KINDS_OF_PCD = ("ascii", "binary", "binary_compressed")
 POINTS = np.random.default_rng(0).standard_normal((50, 3)).round(3)
 
 
@@ -106,7 +107,7 @@ def test_xyz(tmp_path: Path, text: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["f4", "f8"])
-@pytest.mark.parametrize("encoding", ["ascii", "binary", "binary_compressed"])
+@pytest.mark.parametrize("encoding", KINDS_OF_PCD)
 def test_pcd(tmp_path: Path, encoding: str, kind: str) -> None:
     cloud = read_mesh(write(tmp_path, "scan.PCD", pcd(encoding, kind=kind)))
     assert cloud.is_point_cloud
@@ -118,13 +119,19 @@ def test_pcd_without_optional_lines(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_mesh(write(tmp_path, "a.pcd", text)).vertices, POINTS)
 
 
-def test_rays_of_a_pcd_that_met_nothing_are_left_out(tmp_path: Path) -> None:
+def test_points_without_position_are_counted_and_left_out(tmp_path: Path) -> None:
     points = np.vstack([POINTS, np.full((9, 3), np.nan)])
-    for encoding in ("ascii", "binary", "binary_compressed"):
-        assert len(read_mesh(write(tmp_path, "a.pcd", pcd(encoding, points))).vertices) == 50
-    points[3, 1] = np.nan
-    with pytest.raises(MeshError, match="1 of 50 vertices have NaN"):
-        read_mesh(write(tmp_path, "a.pcd", pcd("binary", points)))
+    points[50, 2], points[51, 0], points[52, 1] = 1, np.inf, -np.inf
+    files: dict[str, bytes | str] = {f"{kind}.pcd": pcd(kind, points) for kind in KINDS_OF_PCD}
+    files |= {"a.xyz": xyz(points), "b.xyz": xyz(points, separator=";").replace("nan", "-1.#IND")}
+    header = "".join(f"property double {axis}\n" for axis in "xyz")
+    ply = f"ply\nformat ascii 1.0\nelement vertex 59\n{header}end_header\n"
+    files |= {"a.ply": ply + xyz(points).replace("nan", "nan(ind)")}
+    files |= {"b.ply": ply.replace("ascii", "binary_big_endian").encode() + points.astype(">f8").tobytes()}
+    for name, data in files.items():
+        with pytest.warns(MeshWarning, match=f"'{name}' has 9 of 59 points without finite coordinates"):
+            cloud = read_mesh(write(tmp_path, name, data))
+        np.testing.assert_allclose(cloud.vertices, POINTS, rtol=1e-6)
 
 
 def test_ply_without_faces(tmp_path: Path) -> None:
@@ -145,27 +152,26 @@ def test_what_trimesh_writes(tmp_path: Path) -> None:
     [
         ("a.xyz", "", "empty"),
         ("a.xyz", "# nothing\n", "no points"),
-        ("a.xyz", xyz()[:-8], "not a point"),
-        ("a.xyz", xyz() + "1 2\n", "not a point"),
-        ("a.xyz", xyz() + "1 2 x\n", "not a point"),
-        ("a.xyz", "3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n", "not a point"),
-        ("a.xyz", xyz() + "nan 0 0\n", "NaN"),
+        ("a.xyz", xyz()[:-8], "where a point"),
+        ("a.xyz", xyz() + "1 2\n", "where a point"),
+        ("a.xyz", xyz() + "1 2 x\n", "where a point"),
+        ("a.xyz", "3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n", "where a point"),
         ("a.xyz", xyz(POINTS[:9]), "no faces and 9 points"),
         ("a.xyz", xyz(np.repeat(POINTS[:3], 10, axis=0)), "only 3 distinct"),
         ("a.xyz", xyz(np.outer(np.arange(30.0), [1, 2, 3])), "on a line"),
         ("a.xyz", xyz(POINTS * 1e200), "scale the points"),
-        ("a.pcd", pcd("binary")[:-1], "cut short"),
+        ("a.pcd", pcd("binary")[:-1], "1,500 bytes from byte 161 on, but has 1,499"),
         ("a.pcd", pcd("binary_compressed")[:-1], "cut short"),
-        ("a.pcd", pcd("ascii")[:-200], "cut short|not a point"),
+        ("a.pcd", pcd("ascii")[:-200], "ends after 4. of the 50 lines"),
         ("a.pcd", pcd("ascii").split(b"DATA")[0], "DATA"),
-        ("a.pcd", pcd(FIELDS="_ x y w rgb n"), "damaged PCD header"),
-        ("a.pcd", pcd(SIZE="1 3 4 4 4 4"), "damaged PCD header"),
-        ("a.pcd", pcd(TYPE="U F F Q U F"), "damaged PCD header"),
-        ("a.pcd", pcd(COUNT="2 2 1 1 1 3"), "damaged PCD header"),
-        ("a.pcd", pcd(SIZE=""), "damaged PCD header"),
-        ("a.pcd", pcd(POINTS="-3"), "damaged PCD header"),
+        ("a.pcd", pcd(FIELDS="_ x y w rgb n"), "in line 3, where a list of fields"),
+        ("a.pcd", pcd(SIZE="1 3 4 4 4 4"), "in line 4, where SIZE and 6 times"),
+        ("a.pcd", pcd(TYPE="U F F Q U F"), "in line 5, where TYPE and 6 times"),
+        ("a.pcd", pcd(COUNT="2 2 1 1 1 3"), "in line 3, where a list of fields"),
+        ("a.pcd", pcd(SIZE=""), "has no line SIZE"),
+        ("a.pcd", pcd(POINTS="-3"), "in line 10, where a number of points"),
         ("a.pcd", pcd(POINTS="99999999"), "limit"),
-        ("a.pcd", pcd().replace(b"DATA ascii", b"DATA zipped"), "unknown kind of data 'zipped'"),
+        ("a.pcd", pcd().replace(b"DATA ascii", b"DATA zipped"), "unknown kind of data 'zipped' in line 11"),
     ],
 )
 def test_what_is_refused(tmp_path: Path, name: str, data: str | bytes, words: str) -> None:

@@ -24,8 +24,11 @@ def test_facets_that_are_no_triangles(tmp_path: Path) -> None:
     first, rest = stl_text().split(b" endloop\n" + second, 1)
     *lines, last = first.splitlines(keepends=True)
     data = b"".join(lines) + b" endloop\n" + second + last + rest  # two vertices, then four
-    refuse(write(tmp_path, "moved.stl", data), "12 facets", "damaged")
-    refuse(write(tmp_path, "two.stl", stl_text().replace(b"0.0 0.0 0.0", b"0.0 0.0", 1)), "damaged")
+    refuse(write(tmp_path, "moved.stl", data), "has 'endloop' in line 6, where a vertex")
+    refuse(
+        write(tmp_path, "two.stl", stl_text().replace(b"0.0 0.0 0.0", b"0.0 0.0", 1)),
+        "'vertex 0.0 0.0' in line 4",
+    )
 
 
 def test_count_beyond_the_file(tmp_path: Path) -> None:
