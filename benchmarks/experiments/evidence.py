@@ -94,8 +94,8 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
         assert query.sample is not None
         assert found.sample is not None
         stored = SurfaceSample.from_bytes(found.sample.to_bytes())
-        compared = Compared(stored, found)
-        asked = Compared(query.sample, query)
+        compared = Compared(stored, found, found.measures)
+        asked = Compared(query.sample, query, query.measures)
         distance, similarity = float(distances[0]), float(model.similarity(distances)[0])
         started = time.process_time()
         explainer = Explainer(asked, query.surface if exact else None)

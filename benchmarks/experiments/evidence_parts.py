@@ -29,7 +29,7 @@ SAME_SURFACE = ("identical", "moved", "scaled", "mirrored", "re-meshed")
 """Kinds that say that two surfaces are the same."""
 
 # Kinds of groups of duplicates that say the same.
-_CLAIMS = (*SAME_SURFACE, "copies", "same")
+_CLAIMS = (*SAME_SURFACE, "copies")
 
 
 class _Outcome(NamedTuple):
@@ -73,9 +73,11 @@ def _explain(family: str) -> list[_Outcome]:
         assert found.sample is not None
         distances = model.distances(query.bags, found.bags[None])
         distance, similarity = float(distances[0]), float(model.similarity(distances)[0])
-        stored = Compared(SurfaceSample.from_bytes(found.sample.to_bytes()), found)
+        stored = Compared(SurfaceSample.from_bytes(found.sample.to_bytes()), found, found.measures)
         started = time.process_time()
-        said = Explainer(Compared(query.sample, query), query.surface).explain(stored, similarity, distance)
+        said = Explainer(Compared(query.sample, query, query.measures), query.surface).explain(
+            stored, similarity, distance
+        )
         seconds = time.process_time() - started
         outcomes.append(_Outcome(pair.kind, pair.detail, said.kind, similarity, seconds))
     return outcomes

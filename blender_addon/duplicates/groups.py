@@ -266,7 +266,7 @@ def similar_groups(solids: Sequence[Solid], groups: Sequence[Sequence[tuple[int,
     return sorted(result, key=lambda group: -group.saved_faces)
 
 
-_UNDERSCORES = str.maketrans("- ", "__")
+_UNDERSCORES = str.maketrans("- ", "__", "()")
 
 
 def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
@@ -283,7 +283,7 @@ def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
     """
     return [
         Group(
-            group.kind.upper().translate(_UNDERSCORES),
+            group.title.upper().translate(_UNDERSCORES),
             tuple(
                 Member(
                     member.object_name or member.name,

@@ -7,7 +7,7 @@ moved, scaled, mirrored   the same geometry elsewhere, at another size, or refle
 re-meshed  the same surface with other vertices
 re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
 similar    at least --min-similarity to the first of the group, and none of these
-same       the same signature and counts; where surfaces were not compared
+not compared   the same, but the surfaces were not compared: beyond --evidence, or none are stored
 
 Every shape is compared with the first of its group, never through a chain of others. The saving counts all
 members but the first: their faces, and for copies the bytes of the files. Nothing is changed or deleted.
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["COMMAND"]
 
 # One copy would be enough. Most users see a mirror image as another shape.
-_EXACT = {"copies", "same", "identical", "moved", "scaled"}
+_EXACT = {"copies", "identical", "moved", "scaled"}
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -92,7 +92,7 @@ def _group_table(group: DuplicateGroup) -> str:
         )
         for member in group.members
     ]
-    title = f"{group.kind}: {counted(len(group.members), noun)}; {saving} besides the first"
+    title = f"{group.title}: {counted(len(group.members), noun)}; {saving} besides the first"
     return "\n".join([title, *table(rows, "<<<<")])
 
 

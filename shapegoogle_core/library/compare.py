@@ -102,9 +102,11 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        asked = Compared(signature.sample, signature)
+        asked = Compared(signature.sample, signature, signature.measures)
         explainer = Explainer(asked, signature.surface, settings.evidence)
         distance = float(model.distances(signature.bags, bags)[0])
         alignment = known_alignment(match, signature.sample)
-        evidence = explainer.explain(Compared(sample, match), match.similarity, distance, alignment)
+        evidence = explainer.explain(
+            Compared(sample, match, other.measures), match.similarity, distance, alignment
+        )
         return replace(match, evidence=evidence)

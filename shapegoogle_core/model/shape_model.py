@@ -28,7 +28,7 @@ from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.model.working_shape import working_shape
-from shapegoogle_core.registration import LocalWords, sample_surface
+from shapegoogle_core.registration import LocalWords, measure_mesh, sample_surface
 
 __all__ = ["ShapeModel"]
 
@@ -181,6 +181,7 @@ class ShapeModel:
             sample=sample,
             local_code=local_code,
             extents=mesh.extents,
+            measures=measure_mesh(mesh),
             surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
         )
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.shape_bags import FloatBags
-from shapegoogle_core.registration import SurfaceSample
+from shapegoogle_core.registration import MeshMeasures, SurfaceSample
 
 __all__ = ["ShapeSignature"]
 
@@ -38,6 +38,8 @@ class ShapeSignature:
         it.
     extents : (float, float, float)
         Side lengths of the axis-aligned bounding box of the mesh as given; zeros if they are not known.
+    measures : MeshMeasures or None
+        Of the mesh as given: what tells copies and other triangulations of a surface from other shapes.
 
     Examples
     --------
@@ -57,3 +59,4 @@ class ShapeSignature:
     local_code: NDArray[np.uint8] | None = None
     surface: Mesh | None = None
     extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    measures: MeshMeasures | None = None

@@ -12,10 +12,18 @@ from shapegoogle_core.registration.isometry import spectral_difference as spectr
 from shapegoogle_core.registration.local_words import LocalSettings as LocalSettings
 from shapegoogle_core.registration.local_words import LocalWords as LocalWords
 from shapegoogle_core.registration.local_words import fit_local_words as fit_local_words
+from shapegoogle_core.registration.measures import MeshMeasures as MeshMeasures
+from shapegoogle_core.registration.measures import measure_mesh as measure_mesh
 from shapegoogle_core.registration.prepared_sample import PART_SCALES as PART_SCALES
 from shapegoogle_core.registration.prepared_sample import SCALES as SCALES
 from shapegoogle_core.registration.prepared_sample import SHARED_SCALES as SHARED_SCALES
 from shapegoogle_core.registration.prepared_sample import PreparedSample as PreparedSample
+from shapegoogle_core.registration.same_mesh import handed_alike as handed_alike
+from shapegoogle_core.registration.same_mesh import is_same_mesh as is_same_mesh
+from shapegoogle_core.registration.same_mesh import is_same_place as is_same_place
+from shapegoogle_core.registration.same_mesh import is_same_size as is_same_size
+from shapegoogle_core.registration.same_mesh import principal_motions as principal_motions
+from shapegoogle_core.registration.same_mesh import surface_difference as surface_difference
 from shapegoogle_core.registration.sample import SampleSettings as SampleSettings
 from shapegoogle_core.registration.sample import SurfaceSample as SurfaceSample
 from shapegoogle_core.registration.sample import farthest_points as farthest_points
@@ -27,6 +35,7 @@ from shapegoogle_core.registration.surface_fit import TangentPlanes as TangentPl
 from shapegoogle_core.registration.surface_fit import fit_numbered as fit_numbered
 from shapegoogle_core.registration.surface_fit import fit_surface as fit_surface
 from shapegoogle_core.registration.surface_fit import frame_between as frame_between
+from shapegoogle_core.registration.surface_fit import measured as measured
 from shapegoogle_core.registration.surface_fit import mirrored as mirrored
 
 __all__: list[str]

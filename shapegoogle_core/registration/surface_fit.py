@@ -22,7 +22,16 @@ from shapegoogle_core.registration.frames import (
 from shapegoogle_core.registration.nearest import TriangleTree
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Fit", "Surface", "TangentPlanes", "fit_numbered", "fit_surface", "frame_between", "mirrored"]
+__all__ = [
+    "Fit",
+    "Surface",
+    "TangentPlanes",
+    "fit_numbered",
+    "fit_surface",
+    "frame_between",
+    "measured",
+    "mirrored",
+]
 
 # All lengths in this module are in units of the query's √area.
 # Steps of the fit: number of the candidate's points, which are spread evenly, and tolerance τ of the robust
@@ -203,6 +212,24 @@ def fit_surface(
     nearest, _ = surface.nearest(points)
     distances = np.linalg.norm(points - nearest, axis=1)
     return Fit(frame, distances, _covered(query.points, points, candidate.normals @ frame.rotation.T))
+
+
+def measured(surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: Frame) -> float:
+    """Measure the mean distance of a few points of a candidate from the query's surface.
+
+    Parameters
+    ----------
+    surface : Surface or TangentPlanes
+    candidate : SurfaceSample
+    frame : Frame
+        From the candidate to the query.
+
+    Returns
+    -------
+    distance : float
+    """
+    points = frame.apply(candidate.points[: _STEPS[0][0]])
+    return float(np.linalg.norm(points - surface.nearest(points)[0], axis=1).mean())
 
 
 def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:

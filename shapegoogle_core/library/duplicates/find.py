@@ -16,13 +16,17 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember, largest_saving_first
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
-from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY, SAME_SIMILARITY
+from shapegoogle_core.library.duplicates.same_mesh import group_copies
+from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.similar import cluster_similar, distance_at
+from shapegoogle_core.library.match import DISTANCE_DECIMALS
 from shapegoogle_core.library.storage.records import ShapeRecord, SourceRecord
+from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store, all_codes
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.shape_bags import FloatBags
+from shapegoogle_core.registration import MeshMeasures
 
 __all__ = ["find_duplicates"]
 
@@ -35,11 +39,11 @@ def find_duplicates(
 ) -> list[DuplicateGroup]:
     """Find the groups of duplicates in a library.
 
-    Copied files come first: of each set of equal files only the first takes part in the next steps. Then the
-    same shapes are grouped around the oldest of them, and the remaining ones, one for each group, by
-    similarity; see `leader_clustering` for the method and for pairs that its keys may miss. No shape is in
-    two groups of one kind. The vectors that are compared lie in a temporary file; ``docs/library.md`` gives
-    its size.
+    Copied files come first: of each set of equal files only the first takes part in the next steps. Then
+    copies of a mesh are grouped around the oldest of them, by their measures, and the remaining shapes, one
+    for each group, by similarity; see `leader_clustering` for the method and for pairs that its keys may
+    miss. No shape is in two groups of one kind. The vectors that are compared lie in a temporary file;
+    ``docs/library.md`` gives its size.
 
     Parameters
     ----------
@@ -67,27 +71,17 @@ def find_duplicates(
     later = {source.path for sources in copied for source in sources[1:]}
     superfluous = [number for path, number in shapes.sources.items() if path in later]
     rows = np.flatnonzero(~np.isin(shapes.source_of, superfluous))
-    clusters: list[_ShapeCluster] = []
+    clusters, repeated = _copied_meshes(store, model, shapes.shape_ids[rows])
+    rows = rows[~np.isin(shapes.shape_ids[rows], repeated)]
     with _vectors(store, model, shapes.shape_ids[rows]) as (found, vectors):
-        rows, positions = rows[found], np.arange(len(found))
-        classes = np.unique(shapes.counts[rows], axis=0, return_inverse=True)[1].ravel().astype(np.int64)
-        same_limit = min(limit, distance_at(model, SAME_SIMILARITY))
-        for kind, max_distance in (("same", same_limit), ("similar", limit)):
-            members = rows[positions]
-            clustered = cluster_similar(
-                model,
-                shapes.codes[members],
-                vectors,
-                positions,
-                max_distance,
-                classes if kind == "same" else None,
-                progress,
-            )
-            clusters += [
-                _ShapeCluster(kind, shapes.shape_ids[members[group]].tolist(), clustered.distance[group])
-                for group in clustered.groups()
-            ]
-            positions = positions[clustered.leaders()]
+        rows = rows[found]
+        clustered = cluster_similar(
+            model, shapes.codes[rows], vectors, np.arange(len(rows)), limit, progress=progress
+        )
+        clusters += [
+            _ShapeCluster("similar", shapes.shape_ids[rows[group]].tolist(), clustered.distance[group])
+            for group in clustered.groups()
+        ]
     groups = [group for sources in copied if (group := _copy_group(shapes, sources)) is not None]
     return largest_saving_first([*groups, *_shape_groups(store, model, clusters)])
 
@@ -99,6 +93,22 @@ class _ShapeCluster:
     kind: str
     shape_ids: list[int]
     distances: FloatArray
+
+
+def _copied_meshes(
+    store: Store, model: ShapeModel, shape_ids: NDArray[np.int64]
+) -> tuple[list[_ShapeCluster], list[int]]:
+    """Group copies of meshes, and list all of them but the first of each group."""
+    measures: dict[int, MeshMeasures] = {}
+    for start in range(0, len(shape_ids), PAGE):
+        measures |= unpack_measures(store, shape_ids[start : start + PAGE].tolist())
+    clusters = []
+    for group in group_copies(measures):
+        found, bags = store.bags(group, model.bag_size)
+        if len(found) == len(group):  # otherwise another program is removing them
+            away = np.round(model.distances(bags[0], bags), DISTANCE_DECIMALS)
+            clusters.append(_ShapeCluster("same", group, away))
+    return clusters, [shape_id for cluster in clusters for shape_id in cluster.shape_ids[1:]]
 
 
 @contextmanager

@@ -6,7 +6,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
-__all__ = ["DuplicateGroup", "DuplicateMember", "largest_saving_first"]
+__all__ = ["NOT_COMPARED", "DuplicateGroup", "DuplicateMember", "largest_saving_first"]
+
+
+NOT_COMPARED = "not compared"
+"""Kind of a group of shapes with similar bags whose surfaces were not compared: they may differ."""
+
+# Largest relative difference of sizes that are called equal.
+_EQUAL = 1e-3
 
 
 @dataclass(frozen=True)
@@ -49,10 +56,9 @@ class DuplicateGroup:
     Attributes
     ----------
     kind : str
-        "copies": files that are equal byte for byte. "same": the same bag but for rounding, and the same
-        number of vertices and faces; position, size and mirroring may differ. "similar": at least the
-        requested similarity to the first member. Where surfaces were compared, the kind of evidence takes the
-        place of "same" and "similar"; see `Evidence.kind`, with the first member as the query.
+        "copies": files that are equal byte for byte. Otherwise the kind of evidence, with the first member as
+        the query, see `Evidence.kind`; or "not compared": shapes of at least the requested similarity whose
+        surfaces were not compared.
     members : tuple of DuplicateMember
         The first one represents the group: the others are compared with it, and follow by falling similarity.
     similarity : float
@@ -77,6 +83,12 @@ class DuplicateGroup:
     similarity: float
     saved_faces: int
     saved_bytes: int = 0
+
+    @property
+    def title(self) -> str:
+        """The kind for people; of shapes that were not compared, also whether their sizes are equal."""
+        equal = all(abs(member.scale - 1) <= _EQUAL for member in self.members)
+        return f"{self.kind} (equal size)" if self.kind == NOT_COMPARED and equal else self.kind
 
     def to_json(self) -> dict[str, object]:
         """Convert to the object that ``shapegoogle duplicates --json`` prints.

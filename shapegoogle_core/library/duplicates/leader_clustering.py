@@ -136,7 +136,6 @@ def cluster_by_leaders(
     distances: Distances,
     max_distance: float,
     banding: Banding,
-    classes: NDArray[np.int64] | None = None,
     progress: Wrapper = iter,
 ) -> Clusters:
     """Group shapes around leaders.
@@ -150,8 +149,6 @@ def cluster_by_leaders(
     max_distance : float
         Largest distance of a member from its leader.
     banding : Banding
-    classes : (n,) array of int, optional
-        0 ≤ class < 2³¹. Only shapes of the same class are grouped.
     progress : callable, optional
         Wraps the loop over the shapes, as tqdm does.
 
@@ -169,8 +166,6 @@ def cluster_by_leaders(
     [array([0, 1])]
     """
     keys = _keys(codes, banding)
-    if classes is not None:
-        keys |= classes.astype(np.uint64) << np.uint64(32)
     leader = np.arange(len(codes))
     distance = np.zeros(len(codes))
     compared = 0

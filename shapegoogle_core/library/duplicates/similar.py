@@ -93,7 +93,6 @@ def cluster_similar(
     vectors: FloatBags,
     rows: NDArray[np.int64],
     max_distance: float,
-    classes: NDArray[np.int64] | None = None,
     progress: Wrapper = iter,
 ) -> Clusters:
     """Group shapes around leaders by the distances of a model, rounded like those of a search.
@@ -109,8 +108,6 @@ def cluster_similar(
         Row of each shape in `vectors`.
     max_distance : float
         Largest distance of a member from its leader.
-    classes : (m,) array of int, optional
-        Only shapes of the same class are grouped.
     progress : callable, optional
         Wraps the loop over the shapes, as tqdm does.
 
@@ -125,7 +122,7 @@ def cluster_similar(
         return np.round(row_distances(model.settings.metric, one, vectors[rows[others]]), DISTANCE_DECIMALS)
 
     banding = choose_banding(len(rows), _differing_bits(model, max_distance), model.code_bits)
-    return cluster_by_leaders(codes, distances, max_distance, banding, classes, progress)
+    return cluster_by_leaders(codes, distances, max_distance, banding, progress)
 
 
 def _differing_bits(model: ShapeModel, distance: float) -> float:

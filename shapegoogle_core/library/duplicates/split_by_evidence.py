@@ -9,14 +9,23 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember, largest_saving_first
+from shapegoogle_core.library.duplicates.groups import (
+    NOT_COMPARED,
+    DuplicateGroup,
+    DuplicateMember,
+    largest_saving_first,
+)
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
+from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.search.copies import copy_kind
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.storage.records import ShapeRecord
+from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.registration import MeshMeasures
 
 __all__ = ["split_by_evidence"]
 
@@ -29,9 +38,8 @@ def split_by_evidence(
 ) -> list[DuplicateGroup]:
     """Split groups by the evidence of their members.
 
-    Copies of a mesh with its vertices in the same order are recognised at once, so all members are checked
-    for that. Aligning other members takes longer; it is done in the order of the savings, up to a maximum
-    number, and the rest of the members stay "same" or "similar".
+    The kind of a copy follows from its measures at once. Aligning other members takes longer; it is done in
+    the order of the savings, up to a maximum number. The rest are "not compared".
 
     Parameters
     ----------
@@ -51,8 +59,6 @@ def split_by_evidence(
     """
     split = [group for group in groups if group.kind == "copies"]
     uncertain = [group for group in groups if group.kind != "copies"]
-    if model.settings.sample is None:
-        return largest_saving_first([*split, *uncertain])
     left = explained
     with threadpool_limits(1, user_api="blas"):
         for start in range(0, len(uncertain), _PAGE):
@@ -60,49 +66,36 @@ def split_by_evidence(
             wanted = [member.shape_id for group in page for member in group.members]
             records = {record.shape_id: record for record in store.shapes(wanted)}
             for group in page:
-                known = _compared(store, model, group, records)
-                parts, used = _split(model, group, known, left)
+                parts, used = _split(store, model, group, records, left)
                 split += parts
                 left -= used
     return largest_saving_first(split)
 
 
-def _compared(
-    store: Store, model: ShapeModel, group: DuplicateGroup, records: dict[int, ShapeRecord]
-) -> dict[int, Compared]:
-    """Read samples and counts of the members of a group, without members that were removed meanwhile."""
-    there = [member.shape_id for member in group.members if member.shape_id in records]
-    return {
-        shape_id: Compared(sample, records[shape_id])
-        for shape_id, sample in stored_samples(store, model, there)
-    }
-
-
 def _split(
-    model: ShapeModel, group: DuplicateGroup, known: dict[int, Compared], left: int
+    store: Store, model: ShapeModel, group: DuplicateGroup, records: dict[int, ShapeRecord], left: int
 ) -> tuple[list[DuplicateGroup], int]:
     """Split a group, and count the members that were aligned to the first one."""
     first = group.members[0]
-    if first.shape_id not in known:
-        return [group], 0
-    explainer = Explainer(known[first.shape_id])
+    measures = unpack_measures(store, [member.shape_id for member in group.members])
+    copies = {
+        member.shape_id: found
+        for member in group.members[1:]
+        if (found := copy_kind(measures.get(first.shape_id), measures.get(member.shape_id))) is not None
+    }
+    others = [member.shape_id for member in group.members[1:] if member.shape_id not in copies]
+    explained = _explained(store, model, group, records, measures, others[:left])
     kinds: defaultdict[str, list[DuplicateMember]] = defaultdict(list)
     faces: defaultdict[str, int] = defaultdict(int)
-    used = 0
     for member in group.members[1:]:
-        kind = group.kind
-        compared = known.get(member.shape_id)
-        if compared is not None:
-            evidence = explainer.copy(compared)
-            if evidence is None and used < left:
-                distance = distance_at(model, max(member.similarity, 1e-9))
-                evidence = explainer.explain(compared, member.similarity, distance)
-                used += 1
-            if evidence is not None:
-                kind = evidence.kind
-                member = replace(member, scale=evidence.factor)
-            faces[kind] += compared.shape.face_count
-        kinds[kind].append(member)
+        kind, scale = NOT_COMPARED, member.scale
+        if member.shape_id in copies:
+            kind, scale = copies[member.shape_id]
+        elif (evidence := explained.get(member.shape_id)) is not None:
+            kind, scale = evidence.kind, evidence.factor
+        if member.shape_id in records:
+            faces[kind] += records[member.shape_id].face_count
+        kinds[kind].append(replace(member, scale=scale))
     parts = [
         DuplicateGroup(
             kind=kind,
@@ -112,4 +105,34 @@ def _split(
         )
         for kind, members in kinds.items()
     ]
-    return parts, used
+    return parts, len(explained)
+
+
+def _explained(
+    store: Store,
+    model: ShapeModel,
+    group: DuplicateGroup,
+    records: dict[int, ShapeRecord],
+    measures: dict[int, MeshMeasures],
+    shape_ids: Sequence[int],
+) -> dict[int, Evidence]:
+    """Align members of a group with its first one, as far as their surfaces are stored."""
+    first = group.members[0].shape_id
+    if model.settings.sample is None or not shape_ids or first not in records:
+        return {}
+    there = [shape_id for shape_id in (first, *shape_ids) if shape_id in records]
+    known = {
+        shape_id: Compared(sample, records[shape_id], measures.get(shape_id))
+        for shape_id, sample in stored_samples(store, model, there)
+    }
+    if first not in known:
+        return {}
+    explainer = Explainer(known[first])
+    similarity = {member.shape_id: member.similarity for member in group.members}
+    return {
+        shape_id: explainer.explain(
+            known[shape_id], similarity[shape_id], distance_at(model, max(similarity[shape_id], 1e-9))
+        )
+        for shape_id in shape_ids
+        if shape_id in known
+    }

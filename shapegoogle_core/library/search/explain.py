@@ -19,6 +19,7 @@ from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
+from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
@@ -61,6 +62,7 @@ def explain_matches(
     distances = np.stack([model.distances(query.bags, bags) for query, _ in usable])
     nearest = dict(zip(found, distances.argmin(axis=0).tolist(), strict=True))
     least = dict(zip(found, distances.min(axis=0).tolist(), strict=True))
+    measures = unpack_measures(store, shape_ids)
     explainers: dict[int, Explainer] = {}
     evidence: dict[int, Evidence] = {}
     # On matrices of this size a second BLAS thread only doubles the processor time.
@@ -71,9 +73,11 @@ def explain_matches(
             match, example = by_id[shape_id], nearest[shape_id]
             query, query_sample = usable[example]
             if example not in explainers:
-                explainers[example] = Explainer(Compared(query_sample, query), query.surface, settings)
+                explainers[example] = Explainer(
+                    Compared(query_sample, query, query.measures), query.surface, settings
+                )
             alignment = known_alignment(match, query_sample)
             evidence[shape_id] = explainers[example].explain(
-                Compared(sample, match), match.similarity, least[shape_id], alignment
+                Compared(sample, match, measures.get(shape_id)), match.similarity, least[shape_id], alignment
             )
     return [replace(match, evidence=evidence.get(match.shape_id)) for match in matches]

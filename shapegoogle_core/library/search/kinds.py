@@ -15,6 +15,7 @@ import numpy as np
 
 from shapegoogle_core.library.evidence import Evidence, EvidenceKind
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.copies import copy_kind
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
@@ -24,6 +25,8 @@ from shapegoogle_core.registration import (
     SCALES,
     Alignment,
     Fit,
+    Frame,
+    MeshMeasures,
     PreparedSample,
     Surface,
     SurfaceSample,
@@ -33,8 +36,13 @@ from shapegoogle_core.registration import (
     fit_surface,
     frame_between,
     functional_map,
+    handed_alike,
+    is_same_size,
+    measured,
     mirrored,
+    principal_motions,
     spectral_difference,
+    surface_difference,
 )
 
 __all__ = ["Compared", "Explainer", "pose_features"]
@@ -51,11 +59,14 @@ class Compared:
     ----------
     sample : SurfaceSample
     shape : Match, ShapeRecord or ShapeSignature
-        With counts and area of the mesh as it was read.
+        With the area of the mesh as it was read.
+    measures : MeshMeasures or None
+        Of the mesh as it was read. Without them no surface is called the same.
     """
 
     sample: SurfaceSample
     shape: Match | ShapeRecord | ShapeSignature
+    measures: MeshMeasures | None
 
 
 class Explainer:
@@ -78,11 +89,10 @@ class Explainer:
         self._surface: Surface | TangentPlanes
         if surface is None:
             self._surface = TangentPlanes(query.sample)
-            self._identical = self._remeshed = settings.coarse
-            self._near = settings.coarse_near
+            self._remeshed, self._near = settings.coarse, settings.coarse_near
         else:
             self._surface = Surface(surface, query.sample)
-            self._identical, self._remeshed, self._near = settings.identical, settings.remeshed, settings.near
+            self._remeshed, self._near = settings.remeshed, settings.near
 
     @cached_property
     def _prepared(self) -> PreparedSample:
@@ -112,28 +122,17 @@ class Explainer:
         evidence : Evidence
         """
         sample = match.sample
-        same_counts = self._same_counts(match)
         if (copy := self.copy(match)) is not None:
             return copy
-        in_place = self._in_place(sample)
-        if in_place is not None and self._is_same(in_place, self._remeshed):
-            identical = same_counts and self._is_same(in_place, self._identical)
-            return self._congruent("identical" if identical else "re-meshed", in_place, sample)
+        if (other_mesh := self._other_mesh(match, alignment)) is not None:
+            return other_mesh
         fitted = self._fitted(sample, similarity, alignment)
-        if fitted is not None and self._is_same(fitted, self._remeshed):
-            if same_counts and self._is_same(fitted, self._identical):
-                return self._congruent(self._moved_or_scaled(fitted, sample), fitted, sample)
-            return self._congruent("re-meshed", fitted, sample)
-        if similarity >= self._settings.unlikely:
-            reflected = self._fitted(mirrored(sample), similarity)
-            if reflected is not None and self._is_same(reflected, self._remeshed):
-                return self._congruent("mirrored", reflected, sample)
         if fitted is not None and (part := self._part(fitted, match)) is not None:
             return part
         return self._posed(match, distance)
 
     def copy(self, match: Compared) -> Evidence | None:
-        """Recognise a copy whose vertices are in the same order; many times faster than `explain`.
+        """Recognise a copy of the query's mesh by its measures; many times faster than `explain`.
 
         Parameters
         ----------
@@ -144,40 +143,72 @@ class Explainer:
         evidence : Evidence or None
             "identical", "moved", "scaled" or "mirrored"; None for everything else.
         """
-        sample = match.sample
-        if not self._same_counts(match) or len(sample.points) != len(self._sample.points):
+        own, other = self._query.measures, match.measures
+        found = copy_kind(own, other)
+        if found is None or own is None or other is None:
             return None
-        moved = fit_numbered(self._sample, sample)
-        if moved.deviation <= self._settings.identical:
-            kind = "identical" if self._is_in_place(moved, sample) else self._moved_or_scaled(moved, sample)
-            return self._congruent(kind, moved, sample)
-        reflected = fit_numbered(self._sample, mirrored(sample))
-        if reflected.deviation <= self._settings.identical:
-            return self._congruent("mirrored", reflected, sample)
-        return None
+        kind, factor = found
+        if kind == "identical":
+            exact = own.hash == other.hash
+            frame = frame_between(self._sample, match.sample)
+            fitted = (
+                None if exact else fit_surface(self._surface, self._sample, match.sample, frame, steps=False)
+            )
+            return Evidence(kind, deviation=0.0 if fitted is None else _digits(fitted.deviation))
+        reflected = kind == "mirrored"
+        sample = mirrored(match.sample) if reflected else match.sample
+        fits = [fit_numbered(self._sample, sample)] if len(sample.points) == len(self._sample.points) else []
+        if not (fits and fits[0].deviation <= self._settings.identical):
+            fits += self._placed(match, own, other, reflected=reflected)
+        # The measures are certain, the fit is not: a sample on its own may be too coarse for thin walls.
+        deviation = min(fitted.deviation for fitted in fits)
+        return Evidence(
+            kind,
+            factor=_digits(factor),
+            deviation=_digits(deviation) if deviation <= self._remeshed else None,
+        )
 
-    def _same_counts(self, match: Compared) -> bool:
-        query, shape = self._query.shape, match.shape
-        return (query.vertex_count, query.face_count) == (shape.vertex_count, shape.face_count)
+    def _placed(
+        self, match: Compared, own: MeshMeasures, other: MeshMeasures, *, reflected: bool
+    ) -> list[Fit]:
+        """Fit a surface with the same moments as the query's, in the positions in which the axes coincide."""
+        sample = mirrored(match.sample) if reflected else match.sample
+        flip = np.diag([-1.0, 1.0, 1.0]) if reflected else np.eye(3)
+        frames = []
+        for scale, turn, shift in principal_motions(own, other, reflected=reflected):
+            center = (scale * turn @ match.sample.center + shift - self._sample.center) / self._sample.unit
+            size = scale * match.sample.unit / self._sample.unit
+            frames.append(Frame(size, turn @ flip, center))
+        if frames:
+            frame = min(frames, key=lambda one: measured(self._surface, sample, one))
+            return [fit_surface(self._surface, self._sample, sample, frame)]
+        candidate = PreparedSample(sample)
+        frame = align(self._prepared, candidate).frame.inverse()
+        return [fit_surface(self._surface, self._sample, sample, frame)]
 
-    def _is_same(self, fitted: Fit, tolerance: float) -> bool:
-        return fitted.deviation <= tolerance and fitted.query_covered >= self._settings.whole
-
-    def _is_in_place(self, fitted: Fit, sample: SurfaceSample) -> bool:
-        """Whether the points coincide at their original places, and not only after a motion."""
-        apart = frame_between(self._sample, sample).apply(sample.points) - fitted.frame.apply(sample.points)
-        return float(np.abs(apart).max()) <= self._settings.identical
-
-    def _in_place(self, sample: SurfaceSample) -> Fit | None:
-        """Compare both shapes at their original places, unless they are far apart."""
-        frame = frame_between(self._sample, sample)
-        if max(abs(frame.scale - 1), np.abs(frame.translation).max()) > self._settings.far:
+    def _other_mesh(self, match: Compared, alignment: Alignment | None) -> Evidence | None:
+        """Recognise the same surface with other triangles, by its moments and by a fit."""
+        own, other = self._query.measures, match.measures
+        if own is None or other is None:
             return None
-        return fit_surface(self._surface, self._sample, sample, frame, steps=False)
-
-    def _moved_or_scaled(self, fitted: Fit, sample: SurfaceSample) -> EvidenceKind:
-        same_size = abs(self._factor(fitted, sample) - 1) <= self._settings.same_size
-        return "moved" if same_size else "scaled"
+        difference, tolerance = surface_difference(own, other)
+        if not difference <= tolerance:
+            return None
+        alike, is_flat = handed_alike(own, other), tolerance <= self._settings.flat
+        # Of a curved surface that is almost its own mirror image only the fit can tell.
+        for reflected in (False, True) if alike is None and not is_flat else (alike is False,):
+            found = self._placed(match, own, other, reflected=reflected)
+            if not reflected and alignment is not None:
+                frame = alignment.frame.inverse()
+                found.append(fit_surface(self._surface, self._sample, match.sample, frame))
+            best = min(found, key=lambda fitted: fitted.deviation)
+            if best.deviation <= self._remeshed and best.query_covered >= self._settings.whole:
+                return self._congruent("mirrored" if reflected else "re-meshed", best, match)
+        if not is_flat:
+            return None
+        # Of flat-sided shapes the moments are exact, and more certain than the fit of a sample.
+        factor = 1.0 if is_same_size(own, other) else other.unit / own.unit
+        return Evidence("mirrored" if alike is False else "re-meshed", factor=_digits(factor))
 
     def _fitted(
         self, sample: SurfaceSample, similarity: float, alignment: Alignment | None = None
@@ -204,8 +235,8 @@ class Explainer:
         """Size of the match relative to the query, both as they were read."""
         return sample.unit / (self._sample.unit * fitted.frame.scale)
 
-    def _congruent(self, kind: EvidenceKind, fitted: Fit, sample: SurfaceSample) -> Evidence:
-        factor = self._factor(fitted, sample)
+    def _congruent(self, kind: EvidenceKind, fitted: Fit, match: Compared) -> Evidence:
+        factor = self._factor(fitted, match.sample)
         if abs(factor - 1) <= self._settings.same_size:
             factor = 1.0
         return Evidence(kind, factor=_digits(factor), deviation=_digits(fitted.deviation))

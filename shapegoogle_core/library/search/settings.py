@@ -131,15 +131,17 @@ class EvidenceSettings:
     max_filtered : int
         Largest number of matches that are explained to find those of the kind in a `Filter`.
     identical : float
-        Tolerance for "identical", "moved", "scaled" and "mirrored" copies: the largest deviation of a copy.
-        Preprocessing rounds no better.
+        Largest deviation of a copy whose points have the same numbers as the query's. Preprocessing rounds no
+        better.
     remeshed : float
         Tolerance for "re-meshed": the largest deviation of another mesh of the same surface.
+    flat : float
+        Tolerance of the moments of two surfaces up to which they alone say that the two are the same.
     near : float
         Distance up to which a point is covered by a surface.
     coarse, coarse_near : float
-        Instead of `remeshed` (and of `identical`, unless both have their vertices in the same order), and of
-        `near`, where only a sample of the query is known: its tangent planes are no more precise.
+        Instead of `remeshed` and of `near`, where only a sample of the query is known: its tangent planes are
+        no more precise.
     whole : float
         Least share of either surface that lies on the other one if they are the same.
     part : float
@@ -157,8 +159,6 @@ class EvidenceSettings:
         Similarity below which neither the opposite direction nor a mirror image is tried.
     other_spectrum : float
         Difference of the lowest eigenvalues from which no other pose is considered.
-    far : float
-        Largest difference of size and place of two shapes in the same place, relative to their size.
     pose_weights : (float, float, float)
         Weights of the logistic regression behind the probability of another pose, for the features of
         `pose_features`; made by ``python -m benchmarks evidence --calibrate``.
@@ -170,6 +170,7 @@ class EvidenceSettings:
     max_filtered: int = 200
     identical: float = 1e-3
     remeshed: float = 5e-3
+    flat: float = 2e-4
     near: float = 1e-2
     coarse: float = 1.2e-2
     coarse_near: float = 2e-2
@@ -181,7 +182,6 @@ class EvidenceSettings:
     sure: float = 0.7
     unlikely: float = 0.05
     other_spectrum: float = 0.35
-    far: float = 0.1
     pose_weights: tuple[float, float, float] = (-2.79, -0.52, -1.26)
     pose_offset: float = -9.76
 

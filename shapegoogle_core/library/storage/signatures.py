@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,9 +12,16 @@ from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.store import Store, damaged
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import SurfaceSample
+from shapegoogle_core.registration import MeshMeasures, SurfaceSample
 
-__all__ = ["BAG_TYPE", "check_signature", "read_signature", "round_bags", "unpack_sample"]
+__all__ = [
+    "BAG_TYPE",
+    "check_signature",
+    "read_signature",
+    "round_bags",
+    "unpack_measures",
+    "unpack_sample",
+]
 
 
 BAG_TYPE = np.dtype("<f2")
@@ -124,7 +133,35 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
         sample=unpack_sample(store, model, shape_id, samples[shape_id]) if shape_id in samples else None,
         local_code=local_codes[0] if len(local_codes) else None,
         extents=record.extents,
+        measures=unpack_measures(store, [shape_id]).get(shape_id),
     )
+
+
+def unpack_measures(store: Store, shape_ids: Sequence[int]) -> dict[int, MeshMeasures]:
+    """Read the measures of shapes.
+
+    Parameters
+    ----------
+    store : Store
+    shape_ids : sequence of int
+
+    Returns
+    -------
+    measures : dict of int to MeshMeasures
+        By shape id; without shapes that have none.
+
+    Raises
+    ------
+    LibraryError
+        If they are damaged.
+    """
+    found = {}
+    for shape_id, content in store.measures(shape_ids).items():
+        try:
+            found[shape_id] = MeshMeasures.from_bytes(content)
+        except ValueError as error:
+            raise damaged(store.name, f"the measures of shape {shape_id} cannot be read: {error}") from error
+    return found
 
 
 def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -> SurfaceSample:

@@ -187,6 +187,9 @@ class Store(Protocol):
     def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
         """Return the surface samples of these shapes by id, in the format of `SurfaceSample.to_bytes`."""
 
+    def measures(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the measures of these shapes by id, in the format of `MeshMeasures.to_bytes`."""
+
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of a shape as PNG, or None if it has none."""
 

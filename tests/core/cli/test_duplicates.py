@@ -24,7 +24,7 @@ def test_copies_and_same_shapes_are_listed(
     table = shapegoogle("duplicates", "--library", file, "--min-similarity", "1")
     assert table.returncode == 0, table.stderr
     assert "copies: 2 files" in table.stdout
-    assert "same: 2 shapes; " in table.stdout
+    assert "identical: 2 shapes; " in table.stdout
     assert " faces besides the first" in table.stdout
     assert "2 groups among 5 shapes" in table.stdout
 
@@ -34,7 +34,7 @@ def test_copies_and_same_shapes_are_listed(
     groups = {record["kind"]: record for record in map(json.loads, lines)}
     assert [member["name"] for member in groups["copies"]["members"]] == ["apple.off", "apple copy.off"]
     assert groups["copies"]["saving"]["bytes"] == (folder / "apple.off").stat().st_size
-    assert {member["name"] for member in groups["same"]["members"]} == {"apple.off", "apple.ply"}
+    assert {member["name"] for member in groups["identical"]["members"]} == {"apple.off", "apple.ply"}
 
 
 def test_wrong_usage_and_missing_libraries_end_with_2(

@@ -70,6 +70,7 @@ CREATE TRIGGER local_words_removed AFTER DELETE ON local_words
     BEGIN DELETE FROM local_word_blocks WHERE block = (old.shape_id - 1) / {{block_ids}}; END;
 CREATE TABLE bags ({_OF_SHAPE}, halves BLOB NOT NULL);
 CREATE TABLE samples ({_OF_SHAPE}, content BLOB NOT NULL);
+CREATE TABLE measures ({_OF_SHAPE}, content BLOB NOT NULL);
 CREATE TABLE thumbnails ({_OF_SHAPE}, png BLOB NOT NULL);
 """
 """Statements, each ending a line; `block_ids` is the number of ids in a block of codes, see `CodeBlocks`."""

@@ -56,6 +56,9 @@ class ShapeTable(SourceTable):
         if signature.sample is not None:
             content = signature.sample.to_bytes()
             self.connection.execute("INSERT INTO samples VALUES (?, ?)", (shape_id, content))
+        if signature.measures is not None:
+            content = signature.measures.to_bytes()
+            self.connection.execute("INSERT INTO measures VALUES (?, ?)", (shape_id, content))
         if shape.thumbnail is not None:
             self.connection.execute("INSERT INTO thumbnails VALUES (?, ?)", (shape_id, shape.thumbnail))
         return shape_id
@@ -95,6 +98,10 @@ class ShapeTable(SourceTable):
     def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
         """Return the surface samples of some shapes, see `Store.samples`."""
         return dict(self.rows_with_ids("SELECT shape_id, content FROM samples WHERE shape_id", shape_ids))
+
+    def measures(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the measures of some shapes, see `Store.measures`."""
+        return dict(self.rows_with_ids("SELECT shape_id, content FROM measures WHERE shape_id", shape_ids))
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of a shape, see `Store.thumbnail`."""

@@ -4,16 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from trimesh.creation import icosphere
 
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.registration import measure_mesh
 
 SignatureMaker = Callable[..., ShapeSignature]
 
@@ -21,7 +25,13 @@ SignatureMaker = Callable[..., ShapeSignature]
 def numbered(
     signature: ShapeSignature, vertices: int = 100, faces: int = 200, area: float = 1.0
 ) -> ShapeSignature:
-    return ShapeSignature(signature.bags, signature.code, area, vertices, faces)
+    """A signature with the measures of a bumpy sphere that depends on the counts and the bags."""
+    ball = icosphere(2)
+    bumps = 1 + 0.1 * np.sin(5 * ball.vertices[:, :1] + vertices + float(signature.bags[:9].sum()))
+    measures = measure_mesh(Mesh(np.sqrt(area) * bumps * ball.vertices, ball.faces))
+    assert measures is not None
+    measures = replace(measures, vertex_count=vertices, face_count=faces)
+    return ShapeSignature(signature.bags, signature.code, area, vertices, faces, measures=measures)
 
 
 def bent(model: ShapeModel, signature: ShapeSignature, amount: float) -> ShapeSignature:
@@ -52,18 +62,21 @@ def test_no_groups_in_an_empty_library_or_among_strangers(
     assert library.duplicates(0.9999) == []
 
 
-def test_the_same_bag_and_counts_are_the_same_shape(library: Library, make_signature: SignatureMaker) -> None:
+def test_the_same_measures_are_the_same_mesh_and_others_are_not_compared(
+    library: Library, make_signature: SignatureMaker
+) -> None:
     first = make_signature(1)
     library.add_signature(numbered(first), "first")
     library.add_signature(numbered(first, area=4.0), "twice the size")
     library.add_signature(numbered(first, vertices=101), "another vertex count")
     library.add_signature(make_signature(2), "stranger")
-    same, similar = library.duplicates(0.9999)
-    assert (same.kind, names(same)) == ("same", ["first", "twice the size"])
-    assert [member.scale for member in same.members] == [1.0, 2.0]
+    similar, same = library.duplicates(0.9999)
+    assert (same.kind, names(same)) == ("scaled", ["first", "twice the size"])
+    assert [member.scale for member in same.members] == pytest.approx([1.0, 2.0])
     assert (same.saved_faces, same.saved_bytes, same.similarity) == (200, 0, 1.0)
     # The second of the same shapes is not listed again.
-    assert (similar.kind, names(similar)) == ("similar", ["first", "another vertex count"])
+    assert (similar.kind, names(similar)) == ("not compared", ["first", "another vertex count"])
+    assert similar.title == "not compared (equal size)"
 
 
 def test_similar_shapes_are_found_by_their_similarity(
@@ -76,7 +89,7 @@ def test_similar_shapes_are_found_by_their_similarity(
         library.add_signature(signature, name)
     similarities = model.similarity(model.distances(first.bags, np.stack([near.bags, far.bags])))
     group = library.duplicates(float(similarities.mean()))[0]
-    assert (group.kind, names(group)) == ("similar", ["first", "near"])
+    assert (group.kind, names(group)) == ("not compared", ["first", "near"])
     assert group.similarity == pytest.approx(similarities[0], abs=1e-3)
     assert names(library.duplicates(float(similarities[1]) - 0.01)[0]) == ["first", "near", "far"]
 
@@ -150,4 +163,4 @@ def test_both_metrics(
     with Library.open(path, model) as library:
         for name in ("first", "second"):
             library.add_signature(numbered(make_signature(1, model)), name)
-        assert [group.kind for group in library.duplicates()] == ["same"]
+        assert [group.kind for group in library.duplicates()] == ["identical"]

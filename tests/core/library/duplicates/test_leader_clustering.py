@@ -45,22 +45,19 @@ def test_keys_find_what_comparing_all_finds() -> None:
 @given(
     points=st.lists(st.floats(0, 10), max_size=30),
     limit=st.floats(0, 5),
-    classes=st.lists(st.integers(0, 2), min_size=30, max_size=30),
 )
-def test_members_are_near_an_earlier_leader_of_their_class(
-    points: list[float], limit: float, classes: list[int]
-) -> None:
+def test_members_are_near_an_earlier_leader(points: list[float], limit: float) -> None:
     """With one key for all, every leader is compared: what leads has no earlier leader nearby."""
-    x, kinds = np.array(points), np.array(classes[: len(points)], np.int64)
+    x = np.array(points)
 
     def distances(position: int, others: NDArray[np.int64]) -> FloatArray:
         return np.asarray(np.abs(x[others] - x[position]))
 
     codes = np.zeros((len(x), 1), np.uint8)
-    clusters = cluster_by_leaders(codes, distances, limit, Banding(8, 1), kinds)
+    clusters = cluster_by_leaders(codes, distances, limit, Banding(8, 1))
     leaders = clusters.leaders()
     for position, leader in enumerate(clusters.leader.tolist()):
-        earlier = leaders[(leaders < position) & (kinds[leaders] == kinds[position])]
+        earlier = leaders[leaders < position]
         nearby = earlier[np.abs(x[earlier] - x[position]) <= limit]
         assert leader in leaders
         assert (leader == position) == (len(nearby) == 0)

@@ -221,7 +221,7 @@ def test_alignments_of_verification_are_not_computed_again(
     aligned.clear()
     passed_on = library.explain([signature], matches)
     again = sum(query.scales == PART_SCALES and query.sample is signature.sample for query, _ in aligned)
-    assert 2 * again == computed > 0  # what is left are mirror images
+    assert again == 0 < computed
     assert [kind_of(match) for match in passed_on] == [kind_of(match) for match in anew]
     assert library.query(signature, top=3) == passed_on
 

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: MIT
+"""Comparison of two meshes by their measures: copies, other triangulations of a surface, mirror images."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration.measures import WAVELENGTHS, MeshMeasures, full
+
+__all__ = [
+    "handed_alike",
+    "is_same_mesh",
+    "is_same_place",
+    "is_same_size",
+    "principal_motions",
+    "surface_difference",
+]
+
+# Tolerances, relative to √area or to the measure itself.
+_FINE = 1e-5
+# An edge that is longer by a tenth of the shortest wavelength changes its spectrum by this.
+_SPECTRAL = 0.6
+_NOISE = 4.0
+# Largest error of a moment, in units of both shapes' coarseness. Between other triangulations of one surface
+# it is up to 1.2, between poses 1.6 and more (docs/measurements/evidence.md).
+_COARSE = 1.6
+# Least difference of the spread along two axes that can be told apart, relative to the largest spread.
+_LEAST_GAP = 1e-3
+
+
+def is_same_mesh(first: MeshMeasures, second: MeshMeasures) -> bool:
+    """Decide whether one mesh is a copy of another, but for place, size and mirroring.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+
+    Returns
+    -------
+    same : bool
+        Also False where the coordinates are too coarse to tell, such as those of a small part far from the
+        origin.
+    """
+    if (first.vertex_count, first.face_count) != (second.vertex_count, second.face_count):
+        return False
+    rounding = first.rounding + second.rounding
+    if np.abs(first.moments - second.moments).max() > _FINE + 8 * rounding:
+        return False
+    count = 3 * first.face_count or first.vertex_count
+    # Rounding errors of the lengths add up like a random walk.
+    noise = _NOISE * 2 * np.pi * rounding / WAVELENGTHS * np.sqrt(count)
+    usable = noise < np.sqrt(count) / 2
+    difference = np.abs(first.spectra - second.spectra).reshape(2, -1)
+    return bool(usable[:1].all() and (difference[:, usable] <= (_SPECTRAL + noise)[usable]).all())
+
+
+def is_same_place(first: MeshMeasures, second: MeshMeasures) -> bool:
+    """Decide whether two copies of a mesh have the same size and place.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+        For which `is_same_mesh` holds.
+
+    Returns
+    -------
+    same : bool
+    """
+    if first.hash == second.hash != 0:
+        return True
+    apart = np.abs(first.center - second.center).max() / first.unit
+    turned = max(
+        np.abs(getattr(first, name) - getattr(second, name)).max() for name in ("second", "normals", "third")
+    )
+    tolerance = _FINE + 4 * (first.rounding + second.rounding)
+    return is_same_size(first, second) and bool(max(apart, turned) <= tolerance)
+
+
+def is_same_size(first: MeshMeasures, second: MeshMeasures) -> bool:
+    """Decide whether two copies of a mesh have the same size.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+
+    Returns
+    -------
+    same : bool
+    """
+    return abs(second.unit / first.unit - 1) <= _FINE + 4 * (first.rounding + second.rounding)
+
+
+def handed_alike(first: MeshMeasures, second: MeshMeasures) -> bool | None:
+    """Decide whether two shapes with the same moments are mirror images.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+
+    Returns
+    -------
+    alike : bool or None
+        False if one is the mirror image of the other; None if the moments are those of a surface that is its
+        own mirror image.
+    """
+    noise = _FINE / 10 + 100 * (first.rounding + second.rounding)
+    if not is_same_mesh(first, second):
+        noise += 3 * (first.coarseness + second.coarseness)
+    alike = np.abs(first.handedness - second.handedness)
+    unlike = np.abs(first.handedness + second.handedness)
+    certain = np.flatnonzero(np.maximum(alike, unlike) > noise)
+    certain = certain[np.minimum(alike, unlike)[certain] < 0.1 * np.maximum(alike, unlike)[certain]]
+    if len(certain) == 0:
+        return None
+    largest = certain[np.maximum(alike, unlike)[certain].argmax()]
+    return bool(alike[largest] < unlike[largest])
+
+
+def principal_motions(
+    first: MeshMeasures, second: MeshMeasures, *, reflected: bool = False
+) -> list[tuple[float, FloatArray, FloatArray]]:
+    """Find the motions x ↦ s R x + t that bring the principal axes of the second onto those of the first.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+    reflected : bool, optional
+        Whether R is to be a reflection.
+
+    Returns
+    -------
+    motions : list of (float, (3, 3) array, (3,) array)
+        s, R and t: four, because axes have no sign; none where two axes are hard to tell apart.
+    """
+    values, axes = np.linalg.eigh(full(first.second))
+    other_values, other_axes = np.linalg.eigh(full(second.second))
+    if min(np.diff(found).min() for found in (values, other_values)) < _LEAST_GAP * values.max():
+        return []
+    scale = first.unit / second.unit
+    motions = []
+    for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)):
+        turn = axes @ np.diag(signs) @ other_axes.T
+        if (np.linalg.det(turn) < 0) != reflected:
+            turn = -turn
+        motions.append((scale, turn, first.center - scale * turn @ second.center))
+    return motions
+
+
+def surface_difference(first: MeshMeasures, second: MeshMeasures) -> tuple[float, float]:
+    """Compare two surfaces by their moments, whatever their triangles, places and sizes.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+
+    Returns
+    -------
+    difference : float
+        Largest difference of a moment; those of the points relative to themselves.
+    tolerance : float
+        Difference that two triangulations of one surface may have.
+    """
+    scale = np.concatenate(
+        [np.maximum(first.moments[:3], 1e-3), np.ones(3), np.maximum(first.moments[6:], 1e-3)]
+    )
+    difference = np.abs(first.moments - second.moments) / scale
+    rounding = 8 * (first.rounding + second.rounding)
+    return float(difference.max()), _FINE + rounding + _COARSE * (first.coarseness + second.coarseness)
