@@ -20,6 +20,8 @@ from benchmarks.experiments.files.facts import FloatArray, IntArray, measure
 from benchmarks.experiments.files.reading import BLENDER, BLENDER_SUFFIXES, PRODUCT, Limits, Parts, Reading
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.library.storage.records import NewShape
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.launching import cause_of_death
 from shapegoogle_core.processes.program import Program
 from shapegoogle_core.processes.progress import progress_bar
@@ -114,9 +116,7 @@ class _AsTheProduct:
                 if isinstance(shape, str):
                     problems.append(shape)
                     continue
-                facts = measure(shape.mesh.vertices, shape.mesh.faces.astype(np.int64))
-                assert facts is not None
-                parts.append((shape.object_name if path.suffix.lower() == ".blend" else "", facts))
+                parts += _placed(shape)
             status = "read" if parts else "nothing"
         except MeshError as error:
             status, parts, problems = "refused", [], [str(error)]
@@ -160,6 +160,22 @@ class _Alone:
         program, self._program = self._program, None
         if program is not None:
             program.close()
+
+
+def _placed(shape: NewShape[Mesh]) -> Parts:
+    """Measure the mesh of a shape at each of its placements."""
+    faces = shape.mesh.faces.astype(np.int64)
+    if not shape.placements:
+        facts = measure(shape.mesh.vertices, faces)
+        return [] if facts is None else [("", facts)]
+    parts = []
+    home = np.linalg.inv(shape.placements[0].matrix)
+    for placement in shape.placements:
+        moved = placement.matrix @ home
+        facts = measure(shape.mesh.vertices @ moved[:3, :3].T + moved[:3, 3], faces)
+        if facts is not None:
+            parts.append((placement.object_name, facts))
+    return parts
 
 
 def _started(command: Sequence[str]) -> Program:
