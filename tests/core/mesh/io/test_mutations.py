@@ -35,6 +35,8 @@ def read_damaged(first: int, count: int, folder: Path) -> list[str]:
                     wrong.append(f"{name} has faces without vertices")
             except MeshError as error:
                 wrong += [f"{name} {fault}" for fault in faults(str(error), name)]
+                if "uses a feature that cannot be read" in str(error):
+                    wrong.append(f"{name} is refused without a reason: {error.__cause__!r}")
                 if "memory" in str(error):
                     wrong.append(f"{name} took too much memory: {error}")
             except Exception as error:
