@@ -22,7 +22,7 @@ STEPS = 1000
 
 
 class IndexProgress:
-    """Shows the progress of `index_files`, and each failed file when it fails.
+    """Shows the progress of `index_files`, each failed file when it fails, and warnings.
 
     Use it as a context manager and give `outcome` to `index_files` as `progress`, and `status` as `status`.
 
@@ -74,6 +74,8 @@ class IndexProgress:
         self.done += 1
         if self._send is not None:
             self._send(outcome)
+        for warning in outcome.warnings:
+            self._write(f"warning: {outcome.path}: {warning}")
         if outcome.status == "failed":
             self._failed += 1
             self._bar.set_postfix(failed=self._failed, refresh=False)

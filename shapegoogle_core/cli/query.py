@@ -50,7 +50,7 @@ from shapegoogle_core.cli.arguments import (
 )
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
-from shapegoogle_core.cli.text import counted, table
+from shapegoogle_core.cli.text import counted, say, table
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.search.settings import EvidenceSettings
 
@@ -179,6 +179,8 @@ class _Queries:
         """Read all shapes of a query file, at least one; objects that cannot be read are noted as failed."""
         found = self.reader.read(path)
         self.failed.extend((Path(path), problem) for problem in found.problems)
+        for warning in found.warnings:
+            say(f"warning: {path}: {warning}")
         if not found.shapes:
             raise MeshError(f"{Path(path).name!r} has no mesh objects; choose a file with a shape in it")
         return found.shapes

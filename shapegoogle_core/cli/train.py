@@ -25,7 +25,7 @@ from shapegoogle_core.cli.arguments import add_flag, add_inputs, add_jobs, add_v
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
 from shapegoogle_core.cli.steps import StepReporter
-from shapegoogle_core.cli.text import counted
+from shapegoogle_core.cli.text import counted, say
 from shapegoogle_core.errors import MeshError, ModelError
 
 if TYPE_CHECKING:
@@ -94,6 +94,8 @@ def _read_meshes(options: argparse.Namespace, failed: Failures) -> dict[str, lis
                 skip(path, str(error), failed)
                 continue
             failed += [(path, problem) for problem in found.problems]
+            for warning in found.warnings:
+                say(f"warning: {path}: {warning}")
             for shape in found.shapes:
                 if shape.mesh.is_point_cloud:
                     skip(path, f"{path.name!r} has no faces; a model is learnt from surfaces", failed)

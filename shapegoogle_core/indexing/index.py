@@ -297,14 +297,17 @@ class _Run:
             return
         before = self._replace(file, shapes=shapes, error=described.problem or None)
         self.shapes += len(shapes)
+        warnings = tuple(dict.fromkeys(warning for shape in shapes for warning in shape.warnings))
+        self.warnings += [(file.path, warning) for warning in warnings]
         if described.problem:
             self.partial_shapes += len(shapes)
             # The described shapes are stored, but the file counts as failed, since others are missing.
-            self._fail(file.path, Failure(described.problem), len(shapes))
+            self._fail(file.path, Failure(described.problem), len(shapes), warnings)
             return
         known = before is not None and before.shape_count > 0
         self.updated_shapes += len(shapes) if known else 0
-        self._note(FileOutcome(file.path, "updated" if known else "added", shapes=len(shapes)))
+        outcome = FileOutcome(file.path, "updated" if known else "added", shapes=len(shapes))
+        self._note(replace(outcome, warnings=warnings))
 
     def _store_failure(self, file: FileState, failure: Failure) -> None:
         if self._shapes_before(file):
@@ -350,9 +353,10 @@ class _Run:
         else:
             self._fail(path, Failure(f"{source.error} (found in an earlier run; --retry tries it again)"))
 
-    def _fail(self, path: Path, failure: Failure, shapes: int = 0) -> None:
+    def _fail(self, path: Path, failure: Failure, shapes: int = 0, warnings: tuple[str, ...] = ()) -> None:
         self.failed.append((path, failure.reason))
-        self._note(FileOutcome(path, "failed", failure.reason, failure.details, shapes))
+        outcome = FileOutcome(path, "failed", failure.reason, failure.details, shapes, warnings=warnings)
+        self._note(outcome)
 
     def _note(self, outcome: FileOutcome) -> None:
         self.counts[outcome.status] += 1

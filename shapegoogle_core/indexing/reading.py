@@ -11,7 +11,8 @@ from typing import Self
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
 from shapegoogle_core.library.storage.records import NewShape
-from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh, read_mesh
+from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh
+from shapegoogle_core.mesh.io.reading import read_with_warnings
 
 __all__ = ["FileShapes", "ShapeReader", "readable_suffixes"]
 
@@ -30,6 +31,11 @@ class FileShapes:
 
     shapes: Sequence[NewShape[Mesh]]
     problems: Sequence[str] = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences of all shapes on what was left out, each once."""
+        return list(dict.fromkeys(warning for shape in self.shapes for warning in shape.warnings))
 
 
 def readable_suffixes(external: ExternalReader | None) -> frozenset[str]:
@@ -118,8 +124,8 @@ class ShapeReader:
         """
         path = Path(path)
         if self._external is None or self._process is None or not self._external.reads(path):
-            mesh = read_mesh(path)
-            yield NewShape(mesh, mesh.name)
+            mesh, warnings = read_with_warnings(path)
+            yield NewShape(mesh, mesh.name, warnings=warnings)
             return
         if not path.is_file():
             raise MeshError(f"{str(path)!r} is not there, or is no file; check the spelling")

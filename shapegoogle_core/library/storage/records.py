@@ -42,6 +42,8 @@ class NewShape(Generic[Content]):
         objects.
     up_axis : int or None
         Axis that points up, 1 or 2, where the source defines it.
+    warnings : tuple of str
+        A sentence for each part of the file that was left out. They are shown, and not stored.
     """
 
     content: Content
@@ -51,6 +53,7 @@ class NewShape(Generic[Content]):
     tags: tuple[str, ...] = ()
     placements: tuple[Placement, ...] = ()
     up_axis: int | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def mesh(self: NewShape[Mesh]) -> Mesh:
@@ -77,7 +80,14 @@ class NewShape(Generic[Content]):
         shape : NewShape
         """
         return NewShape(
-            content, self.name, self.object_name, thumbnail, self.tags, self.placements, self.up_axis
+            content,
+            self.name,
+            self.object_name,
+            thumbnail,
+            self.tags,
+            self.placements,
+            self.up_axis,
+            self.warnings,
         )
 
 

@@ -122,6 +122,22 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
     assert stderr.count("gone.obj' does not exist") == 2
 
 
+def test_what_was_left_out_of_a_file_is_said(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
+    path = folder / "pear.obj"
+    with path.open("a") as file:
+        file.write("v nan nan nan\n")
+    sentence = (
+        "'pear.obj' has 1 of 163 points without finite coordinates (NaN or infinite); they were left out"
+    )
+    code, stdout, stderr = run("index", folder, "--library", library_file, "--jobs", "1", "--json")
+    assert (code, stderr) == (0, f"warning: {path}: {sentence}\n")
+    assert json.loads(stdout)["warnings"] == [{"source": str(path), "warning": sentence}]
+    code, stdout, stderr = run("query", path, "--library", library_file, "--top", "1", "--evidence", "0")
+    assert (code, stderr) == (0, f"warning: {path}: {sentence}\n")
+
+
 def test_prune(run: Command, indexed: Library, library_file: Path, folder: Path) -> None:
     (folder / "apple.off").unlink()
     # Nothing is forgotten unasked.
