@@ -20,6 +20,7 @@ from shapegoogle_core.cli.text import put, say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end
 from shapegoogle_core.processes.messages import MessageWriter, claim_message_pipe
+from shapegoogle_core.processes.temporary import remove_abandoned_folders
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ExternalReader
@@ -65,6 +66,7 @@ def main(
     options.send = _sender(events=getattr(options, "events", False))
     try:
         with orderly_end():
+            remove_abandoned_folders()
             exit_code = command.run(options)
         sys.stdout.flush()
     except ShapeGoogleError as error:

@@ -24,7 +24,6 @@ parts of one shape::
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,6 +38,7 @@ from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.processes.program import Program
+from shapegoogle_core.processes.temporary import temporary_folder
 
 __all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
 
@@ -163,8 +163,8 @@ class ReaderProcess:
         MeshError
             If the file cannot be read.
         """
-        with tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True) as folder:
-            output = Path(folder, "shapes.bin")
+        with temporary_folder() as folder:
+            output = folder / "shapes.bin"
             request = {
                 "path": os.fspath(path.absolute()),
                 "output": str(output),

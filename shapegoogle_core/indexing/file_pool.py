@@ -8,7 +8,6 @@ all processes share them, and the limits hold for each.
 from __future__ import annotations
 
 import shutil
-import tempfile
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -25,6 +24,7 @@ from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, Spent, TimeLimitError
+from shapegoogle_core.processes.temporary import temporary_folder
 
 __all__ = ["DescribedFile", "FilePool", "FinishedFile"]
 
@@ -157,9 +157,7 @@ class FilePool:
         self._tracker = tracker
         self._time_limit = settings.time_limit
         self._resources = ExitStack()
-        # A process that is killed may still be writing there when the folder is removed.
-        folder = tempfile.TemporaryDirectory(prefix="shapegoogle-", ignore_cleanup_errors=True)
-        self._folder = Path(self._resources.enter_context(folder))
+        self._folder = self._resources.enter_context(temporary_folder())
         model_file = self._folder / "model.npz"
         model_file.write_bytes(model.to_bytes())
         self._pool = Pool(

@@ -36,6 +36,7 @@ from shapegoogle_core.processes.messages import (
     read_frame,
     write_frame,
 )
+from shapegoogle_core.processes.temporary import remove_abandoned_folders
 
 __all__ = ["Task", "Worker", "serve"]
 
@@ -255,6 +256,7 @@ def serve() -> None:
     assert answers is not None
     # Standard output may be that of a command: what libraries print does not belong there.
     os.close(divert_output())
+    remove_abandoned_folders()
     try:
         while (task := read_frame(sys.stdin.buffer)) is not None:
             answer = _answer(*pickle.loads(task))

@@ -30,6 +30,15 @@ def many(tmp_path: Path, make_mesh: Callable[..., Path]) -> Path:
     return tmp_path / "meshes"
 
 
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder for temporary files of the commands."""
+    place = tmp_path / "temporary"
+    place.mkdir()
+    monkeypatch.setenv("TMPDIR", str(place))
+    return place
+
+
 def check_the_rest(library: Library, many: Path, library_file: Path, shapegoogle: Shapegoogle) -> None:
     """The library is sound and the next run does what is missing, no more."""
     before = {shape.source: shape.shape_id for shape in library.shapes()}
@@ -50,6 +59,7 @@ def test_kill_9(
     library_file: Path,
     start_shapegoogle: StartShapegoogle,
     shapegoogle: Shapegoogle,
+    temporary: Path,
 ) -> None:
     process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
     wait_for_sources(library, 3, process)
@@ -57,7 +67,12 @@ def test_kill_9(
     process.wait()
     # The workers notice that nobody waits for them any more.
     wait_until_gone(process.pid)
+    (left,) = temporary.iterdir()
+    # Any command removes what is left; one that runs keeps its own.
+    shapegoogle("info", "--library", library_file)
+    assert not left.exists()
     check_the_rest(library, many, library_file, shapegoogle)
+    assert list(temporary.iterdir()) == []
 
 
 def test_control_c(
@@ -66,6 +81,7 @@ def test_control_c(
     library_file: Path,
     start_shapegoogle: StartShapegoogle,
     shapegoogle: Shapegoogle,
+    temporary: Path,
 ) -> None:
     process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
     wait_for_sources(library, 3, process)
@@ -80,6 +96,7 @@ def test_control_c(
     )
     assert stderr.count("\n") == 1
     wait_until_gone(process.pid)
+    assert list(temporary.iterdir()) == []
     check_the_rest(library, many, library_file, shapegoogle)
 
 
@@ -87,21 +104,17 @@ def test_sigterm_leaves_nothing_behind(
     library: Library,
     many: Path,
     library_file: Path,
-    tmp_path: Path,
     start_shapegoogle: StartShapegoogle,
-    monkeypatch: pytest.MonkeyPatch,
+    temporary: Path,
 ) -> None:
     """As the window ends a run in the background: to the command alone."""
-    place = tmp_path / "temporary"
-    place.mkdir()
-    monkeypatch.setenv("TMPDIR", str(place))
     process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
     wait_for_sources(library, 3, process)
-    assert list(place.iterdir())
+    assert list(temporary.iterdir())
     process.terminate()
     stdout, printed = process.communicate()
     stderr = without_progress(printed)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.startswith("shapegoogle: interrupted after ")
     wait_until_gone(process.pid)
-    assert list(place.iterdir()) == []
+    assert list(temporary.iterdir()) == []
