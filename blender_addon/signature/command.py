@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 import traceback
 from collections.abc import Iterator, Sequence
@@ -92,7 +91,9 @@ def _sentence(item: Any, error: Exception) -> str:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core import MeshError
+    from shapegoogle_core.api.text import one_line
     from shapegoogle_core.cli.command import DONE, SOME_FAILED, UNUSABLE
+    from shapegoogle_core.cli.text import put
 
     source, output = Path(options.input), Path(options.output)
     reason = _refusal(source, output)
@@ -131,7 +132,7 @@ def _run(options: argparse.Namespace) -> int:
         except RuntimeError as error:
             _say(f"paint_signatures: '{output}' cannot be written: {str(error).strip()}")
             return UNUSABLE
-        print(f"{output}: {count} of {number} objects painted")
+        put(f"{one_line(str(output))}: {count} of {number} objects painted")
     else:
         _say(f"paint_signatures: no object of '{source}' was painted, so '{output}' was not written")
     if failed:
@@ -339,4 +340,6 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    from shapegoogle_core.cli.text import say
+
+    say(text)

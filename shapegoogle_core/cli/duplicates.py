@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import add_flag, add_library, add_value, number_from, positive_share
 from shapegoogle_core.cli.command import DONE, Command
-from shapegoogle_core.cli.text import counted, table
+from shapegoogle_core.cli.text import counted, put, table
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
@@ -65,13 +65,13 @@ def _run(options: argparse.Namespace) -> int:
         shapes = len(library)
     if options.json:
         for group in groups:
-            print(json.dumps(group.to_json()))
+            put(json.dumps(group.to_json()))
         return DONE
     for group in groups:
-        print(_group_table(group), end="\n\n")
+        put(f"{_group_table(group)}\n")
     saved_faces = sum(group.saved_faces for group in groups if group.kind in _EXACT)
     saved_bytes = sum(group.saved_bytes for group in groups)
-    print(
+    put(
         f"{counted(len(groups), 'group')} among {counted(shapes, 'shape')}; exact copies repeat "
         f"{saved_faces:,} faces, copied files {saved_bytes:,} bytes"
     )

@@ -11,7 +11,7 @@ from typing import Self
 from tqdm import tqdm
 
 from shapegoogle_core.cli.events import Event
-from shapegoogle_core.cli.text import say
+from shapegoogle_core.cli.text import say, say_lines
 from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress
 from shapegoogle_core.processes.progress import SECONDS_BETWEEN_LINES
 
@@ -81,7 +81,7 @@ class IndexProgress:
             self._bar.set_postfix(failed=self._failed, refresh=False)
             self._write(f"skipped {outcome.path}: {outcome.reason}")
             if self._verbose and outcome.details:
-                self._write(outcome.details)
+                self._write(outcome.details, say_lines)
 
     def status(self, status: IndexingProgress) -> None:
         """Show the progress.
@@ -99,6 +99,6 @@ class IndexProgress:
             self._last_line = now
             self._write(f"{status.sentence()}, {self._failed} failed")
 
-    def _write(self, text: str) -> None:
+    def _write(self, text: str, write: Callable[[str], None] = say) -> None:
         with self._bar.external_write_mode(file=sys.stderr):
-            say(text)
+            write(text)

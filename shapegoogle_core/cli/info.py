@@ -6,8 +6,10 @@ from __future__ import annotations
 import argparse
 import json
 
+from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.arguments import add_flag, add_library
 from shapegoogle_core.cli.command import DONE, Command
+from shapegoogle_core.cli.text import put
 
 __all__ = ["COMMAND"]
 
@@ -24,14 +26,14 @@ def _run(options: argparse.Namespace) -> int:
         info = library.info()
         failures = {path: source.error for path, source in library.sources().items() if source.error}
     if options.json:
-        print(json.dumps({**info, "failures": failures}))
+        put(json.dumps({**info, "failures": failures}))
         return DONE
     width = max(map(len, info))
     for key, value in info.items():
         shown = f"{value:,}" if isinstance(value, int) else value
-        print(f"{key.replace('_', ' '):<{width}}  {shown}")
+        put(f"{key.replace('_', ' '):<{width}}  {one_line(str(shown))}")
     for path, error in failures.items():
-        print(f"  {path}: {error}")
+        put(f"  {one_line(f'{path}: {error}')}")
     return DONE
 
 

@@ -11,12 +11,13 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
+from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli import duplicates, index, info, query, train
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.events import CommandError, Event, event_to_json
-from shapegoogle_core.cli.text import put, say
+from shapegoogle_core.cli.text import put, say, say_lines
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.processes.launching import orderly_end
 from shapegoogle_core.processes.messages import MessageWriter, claim_message_pipe
@@ -71,7 +72,7 @@ def main(
         sys.stdout.flush()
     except ShapeGoogleError as error:
         if options.verbose:
-            traceback.print_exc()
+            say_lines(traceback.format_exc())
         if options.send is not None:
             options.send(CommandError(str(error)))
         say(f"shapegoogle: {error}")
@@ -86,6 +87,13 @@ def main(
     return exit_code
 
 
+class _Parser(argparse.ArgumentParser):
+    """Its errors repeat arguments, which may be names of any kind."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(one_line(message))
+
+
 def _sender(*, events: bool) -> Callable[[Event], None] | None:
     """Return the function that events are sent with, if anyone wants them."""
     pipe = claim_message_pipe()
@@ -98,7 +106,7 @@ def _sender(*, events: bool) -> Callable[[Event], None] | None:
 
 
 def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog=program.partition(" {")[0],
         description="Find a 3D shape again: in another pose, at another size, with another mesh.",
         epilog="examples:\n"
@@ -110,7 +118,9 @@ def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentPar
     )
     version = metadata.version("shapegoogle-core")
     parser.add_argument("--version", action="version", version=f"shapegoogle {version}")
-    subparsers = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND", required=True)
+    subparsers = parser.add_subparsers(
+        title="commands", dest="command", metavar="COMMAND", required=True, parser_class=_Parser
+    )
     for command in COMMANDS:
         summary, _, details = command.help.partition("\n\n")
         options = subparsers.add_parser(

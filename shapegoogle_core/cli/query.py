@@ -33,13 +33,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.arguments import (
     add_filters,
     add_flag,
@@ -50,7 +50,7 @@ from shapegoogle_core.cli.arguments import (
 )
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
-from shapegoogle_core.cli.text import counted, say, table
+from shapegoogle_core.cli.text import counted, put, say, say_lines, table
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.search.settings import EvidenceSettings
 
@@ -95,7 +95,7 @@ def _run(options: argparse.Namespace) -> int:
         queries = _Queries(options, library, reader, failed)
         answered = queries.run_together() if options.together else queries.run_each()
     if answered and not options.json:
-        print(LEGEND)
+        put(LEGEND)
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 
@@ -188,7 +188,7 @@ class _Queries:
     def _failure(self, path: str, error: BaseException) -> str:
         """Note a failure and return its reason."""
         if self.options.verbose:
-            traceback.print_exception(error)
+            say_lines("".join(traceback.format_exception(error)))
         reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
         self.failed.append((Path(path), reason))
         return reason
@@ -213,11 +213,9 @@ class _Queries:
         else:
             record["matches"] = [match.to_json() for match in answer]
             if not self.options.json:
-                print(_match_table(title, answer, len(self.library)), end="\n\n")
+                put(f"{_match_table(one_line(title), answer, len(self.library))}\n")
         if self.options.json:
-            print(json.dumps(record))
-        # The program at the other end of a pipe gets each answer as soon as it is known.
-        sys.stdout.flush()
+            put(json.dumps(record))
 
 
 def _match_table(query: str, matches: list[Match], shapes: int) -> str:

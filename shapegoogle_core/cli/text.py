@@ -6,9 +6,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from shapegoogle_core.api.text import counted
+from shapegoogle_core.api.text import counted, display_width, one_line, shortened, visible
 
-__all__ = ["counted", "put", "say", "table"]
+__all__ = ["counted", "put", "say", "say_lines", "table"]
+
+# Columns of a cell that is not the last of its row; names of files may have 255 characters.
+WIDEST_CELL = 60
 
 
 def put(text: str) -> None:
@@ -17,18 +20,30 @@ def put(text: str) -> None:
     Parameters
     ----------
     text : str
+        Names in it may contain anything; line breaks in names must have been escaped.
     """
-    print(text, flush=True)
+    print(visible(text), flush=True)
 
 
 def say(text: str) -> None:
-    """Print to stderr.
+    """Print a sentence to stderr.
+
+    Parameters
+    ----------
+    text : str
+        Line breaks in it are escaped: they are those of a name.
+    """
+    print(one_line(text), file=sys.stderr, flush=True)
+
+
+def say_lines(text: str) -> None:
+    """Print a text of several lines to stderr, such as a traceback.
 
     Parameters
     ----------
     text : str
     """
-    print(text, file=sys.stderr, flush=True)
+    print(visible(text.rstrip("\n")), file=sys.stderr, flush=True)
 
 
 def table(rows: Sequence[Sequence[str]], alignment: str) -> list[str]:
@@ -37,7 +52,8 @@ def table(rows: Sequence[Sequence[str]], alignment: str) -> list[str]:
     Parameters
     ----------
     rows : sequence of sequence of str
-        At least one; all of the same length.
+        At least one; all of the same length. Cells may contain any name: what would break the table is
+        escaped, and long names are cut, except in the last column.
     alignment : str
         For each column "<" (left) or ">" (right).
 
@@ -46,9 +62,19 @@ def table(rows: Sequence[Sequence[str]], alignment: str) -> list[str]:
     lines : list of str
         One for each row, without spaces at the end.
     """
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    cells = [
+        [*(shortened(one_line(cell), WIDEST_CELL) for cell in row[:-1]), one_line(row[-1])] for row in rows
+    ]
+    widths = [max(map(display_width, column)) for column in zip(*cells, strict=True)]
     columns = list(zip(alignment, widths, strict=True))
     return [
-        "  ".join(f"{cell:{side}{width}}" for cell, (side, width) in zip(row, columns, strict=True)).rstrip()
-        for row in rows
+        "  ".join(
+            _padded(cell, side, width) for cell, (side, width) in zip(row, columns, strict=True)
+        ).rstrip()
+        for row in cells
     ]
+
+
+def _padded(cell: str, side: str, width: int) -> str:
+    space = " " * (width - display_width(cell))
+    return space + cell if side == ">" else cell + space

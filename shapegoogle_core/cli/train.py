@@ -21,11 +21,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.arguments import add_flag, add_inputs, add_jobs, add_value, number_from
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, skip
 from shapegoogle_core.cli.steps import StepReporter
-from shapegoogle_core.cli.text import counted, say
+from shapegoogle_core.cli.text import counted, put, say
 from shapegoogle_core.errors import MeshError, ModelError
 
 if TYPE_CHECKING:
@@ -74,7 +75,8 @@ def _run(options: argparse.Namespace) -> int:
     )
     model.save(output)
     size = output.stat().st_size
-    print(f"{output}: model {model.identifier}, {size:,} bytes, from {counted(len(meshes), 'shape')}")
+    source = f"from {counted(len(meshes), 'shape')}"
+    put(f"{one_line(str(output))}: model {model.identifier}, {size:,} bytes, {source}")
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 
