@@ -13,7 +13,7 @@ from ..library.scene_source import file_of
 from ..state import session_of
 
 if TYPE_CHECKING:
-    from shapegoogle_core import Evidence
+    from shapegoogle_core import Match
     from shapegoogle_core.service.requests import Answer
 
 __all__ = ["explain_matches", "show_answer", "show_evidence", "show_failure"]
@@ -57,18 +57,20 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     session.shape_count = answer.shape_count
 
 
-def show_evidence(context: Any, evidence: dict[int, Evidence | None]) -> None:
+def show_evidence(context: Any, explained: dict[int, Match]) -> None:
     """Put evidence below the pictures of the matches it belongs to.
 
     Parameters
     ----------
     context : bpy.types.Context
-    evidence : dict of int to Evidence or None
-        By the id of the shape; None for a match that cannot be compared, which keeps its similarity alone.
+    explained : dict of int to Match
+        By the id of the shape; a match that cannot be compared keeps its similarity alone.
     """
     for line in session_of(context).matches:
-        if line.shape_id in evidence:
-            labels.set_evidence(line, evidence[line.shape_id])
+        if line.shape_id in explained:
+            match = explained[line.shape_id]
+            line.object_name = match.object_name
+            labels.set_evidence(line, match.evidence)
 
 
 def explain_matches(answer: Answer, first: int = 0) -> None:
@@ -86,9 +88,9 @@ def explain_matches(answer: Answer, first: int = 0) -> None:
     if not portion or not _is_shown(answer):
         return
 
-    def done(evidence: dict[int, Evidence | None]) -> None:
+    def done(explained: dict[int, Match]) -> None:
         if _is_shown(answer):
-            show_evidence(bpy.context, evidence)
+            show_evidence(bpy.context, explained)
             explain_matches(answer, first + EXPLAINED_AT_ONCE)
 
     def failed(error: BaseException) -> None:

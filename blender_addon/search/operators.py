@@ -81,7 +81,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             return {"CANCELLED"}
         try:
             answer = future.result()
-            evidence = (
+            explained = (
                 jobs.worker().submit(explain, answer.library, answer.signatures, answer.matches).result()
             )
         except ShapeGoogleError as error:
@@ -92,7 +92,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
             state.current().search.waiting = None
             session_of(context).searching = False
         show_answer(context, answer, time.monotonic() - started)
-        show_evidence(context, evidence)
+        show_evidence(context, explained)
         self.report({"INFO"}, session_of(context).answer)
         return {"FINISHED"}
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
-from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
@@ -235,9 +234,7 @@ def _answer(library: Library, signatures: list[ShapeSignature], matches: list[Ma
     )
 
 
-def explain(
-    path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]
-) -> dict[int, Evidence | None]:
+def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]) -> dict[int, Match]:
     """Compare the surfaces of matches with that of the query.
 
     Parameters
@@ -251,8 +248,9 @@ def explain(
 
     Returns
     -------
-    evidence : dict of int to Evidence or None
-        By the id of the shape; None where there is no surface to compare.
+    explained : dict of int to Match
+        By the id of the shape: the match with its evidence, None where there is no surface to compare, and as
+        the placement that fits best shows it.
 
     Raises
     ------
@@ -260,7 +258,7 @@ def explain(
         If the library cannot be opened or read.
     """
     explained = _SESSION.library(path).explain(signatures, matches, len(matches))
-    return {match.shape_id: match.evidence for match in explained}
+    return {match.shape_id: match for match in explained}
 
 
 def _stored_signature(library: Library, example: StoredExample) -> ShapeSignature:

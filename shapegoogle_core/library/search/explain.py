@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,6 +17,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.placements import best_placement, shown_at
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
@@ -23,6 +25,7 @@ from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.registration import Alignment
 
 __all__ = ["explain_matches"]
 
@@ -51,7 +54,8 @@ def explain_matches(
     Returns
     -------
     matches : list of Match
-        In their order. Without evidence: shapes without a sample, and shapes removed meanwhile.
+        In their order; those with several placements as the one that fits best shows them. Without evidence:
+        shapes without a sample, and shapes removed meanwhile.
     """
     usable = [(query, query.sample) for query in queries if query.sample is not None]
     if not usable or not matches:
@@ -64,7 +68,9 @@ def explain_matches(
     least = dict(zip(found, distances.min(axis=0).tolist(), strict=True))
     measures = unpack_measures(store, shape_ids)
     explainers: dict[int, Explainer] = {}
-    evidence: dict[int, Evidence] = {}
+    explained: dict[int, Match] = {}
+    several = [match.shape_id for match in matches if match.placement_count > 1]
+    placements = store.placements(several) if several else {}
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         for shape_id, sample in stored_samples(store, model, shape_ids):
@@ -77,7 +83,25 @@ def explain_matches(
                     Compared(query_sample, query, query.measures), query.surface, settings
                 )
             alignment = known_alignment(match, query_sample)
-            evidence[shape_id] = explainers[example].explain(
-                Compared(sample, match, measures.get(shape_id)), match.similarity, least[shape_id], alignment
-            )
-    return [replace(match, evidence=evidence.get(match.shape_id)) for match in matches]
+            explain = partial(_explain, explainers[example], match.similarity, least[shape_id])
+            if shape_id in placements:
+                match = shown_at(match, placements[shape_id], 0)
+                compared = Compared(sample, match, measures.get(shape_id))
+                evidence, position = best_placement(
+                    query_sample, compared, placements[shape_id], alignment, explain
+                )
+                match = shown_at(match, placements[shape_id], position)
+            else:
+                evidence = explain(Compared(sample, match, measures.get(shape_id)), alignment)
+            explained[shape_id] = replace(match, evidence=evidence)
+    return [explained.get(match.shape_id) or replace(match, evidence=None) for match in matches]
+
+
+def _explain(
+    explainer: Explainer,
+    similarity: float,
+    distance: float,
+    compared: Compared,
+    alignment: Alignment | None,
+) -> Evidence:
+    return explainer.explain(compared, similarity, distance, alignment)
