@@ -62,12 +62,27 @@ class LibraryState:
         The run that trains a model.
     model : tuple of (str, float, ShapeModel) or None
         The model loaded last, with the path or name and the time of the file it came from.
+    unsaved_name : str
+        Source that the open file is until it is saved; empty until it is needed.
+    unsaved_in : set of Path
+        Libraries that have shapes of the open file under that name.
+    renamed : list of (Path, str, str)
+        Libraries in which a source still has the first name, though its file was saved under the second.
+    opened : int
+        How many files were opened.
+    objects : dict of (str, str) to int
+        Session numbers of indexed objects of the open file, by source and the name they had then.
     """
 
     warm: set[Path] = field(default_factory=set)
     indexing: list[BackgroundRun | SceneIndexing] = field(default_factory=list)
     training: BackgroundRun | None = None
     model: tuple[str, float, ShapeModel] | None = None
+    unsaved_name: str = ""
+    unsaved_in: set[Path] = field(default_factory=set)
+    renamed: list[tuple[Path, str, str]] = field(default_factory=list)
+    opened: int = 0
+    objects: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
 @dataclass
@@ -99,10 +114,13 @@ class GalleryState:
         Icons of the shapes shown, by their id.
     placed : set of int
         Session uids of the objects that were appended from this answer.
+    numbers : tuple of (int, set of int) or None
+        Session uid of the scene and those of its objects; None after a change.
     """
 
     pictures: Any = None
     placed: set[int] = field(default_factory=set)
+    numbers: tuple[int, set[int]] | None = None
 
 
 @dataclass

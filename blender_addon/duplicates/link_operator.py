@@ -112,7 +112,7 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         self._gone: list[tuple[str, str]] = []
         for group in shown.groups:
             if group.chosen and group.linkable:
-                objects = objects_of(group, by_name, "SCENE")
+                objects = objects_of(context, group, by_name, "SCENE")
                 if len(objects) > 1:
                     groups.append(objects)
                 else:
@@ -140,7 +140,7 @@ def _refresh(context: Any, shown: Any, *, chosen: bool) -> None:
         group = shown.groups[index]
         if not group.linkable:
             continue
-        objects = objects_of(group, by_name, "SCENE")
+        objects = objects_of(context, group, by_name, "SCENE")
         if len({item.data for item in objects}) < 2:
             shown.groups.remove(index)
         else:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..library.scene_source import is_here
+from .. import state
+from ..library.open_file import is_open_file, open_source
+from ..scene.finding import SceneObjects, Sought
 
 __all__ = ["is_in_object_mode", "objects_by_name", "objects_of"]
 
@@ -28,11 +30,12 @@ def objects_by_name(context: Any) -> ObjectsByName:
     }
 
 
-def objects_of(group: Any, by_name: ObjectsByName, found_in: str) -> list[Any]:
-    """Return the members of a group that are in the scene; names may have changed since they were found.
+def objects_of(context: Any, group: Any, by_name: ObjectsByName, found_in: str) -> list[Any]:
+    """Return the members of a group that are in the scene, under whatever name they have now.
 
     Parameters
     ----------
+    context : bpy.types.Context
     group : SHAPEGOOGLE_PG_duplicate_group
     by_name : dict
         As from `objects_by_name`, made once for many groups.
@@ -41,10 +44,17 @@ def objects_of(group: Any, by_name: ObjectsByName, found_in: str) -> list[Any]:
     Returns
     -------
     objects : list of bpy.types.Object
+        Each once.
     """
     if found_in == "LIBRARY":
-        # Two members may be one object: indexed from the saved file, and from the open scene.
-        names = [member.name for member in group.members if is_here(member.source, member.name)]
-        return [by_name[name, ""] for name in dict.fromkeys(names) if (name, "") in by_name]
-    members = [by_name.get((member.name, member.library)) for member in group.members]
-    return [item for item in members if item is not None and item.type == "MESH"]
+        here, numbers = SceneObjects(context), state.current().library.objects
+        source = open_source()
+        found = [
+            here.find(Sought(member.name, numbers.get((source, member.name), 0)))
+            for member in group.members
+            if is_open_file(member.source)
+        ]
+    else:
+        found = [by_name.get((member.name, member.library)) for member in group.members]
+        found = [item for item in found if item is not None and item.type == "MESH"]
+    return list(dict.fromkeys(item for item in found if item is not None))

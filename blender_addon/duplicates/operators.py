@@ -213,7 +213,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
             self.report({"ERROR"}, f"There is no group {index}; there are {len(shown.groups)}")
             return {"CANCELLED"}
         group = shown.groups[index]
-        objects = objects_of(group, objects_by_name(context), shown.found_in)
+        objects = objects_of(context, group, objects_by_name(context), shown.found_in)
         visible = [item for item in objects if item.visible_get(view_layer=context.view_layer)]
         if not visible:
             self.report({"WARNING"}, f"No visible object of the group of {group.name!r} is in this scene")

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The matches: pictures with labels, filters, and appending, linking, opening, selecting, marking them."""
 
-from . import browse, operators, properties
+from . import browse, finding, operators, properties
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (properties, browse, operators)
+_MODULES = (properties, finding, browse, operators)
 
 
 def register() -> None:

@@ -9,11 +9,12 @@ from typing import Any, ClassVar
 import bpy
 from bpy.props import BoolProperty
 
+from ..library.open_file import is_open_file
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
-from . import free_place, placing
+from . import finding, free_place, placing
+from .errors import PlacingError
 from .on_match import OnMatch, active_match
-from .placing import PlacingError
 
 __all__ = ["register", "unregister"]
 
@@ -48,7 +49,7 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
         match = active_match(context)
         parts = free_place.query_parts(context)
         try:
-            objects = placing.bring_in(context, match.source, match.object_name)
+            objects = placing.bring_in(context, match.source, finding.sought(match))
         except PlacingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -56,7 +57,7 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
         for item in objects:
             if item.asset_data is not None and not self.keep_asset:
                 item.asset_clear()
-        self.report({"INFO"}, f"Appended {objects[0].name}")
+        self.report({"INFO"}, f"Appended {objects[0].name}{_formerly(match, objects[0])}")
         return {"FINISHED"}
 
 
@@ -75,7 +76,7 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
         if match is None or not match.source.lower().endswith(".blend"):
             cls.poll_message_set("Only objects of .blend files can be linked; append this one")
             return False
-        if match.source == bpy.data.filepath:
+        if is_open_file(match.source):
             cls.poll_message_set("The match is in this file")
             return False
         return True
@@ -90,11 +91,11 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
             self.report({"INFO"}, f"{linked.name} is linked here already; it is selected now")
             return {"FINISHED"}
         try:
-            objects = placing.bring_in(context, match.source, match.object_name, link=True)
+            objects = placing.bring_in(context, match.source, finding.sought(match), link=True)
         except PlacingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Linked {objects[0].name}")
+        self.report({"INFO"}, f"Linked {objects[0].name}{_formerly(match, objects[0])}")
         return {"FINISHED"}
 
 
@@ -140,8 +141,15 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.select_match"
     bl_label = "Select"
-    bl_description = "Select the match, which is in this scene, and look at it"
+    bl_description = (
+        "Select the match, which is in this scene, and look at it. If several objects show its mesh, the one "
+        "that fits best comes first, and each further click selects the next; with Shift all of them"
+    )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
+
+    all: BoolProperty(
+        name="All", description="Select all objects that show the mesh of the match", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -152,20 +160,41 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
             return False
         return True
 
+    def invoke(self, context: Any, event: Any) -> set[str]:
+        """Select all with Shift."""
+        self.all = self.all or event.shift
+        return self.execute(context)
+
     def execute(self, context: Any) -> set[str]:
-        """Select it."""
-        name = active_match(context).object_name
-        item = context.view_layer.objects.get(name)
-        if item is None:
-            self.report({"ERROR"}, f"{name!r} is not in this view layer any more; index the scene again")
+        """Select it, or the next object with its mesh if it is the selected one."""
+        from shapegoogle_core import LibraryError
+
+        match = active_match(context)
+        try:
+            items = finding.placements_here(context, match)
+        except (PlacingError, LibraryError) as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        index = 0
+        if not self.all:
+            active = context.view_layer.objects.active
+            if list(context.view_layer.objects.selected) == [active] and active in items:
+                index = (items.index(active) + 1) % len(items)
+        chosen = items if self.all else [items[index]]
         placing.to_object_mode(context)
-        placing.select_only(context, [item])
+        placing.select_only(context, chosen)
         if context.region is not None and context.area is not None and context.area.type == "VIEW_3D":
             for region in context.area.regions:
                 if region.type == "WINDOW":
                     with context.temp_override(region=region):
                         bpy.ops.view3d.view_selected()
+        if self.all or len(items) == 1:
+            text = (
+                f"{len(items)} objects" if len(items) > 1 else f"{items[0].name}{_formerly(match, items[0])}"
+            )
+            self.report({"INFO"}, f"Selected {text}")
+        else:
+            self.report({"INFO"}, f"Selected {chosen[0].name}, {index + 1} of {len(items)} with this mesh")
         return {"FINISHED"}
 
 
@@ -235,24 +264,29 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         self._shown = settings.kind, settings.color
         there = set(context.view_layer.objects)
         parts = [part for part in meshes_of(query, context) if part in there]
+        reason, here = "", None
         if not parts:
-            self._give_up(
-                context,
-                f"{query.name!r} has no mesh in this view layer that can be painted; select the mesh itself",
+            reason = (
+                f"{query.name!r} has no mesh in this view layer that can be painted; select the mesh itself"
             )
+        try:
+            here = finding.object_of(context, match)
+        except PlacingError as error:
+            reason = str(error)
+        if reason:
+            self._give_up(context, reason)
             return None
-        here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
         others: list[Any] = [here]
         if here is None:
             before = set(bpy.data.user_map())
             reason = ""
             try:
-                objects = placing.bring_in(context, match.source, match.object_name)
+                objects = placing.bring_in(context, match.source, finding.sought(match))
                 # A mesh file is one shape, even if it is imported as several objects.
                 is_blend = match.source.lower().endswith(".blend")
                 others = objects[:1] if is_blend else mesh_objects(objects)
                 if not others:
-                    reason = f"{match.name!r} contains no mesh any more; index the library again"
+                    reason = f"{match.name!r} contains no mesh any more; Index Library reads the changed file"
             except PlacingError as error:
                 reason = str(error)
             self._appended = {block.session_uid for block in bpy.data.user_map() if block not in before}
@@ -268,6 +302,12 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         ]
         settings.kind, settings.color = "WORDS", True
         return objects
+
+
+def _formerly(match: Any, item: Any) -> str:
+    """Say the name that an object had when it was indexed, if it was found under another one."""
+    renamed = match.object_name and item.name.partition(".")[0] != match.object_name.partition(".")[0]
+    return f" (was {match.object_name})" if renamed else ""
 
 
 register, unregister = bpy.utils.register_classes_factory(

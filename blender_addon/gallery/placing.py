@@ -10,6 +10,11 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
+from ..library.open_file import is_open_file, is_unsaved
+from ..scene.finding import Sought
+from . import blend_objects
+from .errors import PlacingError
+
 __all__ = [
     "PlacingError",
     "bounds",
@@ -31,11 +36,7 @@ _IMPORTERS = {
 }
 
 
-class PlacingError(Exception):
-    """A shape cannot be brought into the scene; the message gives the reason and what to do."""
-
-
-def bring_in(context: Any, source: str, object_name: str, *, link: bool = False) -> list[Any]:
+def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -> list[Any]:
     """Append or link an object of a .blend file, or import a mesh file.
 
     Parameters
@@ -43,8 +44,8 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
     context : bpy.types.Context
     source : str
         Path of the file.
-    object_name : str
-        Of the object in a .blend file.
+    sought : Sought
+        The object in a .blend file. If none has its name any more, it is found by its mesh.
     link : bool
         Link instead of append.
 
@@ -58,14 +59,29 @@ def bring_in(context: Any, source: str, object_name: str, *, link: bool = False)
     PlacingError
         If the file or the object in it is gone, or Blender cannot read it.
     """
-    path = Path(source)
+    path, object_name = Path(source), sought.object_name
+    if is_unsaved(source) and is_open_file(source):
+        raise PlacingError(
+            f"{object_name!r} is not in this scene any more: it was deleted, or renamed and changed; undo "
+            "that, or index This Scene and search again"
+        )
+    if is_unsaved(source):
+        raise PlacingError(
+            f"{object_name!r} is in a file that was never saved and is not open any more; Forget Missing "
+            "Files removes such shapes from the library"
+        )
     if not path.is_file():
-        raise PlacingError(f"'{source}' no longer exists; index the library again")
+        raise PlacingError(
+            f"'{source}' does not exist any more; Move Sources tells the library where its folder is now, "
+            "Forget Missing Files removes the shapes of deleted files"
+        )
     to_object_mode(context)
     before = set(context.view_layer.objects)
     try:
         if path.suffix.lower() == ".blend":
-            _from_blend(path, object_name, link)
+            object_name = blend_objects.name_in(context, path, sought)
+            operator = bpy.ops.wm.link if link else bpy.ops.wm.append
+            operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
         else:
             _import(context, path)
     except RuntimeError as error:
@@ -157,17 +173,6 @@ def _instance(context: Any, path: Path, object_name: str) -> Any:
         )
     context.collection.objects.link(item)
     return item
-
-
-def _from_blend(path: Path, object_name: str, link: bool) -> None:
-    with bpy.data.libraries.load(str(path), link=True, assets_only=False) as (content, _):
-        there = object_name in content.objects
-    if not there:
-        raise PlacingError(
-            f"{path.name!r} contains no object {object_name!r} any more; index the library again"
-        )
-    operator = bpy.ops.wm.link if link else bpy.ops.wm.append
-    operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
 
 
 def _import(context: Any, path: Path) -> None:

@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..library.scene_source import is_here
+from .finding import is_here
 
 __all__ = ["GalleryProperties", "register", "unregister"]
 
@@ -27,7 +27,7 @@ _SOURCES = (
 
 
 def _is_in_scene(match: Any) -> bool:
-    return is_here(match.source, match.object_name)
+    return is_here(match)
 
 
 class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
@@ -43,6 +43,12 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     label: StringProperty(description="The kind below the picture")
     size: FloatProperty(name="Size", description="Size relative to the query")
     vertex_count: IntProperty(name="Vertices")
+    face_count: IntProperty(name="Faces")
+    area: FloatProperty(name="Area", description="Of the surface, in the units of its file")
+    placement_count: IntProperty(
+        name="Objects", description="Number of objects of the file that show this shape", default=1
+    )
+    session_uid: IntProperty(description="Blender's number of the object, if it is in the open scene")
     in_scene: BoolProperty(
         name="In This Scene",
         description="Whether its object is in the open scene now",

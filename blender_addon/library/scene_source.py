@@ -1,63 +1,78 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The open scene as a source of the library: its meshes and point clouds as they are now, saved or not."""
+"""Index the open scene: its meshes and point clouds as they are now, saved or not.
+
+Objects that show the same mesh are read and described once.
+"""
 
 from __future__ import annotations
 
-import os
 import time
 from collections import deque
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from .. import jobs
+from .. import jobs, state
 from ..scene.selection import asset_tags, shape_objects, split_evaluated
+from .open_file import is_unsaved, open_source, take_over
+from .sharing import SharedMeshes
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from shapegoogle_core import Mesh, ShapeSignature
     from shapegoogle_core.cli.events import Event
+    from shapegoogle_core.library.placement import Placement
+    from shapegoogle_core.library.storage.records import NewShape
+    from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["SceneIndexing", "file_of", "is_here", "scene_source"]
+__all__ = ["SceneIndexing"]
 
 # Blender's z.
 UP_AXIS = 2
-# Objects in the hands of the worker: enough that it never waits, few enough to keep memory flat.
+# Meshes in the hands of the worker: enough that it never waits, few enough to keep memory flat.
 AHEAD = 3
-# The scene and its file are two sources: each has its own objects, and may change without the other.
-MARK = " (open scene)"
+# How long the window may be kept from answering by reading objects.
+SECONDS_OF_READING = 0.1
 
 
-def scene_source() -> str:
-    """Return the name of the open scene in the library."""
-    return f"{bpy.data.filepath or 'Unsaved'}{MARK}"
+@dataclass
+class _Entry:
+    """A mesh on its way into the library, and the objects that show it.
 
-
-def file_of(source: str) -> str:
-    """Return the file that a source of the library is, or that a scene was saved in."""
-    return source.removesuffix(MARK)
-
-
-def is_here(source: str, object_name: str) -> bool:
-    """Whether a shape of the library is an object of the open scene.
-
-    Parameters
+    Attributes
     ----------
-    source : str
-        The open scene, or the file that it was saved in.
-    object_name : str
-
-    Returns
-    -------
-    here : bool
+    first : Placement
+        Of the first object.
+    mesh : Mesh or None
+        As the first object places it; kept only if other objects may show it too.
+    objects : list of (str, array)
+        Name and matrix of each object.
+    uids : list of int
+        Session numbers of the objects.
+    tags : list of str
+    described : NewShape or str or None
+        A sentence if it cannot be described; None until the worker is done.
     """
-    file = os.path.normcase(file_of(source))
-    return file == os.path.normcase(file_of(scene_source())) and object_name in bpy.context.scene.objects
+
+    first: Placement
+    mesh: Mesh | None
+    objects: list[tuple[str, FloatArray]] = field(default_factory=list)
+    uids: list[int] = field(default_factory=list)
+    tags: list[str] = field(default_factory=list)
+    described: NewShape[ShapeSignature] | str | None = None
+
+    def add(self, item: Any, matrix: FloatArray) -> None:
+        """Add an object that shows the mesh."""
+        self.objects.append((item.name, matrix))
+        self.uids.append(item.session_uid)
+        self.tags += [tag for tag in asset_tags(item) if tag not in self.tags]
 
 
 class SceneIndexing:
-    """The worker process describes the objects one after the other; they are stored all at once at the end.
+    """The worker process describes one mesh after the other; they are stored all at once at the end.
 
     It has the methods and attributes of `jobs.BackgroundRun`.
 
@@ -76,14 +91,15 @@ class SceneIndexing:
         self.reported = False
         self._started = time.monotonic()
         self._library, self._model = library, model
-        self._source = scene_source()
+        self._opened = state.current().library.opened
         # What is not evaluated has neither its modifiers nor, perhaps, its place.
         shown, _ = split_evaluated(shape_objects(context.scene.objects), context)
-        # Names, not objects: those may be gone when it is their turn.
-        self._waiting = deque(item.name for item in shown)
+        # Numbers, not objects: those may be gone when it is their turn.
+        self._waiting = deque(item.session_uid for item in shown)
         self._total = len(self._waiting)
-        self._tasks: dict[Future[Any], str] = {}
-        self._described: list[tuple[str, Any]] = []
+        self._meshes: SharedMeshes[_Entry] = SharedMeshes(shown)
+        self._entries: list[_Entry] = []
+        self._tasks: dict[Future[Any], _Entry] = {}
         self._failed: list[tuple[str, str]] = []
 
     def last_words(self) -> str:
@@ -108,15 +124,20 @@ class SceneIndexing:
 
     def events(self) -> list[Event]:
         """Report the objects described since the last call; stores all after the last one."""
-        from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core import LibraryError, ShapeGoogleError
         from shapegoogle_core.cli.command import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []
         try:
+            if state.current().library.opened != self._opened:
+                raise LibraryError(
+                    "another file was opened while the scene was read, so nothing of it was stored; open the "
+                    "first file and index it again"
+                )
             events = self._take_finished()
             self._submit()
-            if not self._tasks:
+            if not self._tasks and not self._waiting:
                 events.append(self._store())
                 self.exit_code = DONE
         except ShapeGoogleError as error:
@@ -127,31 +148,53 @@ class SceneIndexing:
         return events
 
     def _submit(self) -> None:
-        """Read some objects and hand them to the worker."""
+        """Read some objects, and hand new meshes to the worker."""
         from shapegoogle_core import Library, MeshError, load_model
-        from shapegoogle_core.library.storage.records import NewShape
-        from shapegoogle_core.service.requests import describe
-
-        from ..scene.meshes import evaluated_mesh
 
         if not self._library.exists():
             Library.open(self._library, load_model(self._model)).close()
-        while self._waiting and len(self._tasks) < AHEAD:
-            name = self._waiting.popleft()
-            item = bpy.context.scene.objects.get(name)
+        end = time.monotonic() + SECONDS_OF_READING
+        here = {item.session_uid: item for item in bpy.context.scene.objects}
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        while self._waiting and len(self._tasks) < AHEAD and time.monotonic() < end:
+            item = here.get(self._waiting.popleft())
             if item is None:
                 self._total -= 1  # deleted meanwhile
                 continue
             try:
-                mesh = evaluated_mesh(item)
+                self._read(item, depsgraph)
             except MeshError as error:
-                self._failed.append((name, str(error)))
-                continue
-            if mesh.is_point_cloud and (item.type == "MESH" or not len(mesh.vertices)):
+                self._failed.append((item.name, str(error)))
+
+    def _read(self, item: Any, depsgraph: Any) -> None:
+        """Add an object to the entry of its mesh, or make a new entry."""
+        import numpy as np
+
+        from shapegoogle_core.library.placement import placements_of
+        from shapegoogle_core.library.storage.records import NewShape
+        from shapegoogle_core.service.requests import describe
+
+        from ..scene.meshes import evaluated_arrays, placed_mesh
+
+        matrix, content = item.evaluated_get(depsgraph).matrix_world, self._meshes.content(item)
+        entry = None if content is None else self._meshes.find(item, matrix, content)
+        if entry is None:
+            vertices, faces = evaluated_arrays(item, depsgraph)
+            if not len(faces) and (item.type == "MESH" or not len(vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
-                continue
-            shape = NewShape(mesh, name, name, up_axis=UP_AXIS, tags=asset_tags(item))
-            self._tasks[jobs.worker().submit(describe, self._library, shape)] = name
+                return
+            content = self._meshes.read(item, vertices, faces)
+            entry = self._meshes.find(item, matrix, content)
+            if entry is None:
+                mesh = placed_mesh(item.name, vertices, faces, np.array(matrix, np.float64))
+                place = np.array(matrix, np.float64)
+                (first,) = placements_of(mesh, [(item.name, place)])
+                entry = _Entry(first, mesh if self._meshes.is_shared(item) else None)
+                self._entries.append(entry)
+                self._meshes.put(item, matrix, content, entry)
+                shape = NewShape(mesh, item.name, item.name, up_axis=UP_AXIS)
+                self._tasks[jobs.worker().submit(describe, self._library, shape)] = entry
+        entry.add(item, np.array(matrix, np.float64))
 
     def _take_finished(self) -> list[Event]:
         from shapegoogle_core import ShapeGoogleError
@@ -159,25 +202,25 @@ class SceneIndexing:
 
         events: list[Event] = []
         for task in [task for task in self._tasks if task.done()]:
-            name = self._tasks.pop(task)
+            entry = self._tasks.pop(task)
+            name = entry.objects[0][0]
             try:
-                result = task.result()
+                entry.described = task.result()
             except ShapeGoogleError as error:  # the process died over it: the others go on
-                result = str(error)
-            if isinstance(result, str):
-                self._failed.append((name, result))
-                events.append(FileOutcome(Path(name), "failed", result))
+                entry.described = str(error)
+            if isinstance(entry.described, str):
+                self._failed.append((name, entry.described))
+                events.append(FileOutcome(Path(name), "failed", entry.described))
             else:
-                self._described.append((name, result))
                 events.append(FileOutcome(Path(name), "added", shapes=1))
         return [*events, self._progress()] if events else []
 
     def _progress(self) -> Event:
         from shapegoogle_core.indexing import IndexingProgress
 
-        done = len(self._described) + len(self._failed)
+        left = len(self._waiting) + len(self._tasks)
+        done = max(1, self._total - left)
         seconds = time.monotonic() - self._started
-        left = max(self._total - done, 0)
         return IndexingProgress(
             files_done=0,
             files_total=1,
@@ -186,17 +229,37 @@ class SceneIndexing:
             shapes_done=done,
             shapes_waiting=left,
             seconds=seconds,
-            seconds_left=seconds / done * left if done else None,
+            seconds_left=seconds / done * left,
         )
 
     def _store(self) -> Event:
         from shapegoogle_core import Library
         from shapegoogle_core.indexing import IndexSummary
+        from shapegoogle_core.library.placement import placements_of
 
-        shapes = [shape for _, shape in self._described]
+        # First, since a file saved meanwhile is another source than before.
+        take_over()
+        source = open_source()
+        shapes = []
+        known = state.current().library.objects
+        for entry in self._entries:
+            if entry.described is not None and not isinstance(entry.described, str):
+                placements: tuple[Placement, ...] = (entry.first,)
+                if entry.mesh is not None:
+                    placements = placements_of(entry.mesh, entry.objects)
+                shapes.append(replace(entry.described, placements=placements, tags=tuple(entry.tags)))
+                for (name, _), uid in zip(entry.objects, entry.uids, strict=True):
+                    known[source, name] = uid
         with Library.open(self._library) as library:
-            # Without size or time, as it is no file: it is read again in every run.
-            library.replace_source(self._source, size=None, mtime_ns=None, sha256=None, shapes=shapes)
+            size = None
+            if is_unsaved(source):
+                state.current().library.unsaved_in.add(self._library)
+            elif Path(source).is_file():
+                library.add_roots([source])
+                size = Path(source).stat().st_size
+            # Without a time or a hash: what is indexed is not what is in the file, which is read again when
+            # its folder is indexed.
+            library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=shapes)
             count = len(library)
         return IndexSummary(
             added=1,

@@ -19,7 +19,15 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-__all__ = ["base_mesh", "evaluated_mesh", "new_object", "query_meshes", "selected_part"]
+__all__ = [
+    "base_mesh",
+    "evaluated_arrays",
+    "evaluated_mesh",
+    "new_object",
+    "placed_mesh",
+    "query_meshes",
+    "selected_part",
+]
 
 
 def base_mesh(item: Any) -> Mesh:
@@ -66,7 +74,30 @@ def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:
     MeshError
         If a coordinate is not finite.
     """
-    return _core_mesh(item.name, [_evaluated_arrays(item, depsgraph)])
+    return placed_mesh(item.name, *_placed(item, depsgraph or bpy.context.evaluated_depsgraph_get()))
+
+
+def placed_mesh(name: str, vertices: FloatArray, faces: IntArray, matrix: FloatArray) -> Mesh:
+    """Mesh of an object in the world.
+
+    Parameters
+    ----------
+    name : str
+    vertices, faces : (n, 3) and (m, 3) array
+        In the object's own space.
+    matrix : (4, 4) array
+        The object's, to the world.
+
+    Returns
+    -------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If a coordinate is not finite.
+    """
+    return _core_mesh(name, [(vertices, faces, matrix)])
 
 
 def selected_part(items: Sequence[Any]) -> Mesh:
@@ -167,7 +198,7 @@ def _seen(item: Any, context: Any, depsgraph: Any) -> list[Mesh]:
     if item.instance_type == "COLLECTION":
         parts = _instanced(item, depsgraph)
     else:
-        parts = [_evaluated_arrays(part, depsgraph) for part in meshes_of(item, context)]
+        parts = [_placed(part, depsgraph) for part in meshes_of(item, context)]
     if not parts:
         raise MeshError(
             f"{item.name!r} has no visible mesh: it deforms none, and none is its child; select a mesh"
@@ -183,9 +214,7 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
         for instance in depsgraph.object_instances
         if instance.is_instance and instance.parent is not None and instance.parent.original == item
     ]
-    return [
-        (*_evaluated_arrays(part, depsgraph)[:2], matrix) for part, matrix in shown if part.type == "MESH"
-    ]
+    return [(*evaluated_arrays(part, depsgraph), matrix) for part, matrix in shown if part.type == "MESH"]
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:
@@ -234,23 +263,36 @@ def _is_cloud(mesh: Mesh) -> bool:
     return True
 
 
-def _evaluated_arrays(item: Any, depsgraph: Any | None = None) -> tuple[FloatArray, IntArray, FloatArray]:
-    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+def evaluated_arrays(item: Any, depsgraph: Any) -> tuple[FloatArray, IntArray]:
+    """Vertices and triangles of an object as it is seen, in its own space.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+        A mesh or a point cloud.
+    depsgraph : bpy.types.Depsgraph
+
+    Returns
+    -------
+    vertices, faces : (n, 3) array of float64, (m, 3) array of int32
+        Of a wire, edges without any face, no vertices either.
+    """
     evaluated = item.evaluated_get(depsgraph)
     if evaluated.type == "POINTCLOUD":
-        return (
-            mesh_arrays.read(evaluated.data.points, "co", 3, np.float32).astype(np.float64),
-            np.empty((0, 3), np.int32),
-            _matrix(evaluated),
-        )
+        points = mesh_arrays.read(evaluated.data.points, "co", 3, np.float32).astype(np.float64)
+        return points, np.empty((0, 3), np.int32)
     data = evaluated.to_mesh()
     try:
         vertices, faces = _arrays(data)
         if len(data.edges) and not len(faces):
             vertices = vertices[:0]
-        return vertices, faces, _matrix(evaluated)
+        return vertices, faces
     finally:
         evaluated.to_mesh_clear()
+
+
+def _placed(item: Any, depsgraph: Any) -> tuple[FloatArray, IntArray, FloatArray]:
+    return (*evaluated_arrays(item, depsgraph), _matrix(item.evaluated_get(depsgraph)))
 
 
 def _matrix(item: Any) -> FloatArray:

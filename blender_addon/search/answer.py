@@ -9,7 +9,7 @@ import bpy
 
 from .. import jobs, state
 from ..gallery import labels, pictures
-from ..library.scene_source import file_of
+from ..gallery.finding import look_again
 from ..state import session_of
 
 if TYPE_CHECKING:
@@ -44,12 +44,14 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
         line.name = match.name
         line.object_name = match.object_name
         line.shape_id = match.shape_id
-        line.source = file_of(match.source)
+        line.source = match.source
         line.similarity, line.distance = match.similarity, match.distance
         line.size = (match.area / answer.area) ** 0.5
-        line.vertex_count = match.vertex_count
+        line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
+        line.placement_count = match.placement_count
         labels.set_state(line, labels.COMPARING)
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
+    look_again(context)
     session.active_match = 0 if answer.matches else -1
     session.page = 0
     count = f"{len(answer.matches)} of {answer.shape_count:,} shapes"

@@ -9,8 +9,9 @@ import bpy
 
 from .. import jobs, state
 from ..gallery import placing
+from ..gallery.errors import PlacingError
+from ..gallery.finding import object_of, sought
 from ..gallery.on_match import OnMatch
-from ..gallery.placing import PlacingError
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import TransferState, session_of
 
@@ -159,7 +160,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             "colors": session.transfer_colors,
             "uvs": session.transfer_uvs,
         }
-        here = context.view_layer.objects.get(match.object_name) if match.in_scene else None
+        here = object_of(context, match)
         if here == item:
             raise PlacingError(f"{item.name!r} is the match itself; select the object to transfer to")
         if here is not None and here.type == "POINTCLOUD":
@@ -169,11 +170,11 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         selected, active = list(context.view_layer.objects.selected), context.view_layer.objects.active
         before = set(bpy.data.user_map())
         try:
-            found = mesh_objects(placing.bring_in(context, match.source, match.object_name))
+            found = mesh_objects(placing.bring_in(context, match.source, sought(match)))
             if not found:
                 raise PlacingError(
-                    f"{match.name!r} holds no mesh: a point cloud has nothing to transfer, and after "
-                    "a change the library must be indexed again"
+                    f"{match.name!r} contains no mesh: a point cloud has nothing to transfer, and Index "
+                    "Library reads files that have changed"
                 )
             if len(found) > 1 and not match.source.lower().endswith(".blend"):
                 raise PlacingError(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,14 @@ def lumpy(name: str, seed: int, subdivisions: int = 4) -> Any:
     item.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     item.data.update()
     return item
+
+
+def open_source() -> str:
+    """Source that the open file is in a library."""
+    from tests.addon.conftest import addon_name
+
+    source: str = importlib.import_module(f"{addon_name()}.library.open_file").open_source()
+    return source
 
 
 def add_folder(preferences: Any, folder: Path) -> None:

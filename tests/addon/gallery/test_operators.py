@@ -13,6 +13,8 @@ import bpy
 import numpy as np
 import pytest
 
+from tests.addon.shapes import open_source
+
 
 def add(name: str, subdivisions: int = 3) -> Any:
     """A lumpy ball."""
@@ -24,12 +26,12 @@ def add(name: str, subdivisions: int = 3) -> Any:
     return item
 
 
-def choose(name: str, source: Path | str = "Unsaved") -> None:
+def choose(name: str, source: Path | str = "") -> None:
     """Choose a match; without a file, one of the open scene."""
     session = bpy.context.window_manager.shape_google
     match = session.matches.add()
     match.name = match.object_name = name
-    match.source = str(source)
+    match.source = str(source) or open_source()
     session.active_match = len(session.matches) - 1
 
 
@@ -114,10 +116,11 @@ class TestLink:
 
 def test_nothing_is_listed_in_place_of_what_was_removed(source: Any, addon: ModuleType) -> None:
     placing = importlib.import_module(f"{addon.__name__}.gallery.placing")
-    placing.bring_in(bpy.context, str(source), "Man")  # from then on the file is known, and stays
+    man = importlib.import_module(f"{addon.__name__}.scene.finding").Sought("Man")
+    placing.bring_in(bpy.context, str(source), man)  # from then on the file is known, and stays
     before = set(bpy.data.user_map())
     shown = set(bpy.context.view_layer.objects)
-    placing.bring_in(bpy.context, str(source), "Man")
+    placing.bring_in(bpy.context, str(source), man)
     bpy.context.view_layer.update()
     placing.remove(bpy.context, [block for block in bpy.data.user_map() if block not in before])
     assert set(bpy.context.view_layer.objects) == shown

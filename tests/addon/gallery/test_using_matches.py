@@ -50,7 +50,7 @@ def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences: 
     bpy.ops.shape_google.append_match()
     assert len(bpy.context.active_object.data.vertices) == 642
     (indexed / "nut.obj").unlink()
-    with pytest.raises(RuntimeError, match=r"nut\.obj' no longer exists; index the library again"):
+    with pytest.raises(RuntimeError, match=r"nut\.obj' does not exist any more"):
         bpy.ops.shape_google.append_match()
 
 

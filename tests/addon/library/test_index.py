@@ -63,9 +63,7 @@ def test_the_scene_itself(preferences: Any, session: Any) -> None:
     assert [item.name for item in bpy.context.selected_objects] == ["Second"]
 
 
-def test_the_scene_and_its_file_are_two_sources(
-    addon: ModuleType, folder: Path, preferences: Any, session: Any
-) -> None:
+def test_the_scene_and_its_file_are_one_source(folder: Path, preferences: Any) -> None:
     (folder / "broken.blend").unlink()
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pear.blend"), load_ui=False)
     item = lumpy("Unsaved", 5)
@@ -78,15 +76,18 @@ def test_the_scene_and_its_file_are_two_sources(
     assert session.summary == "4 shapes added from 4 files; 2 shapes of this scene"
     with Library.open(preferences.library) as library:
         assert {shape.name: shape.tags for shape in library.shapes() if shape.tags} == {"Unsaved": ("lump",)}
+        assert len(library) == 5
+    # What is on the disk is read again, in case only that is wanted.
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 files unchanged; 2 shapes of this scene"
+    assert session.summary == "1 shape updated from 1 file, 3 files unchanged; 2 shapes of this scene"
     bpy.ops.shape_google.find_similar()
     assert session.matches[0].name == "Unsaved"
-    # Pear is in the file and in the scene: what can be selected is shown.
-    shown = importlib.import_module(
-        f"{type(preferences).__module__.rpartition('.')[0]}.gallery.filters"
-    ).shown_matches
-    assert [match.in_scene for _, match in shown(session) if match.name == "Pear"] == [True]
+    assert [match.in_scene for match in session.matches if match.name == "Pear"] == [True]
+    preferences.use_scene = False
+    bpy.ops.shape_google.index_library()
+    with Library.open(preferences.library) as library:
+        assert "Unsaved" not in {shape.name for shape in library.shapes()}
+        assert len(library) == 4
     bpy.ops.wm.read_homefile(use_empty=True)
 
 

@@ -12,6 +12,8 @@ import bpy
 import numpy as np
 import pytest
 
+from tests.addon.shapes import open_source
+
 
 def lumpy(name: str, subdivisions: int = 4, twist: float = 0.0) -> Any:
     """A lopsided body, twisted more or less; the same surface at every number of subdivisions."""
@@ -67,10 +69,10 @@ def dress(item: Any, sphere: np.ndarray) -> None:
     uv.uv.foreach_set("vector", coordinates.astype(np.float32).ravel())
 
 
-def choose(name: str, source: Path | str, *, in_scene: bool = False) -> None:
+def choose(name: str, source: Path | str) -> None:
     match = bpy.context.window_manager.shape_google.matches.add()
     match.name = match.object_name = name
-    match.source, match.in_scene = str(source), in_scene
+    match.source = str(source)
     bpy.context.window_manager.shape_google.active_match = 0
 
 
@@ -100,7 +102,7 @@ def pair(blender: Any) -> Any:
 
 def test_weights_colors_and_uvs_arrive(pair: Any, capfd: pytest.CaptureFixture[str]) -> None:
     _, target, sphere = pair
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
     said = capfd.readouterr().out
     assert "2 vertex groups and 2 color attributes and 1 UV map from 'Source' to 'Target'" in said
@@ -120,7 +122,7 @@ def test_weights_colors_and_uvs_arrive(pair: Any, capfd: pytest.CaptureFixture[s
 
 def test_no_face_spans_a_seam(pair: Any) -> None:
     _, target, sphere = pair
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     bpy.ops.shape_google.transfer_match()
     data = target.data
     uv = np.empty((len(data.loops), 2), np.float32)
@@ -137,7 +139,7 @@ def test_existing_ones_are_kept_unless_replaced(pair: Any, capfd: pytest.Capture
     target.vertex_groups.new(name="high").add([0, 1], 0.25, "REPLACE")
     target.vertex_groups.new(name="low").lock_weight = True
     target.data.uv_layers.new(name="Map")
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
     said = capfd.readouterr().out
     assert "Kept unchanged: 'high', 'low', 'Map'" in said
@@ -161,7 +163,7 @@ def test_that_all_is_kept_is_said_before_anything_is_matched(
     session = bpy.context.window_manager.shape_google
     session.transfer_colors = session.transfer_uvs = False
     monkeypatch.setattr(importlib.import_module(f"{addon.__name__}.jobs"), "worker", None)
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     assert bpy.ops.shape_google.transfer_match() == {"CANCELLED"}
     assert "Kept unchanged: 'high', 'low'" in capfd.readouterr().out
 
@@ -190,7 +192,7 @@ def test_what_cannot_be_matched_is_named_and_nothing_is_changed(pair: Any) -> No
     cloud = bpy.data.objects.new("Points", points)
     cloud.vertex_groups.new(name="all").add([0, 1, 2], 1.0, "REPLACE")
     bpy.context.collection.objects.link(cloud)
-    choose("Points", "(unsaved scene)", in_scene=True)
+    choose("Points", open_source())
     with pytest.raises(RuntimeError, match="'Points' has no faces"):
         bpy.ops.shape_google.transfer_match()
     assert not target.vertex_groups
@@ -198,7 +200,7 @@ def test_what_cannot_be_matched_is_named_and_nothing_is_changed(pair: Any) -> No
 
 def test_nothing_to_transfer_and_itself(pair: Any) -> None:
     _, target, _ = pair
-    choose("Target", "(unsaved scene)", in_scene=True)
+    choose("Target", open_source())
     with pytest.raises(RuntimeError, match="'Target' is the match itself"):
         bpy.ops.shape_google.transfer_match()
     bare, _ = lumpy("Bare")
@@ -218,7 +220,7 @@ def test_a_mirrored_object_keeps_its_corners(pair: Any) -> None:
     source.scale = (-1, 1, 1)
     target.scale = (-1, 1, 1)
     bpy.context.view_layer.update()
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     bpy.ops.shape_google.transfer_match()
     data = target.data
     vertices = np.empty(len(data.loops), np.int32)
@@ -230,7 +232,7 @@ def test_a_mirrored_object_keeps_its_corners(pair: Any) -> None:
 
 def test_it_is_undone_in_one_step(pair: Any) -> None:
     bpy.context.preferences.edit.use_global_undo = True
-    choose("Source", "(unsaved scene)", in_scene=True)
+    choose("Source", open_source())
     bpy.ops.ed.undo_push(message="before")
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
     bpy.ops.ed.undo_push(message="Transfer")

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error of using a match."""
+
+from __future__ import annotations
+
+__all__ = ["PlacingError"]
+
+
+class PlacingError(Exception):
+    """A shape cannot be brought into or found in the scene; the message gives the reason and what to do."""

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects of the open scene the matches are, under whatever names they have now."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .. import state
+from ..library.open_file import is_open_file, open_source
+from ..scene.finding import SceneObjects, Sought
+from ..state import session_of
+from .errors import PlacingError
+
+__all__ = [
+    "is_here",
+    "look_again",
+    "object_of",
+    "placements_here",
+    "register",
+    "sought",
+    "unregister",
+]
+
+
+def sought(match: Any) -> Sought:
+    """Return what is known of the object that a match is.
+
+    Parameters
+    ----------
+    match : SHAPEGOOGLE_PG_match
+
+    Returns
+    -------
+    sought : Sought
+    """
+    return Sought(match.object_name, match.session_uid, match.vertex_count, match.face_count, match.area)
+
+
+def object_of(context: Any, match: Any) -> Any | None:
+    """Find the object of the open scene that a match is, under whatever name it has now.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    match : SHAPEGOOGLE_PG_match
+
+    Returns
+    -------
+    item : bpy.types.Object or None
+        In the view layer; None for a match of another file.
+
+    Raises
+    ------
+    PlacingError
+        If it is gone, or in a collection that the view layer excludes.
+    """
+    return _usable(context, SceneObjects(context), sought(match)) if match.in_scene else None
+
+
+def placements_here(context: Any, match: Any) -> list[Any]:
+    """Find all objects of the open scene that show the shape of a match, the one that fits best first.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    match : SHAPEGOOGLE_PG_match
+        In the open scene.
+
+    Returns
+    -------
+    items : list of bpy.types.Object
+        Those of the view layer, at least one.
+
+    Raises
+    ------
+    PlacingError
+        If the best one is gone or excluded.
+    LibraryError
+        If the library cannot be read.
+    """
+    from shapegoogle_core import Library
+
+    objects = SceneObjects(context)
+    found = [_usable(context, objects, sought(match))]
+    if match.placement_count > 1:
+        session, numbers, source = session_of(context), state.current().library.objects, open_source()
+        with Library.open(session.library, read_only=True) as library:
+            names = [placement.object_name for placement in library.placements(match.shape_id)]
+        here = set(context.view_layer.objects)
+        others = [objects.find(Sought(name, numbers.get((source, name), 0))) for name in names]
+        found += [item for item in others if item in here]
+    return list(dict.fromkeys(found))
+
+
+def _usable(context: Any, objects: SceneObjects, wanted: Sought) -> Any:
+    item = objects.find(wanted)
+    if item is None:
+        raise PlacingError(
+            f"{wanted.object_name!r} is not in this scene any more: it was deleted, or renamed and changed; "
+            "undo that, or index This Scene and search again"
+        )
+    if item not in set(context.view_layer.objects):
+        where = ", ".join(repr(collection.name) for collection in item.users_collection)
+        raise PlacingError(
+            f"{item.name!r} is in a collection that this view layer excludes: {where}; include it"
+        )
+    return item
+
+
+def is_here(match: Any) -> bool:
+    """Whether a match is an object of the open scene; cheap, for panels.
+
+    Parameters
+    ----------
+    match : SHAPEGOOGLE_PG_match
+    """
+    if not is_open_file(match.source):
+        return False
+    if match.session_uid:
+        return match.session_uid in _numbers()
+    return match.object_name in bpy.context.scene.objects
+
+
+def look_again(context: Any) -> None:
+    """Find the objects of all matches: the answer or the open file is new.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    here, numbers, source = SceneObjects(context), state.current().library.objects, open_source()
+    for match in session_of(context).matches:
+        match.session_uid = 0
+        if is_open_file(match.source):
+            match.session_uid = numbers.get((source, match.object_name), 0)
+            item = here.find(sought(match))
+            match.session_uid = 0 if item is None else item.session_uid
+
+
+def _numbers() -> set[int]:
+    """Session numbers of the objects of the open scene."""
+    gallery, scene = state.current().gallery, bpy.context.scene
+    if gallery.numbers is None or gallery.numbers[0] != scene.session_uid:
+        gallery.numbers = scene.session_uid, {item.session_uid for item in scene.objects}
+    return gallery.numbers[1]
+
+
+@persistent
+def _count_again(*_arguments: object) -> None:
+    """Objects may have been added or deleted."""
+    state.current().gallery.numbers = None
+
+
+@persistent
+def _note_opened(*_arguments: object) -> None:
+    _count_again()
+    look_again(bpy.context)
+
+
+_HANDLERS = {
+    "depsgraph_update_post": _count_again,
+    "undo_post": _count_again,
+    "redo_post": _count_again,
+    "load_post": _note_opened,
+}
+
+
+def register() -> None:
+    """Register the handlers."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """Unregister the handlers."""
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).remove(handler)
