@@ -7,6 +7,7 @@ import argparse
 import math
 from collections.abc import Callable
 from dataclasses import fields
+from pathlib import Path
 
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
@@ -20,6 +21,7 @@ __all__ = [
     "add_library",
     "add_value",
     "filter_of",
+    "named_folder",
     "number_from",
     "positive_number",
     "positive_share",
@@ -158,20 +160,47 @@ def add_library(parser: argparse.ArgumentParser, summary: str = "library file") 
     parser.add_argument("--library", type=as_path, required=True, metavar="FILE", help=summary)
 
 
-def add_inputs(parser: argparse.ArgumentParser) -> None:
+def add_inputs(parser: argparse.ArgumentParser, least: int = 1) -> None:
     """Add the positional arguments for folders and mesh files.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
+    least : int, optional
+        0 for a command that can do without, otherwise 1.
     """
     parser.add_argument(
         "inputs",
         type=as_path,
-        nargs="+",
+        nargs="+" if least else "*",
         metavar="FOLDER",
         help="folder, searched recursively, or file of a mesh or scan",
     )
+
+
+def named_folder(text: str) -> tuple[str, Path]:
+    """Parse NAME=FOLDER.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    name, folder : str, Path
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If one of them is missing, or the folder is not there.
+    """
+    name, equals, folder = text.partition("=")
+    path = as_path(folder)
+    if not (equals and name.strip() and folder.strip()):
+        raise argparse.ArgumentTypeError(f"must be NAME=FOLDER, such as assets=~/models, not {text!r}")
+    if not path.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {str(path)!r}")
+    return name.strip(), path
 
 
 def add_jobs(parser: argparse.ArgumentParser) -> None:

@@ -22,10 +22,11 @@ from shapegoogle_core.cli.arguments import (
     add_jobs,
     add_library,
     add_value,
+    named_folder,
     number_from,
     positive_number,
 )
-from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, Command
+from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE, Command
 from shapegoogle_core.cli.events import summary_to_json
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
 from shapegoogle_core.cli.text import counted, put, say
@@ -39,7 +40,11 @@ __all__ = ["COMMAND"]
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    add_inputs(parser)
+    add_inputs(parser, least=0)
+    root = "index FOLDER as the root NAME, instead of one named after the folder; may be repeated"
+    parser.add_argument(
+        "--root", action="append", default=[], type=named_folder, metavar="NAME=FOLDER", help=root
+    )
     add_library(parser, "library file; created if it does not exist")
     add_jobs(parser)
     model = "model of a new library: a file written by `train`, or a shipped model: default, paper"
@@ -65,6 +70,10 @@ def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.model import load_model
 
     failed: Failures = []
+    options.inputs += [folder for _, folder in options.root if folder not in options.inputs]
+    if not options.inputs:
+        say("shapegoogle: name the folders or files to index")
+        return UNUSABLE
     paths = find_files(options, failed)
     known = options.library.exists()
     if not paths and not (options.prune and known):
@@ -82,6 +91,10 @@ def _run(options: argparse.Namespace) -> int:
         folders = [entry for entry in options.inputs if _has_entries(entry)]
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
+        away = [root for root in library.roots() if not Path(root.path).is_dir()]
+        for name, folder in [*options.root, *(("", folder) for folder in options.inputs)]:
+            if folder.is_dir():
+                library.add_root(folder, name)
         progress = IndexProgress(len(paths), verbose=options.verbose, send=options.send)
         try:
             with progress:
@@ -104,6 +117,11 @@ def _run(options: argparse.Namespace) -> int:
     _report(_summary(report, failed, removed, shapes), options)
     if gone:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
+    for root in away:
+        say(
+            f"the folder '{root.path}' of the root {root.name!r} is not there; if it was moved, run "
+            f"`shapegoogle move '{root.path}' NEW --library {options.library}`"
+        )
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 

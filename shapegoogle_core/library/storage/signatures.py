@@ -122,7 +122,7 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
     if len(codes) == 0 or len(bags) == 0:
         raise LibraryError(
             f"'{store.name}' is damaged: shape {shape_id} ({record.name!r}) has no signature; index "
-            f"{record.source or 'it'!r} again"
+            f"{record.source or 'it'!r} again with --reread, or forget it"
         )
     return ShapeSignature(
         bags=bags[0],
