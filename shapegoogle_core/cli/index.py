@@ -4,18 +4,29 @@
 Files that cannot be read, take too long or crash their process are skipped and listed at the end.
 They are tried again when they change, or with --retry.
 
+--exclude  patterns as in a .gitignore, except that they only exclude: "*_draft.*" is compared with the name
+           of each file and folder, "old/*.obj" and "/old" with the path below FOLDER, "old/" with folders
+           only. * and ? stand for any characters but the slash, [a-z] for one of some, ** for any number of
+           folders. What is in an excluded folder is excluded. Files that were indexed before stay in the
+           library.
+--log      lines with time and level: what was started, each file with its shapes and seconds, warnings,
+           failures with the whole reason, unexpected errors with their traceback, and the summary
+
 for example:
   shapegoogle index ~/models ~/scans --library shapes.sglib --jobs 4
   shapegoogle index ~/models --library shapes.sglib --prune --json
+  shapegoogle index ~/models --library shapes.sglib --exclude "*_draft.*" --exclude old/ --dry-run
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import traceback
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.cli.arguments import (
     add_flag,
     add_inputs,
@@ -27,16 +38,20 @@ from shapegoogle_core.cli.arguments import (
     positive_number,
 )
 from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE, Command
-from shapegoogle_core.cli.events import summary_to_json
+from shapegoogle_core.cli.events import Event
+from shapegoogle_core.cli.index_report import names, report_plan, report_summary, summary_of, texts
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
-from shapegoogle_core.cli.text import counted, put, say
+from shapegoogle_core.cli.text import counted, say
+from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing.events import IndexSummary
 from shapegoogle_core.indexing.settings import IndexSettings
 
 if TYPE_CHECKING:
-    from shapegoogle_core.indexing import IndexReport
+    from shapegoogle_core.library.library import Library
 
 __all__ = ["COMMAND"]
+
+INTERRUPTION = "everything stored so far is kept, run the same command again to continue"
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -59,36 +74,82 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_flag(parser, "--retry", "try files again that failed before")
     add_flag(parser, "--reread", "read all files again, changed or not")
     add_flag(parser, "--prune", "remove files from the library that are gone from these folders")
+    exclude = "leave out files and folders, see below; may be given more than once"
+    parser.add_argument(
+        "--exclude", action="append", default=[], type=_pattern, metavar="PATTERN", help=exclude
+    )
+    add_flag(parser, "--dry-run", "only list what would be done; nothing is read, changed or created")
+    add_value(parser, "--log", "FILE", "append each event to a file, one line each", as_path)
     add_flag(parser, "--json", "print one JSON object at the end")
     add_flag(parser, "--events", "print JSON objects, one per line, for each file and for the progress")
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.cli.index_progress import IndexProgress
-    from shapegoogle_core.indexing import index_files
-    from shapegoogle_core.library.library import Library
-    from shapegoogle_core.model import load_model
-
-    failed: Failures = []
     options.inputs += [folder for _, folder in options.root if folder not in options.inputs]
     if not options.inputs:
         say("shapegoogle: name the folders or files to index")
         return UNUSABLE
-    paths = find_files(options, failed)
+    if options.log is None:
+        return _index(options)
+    from importlib import metadata
+
+    from shapegoogle_core.cli.run_log import RunLog
+    from shapegoogle_core.indexing import readable_suffixes
+
+    log = RunLog(options.log, [options.library, *options.inputs], readable_suffixes(options.reader))
+    send = options.send
+
+    def send_and_log(event: Event) -> None:
+        log(event)
+        if send is not None:
+            send(event)
+
+    options.send = send_and_log
+    log.started(metadata.version("shapegoogle-core"), options.arguments)
+    try:
+        code = _index(options)
+    except KeyboardInterrupt:
+        log.warn(f"interrupted: {INTERRUPTION}")
+        raise
+    except ShapeGoogleError:  # whoever catches it sends it
+        raise
+    except Exception:
+        log.failed("ended by an unexpected error", traceback.format_exc())
+        raise
+    if code == INTERRUPTED:
+        log.warn(f"interrupted: {INTERRUPTION}")
+    return code
+
+
+def _index(options: argparse.Namespace) -> int:
+    from shapegoogle_core.cli.index_progress import IndexProgress
+    from shapegoogle_core.indexing import index_files, plan_indexing
+    from shapegoogle_core.library.library import Library
+    from shapegoogle_core.model import load_model
+
+    failed: Failures = []
+    excluded: list[Path] = []
+    paths = find_files(options, failed, options.exclude, excluded.append)
     known = options.library.exists()
-    if not paths and not (options.prune and known):
-        # A misspelt folder must not create a library.
-        shapes = _shape_count(options.library) if known else 0
-        summary = IndexSummary(failed=_as_text(failed), library_shapes=shapes)
-        _report(summary, options, printed=options.json)
-        list_failures(failed)
-        return SOME_FAILED
     settings = IndexSettings(
         options.jobs, options.time_limit, options.memory_limit, options.retry, options.reread
     )
+    if options.dry_run:
+        with Library.open(options.library, read_only=True) if known else nullcontext() as library:
+            outcomes = plan_indexing(library, paths, settings, options.reader)
+            gone = library.missing(_folders(options)) if library is not None and options.prune else []
+        report_plan(outcomes, failed, excluded, gone, options)
+        return SOME_FAILED if failed or any(outcome.status == "failed" for outcome in outcomes) else DONE
+    if not paths and not (options.prune and known):
+        # A misspelt folder must not create a library.
+        shapes = _shape_count(options.library) if known else 0
+        summary = IndexSummary(failed=texts(failed), excluded=names(excluded), library_shapes=shapes)
+        report_summary(summary, options, printed=options.json or not failed)
+        list_failures(failed)
+        return SOME_FAILED if failed else DONE
     model = None if options.model is None else load_model(options.model)
     with Library.open(options.library, model) as library:
-        folders = [entry for entry in options.inputs if _has_entries(entry)]
+        folders = _folders(options)
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
         away = [root for root in library.roots() if not Path(root.path).is_dir()]
@@ -107,16 +168,16 @@ def _run(options: argparse.Namespace) -> int:
                     status=progress.status,
                 )
         except KeyboardInterrupt:
-            say(
-                f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; "
-                "everything stored so far is kept, run the same command again to continue"
-            )
+            say(f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; {INTERRUPTION}")
             return INTERRUPTED
         shapes = len(library)
+        kept = _excluded_sources(library, options) if excluded else 0
     failed += report.failed
-    _report(_summary(report, failed, removed, shapes), options)
+    report_summary(summary_of(report, failed, removed, excluded, shapes), options)
     if gone:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
+    if kept:
+        say(f"{counted(kept, 'excluded file')} indexed before, which stay in the library")
     for root in away:
         say(
             f"the folder '{root.path}' of the root {root.name!r} is not there; if it was moved, run "
@@ -126,43 +187,6 @@ def _run(options: argparse.Namespace) -> int:
     return SOME_FAILED if failed else DONE
 
 
-def _summary(report: IndexReport, failed: Failures, removed: list[str], shapes: int) -> IndexSummary:
-    return IndexSummary(
-        added=report.added,
-        updated=report.updated,
-        unchanged=report.unchanged,
-        added_shapes=report.shapes - report.updated_shapes - report.partial_shapes,
-        updated_shapes=report.updated_shapes,
-        partial_shapes=report.partial_shapes,
-        failed=_as_text(failed),
-        warnings=_as_text(report.warnings),
-        removed=tuple(removed),
-        library_shapes=shapes,
-        seconds=report.seconds,
-    )
-
-
-def _as_text(entries: list[tuple[Path, str]]) -> tuple[tuple[str, str], ...]:
-    return tuple((str(path), sentence) for path, sentence in entries)
-
-
-def _report(summary: IndexSummary, options: argparse.Namespace, *, printed: bool = True) -> None:
-    """Send the result of the run, and print it."""
-    if options.send is not None:
-        options.send(summary)
-    if options.json:
-        put(json.dumps(summary_to_json(summary)))
-    if options.json or not printed:
-        return
-    library = f"the library has {counted(summary.library_shapes, 'shape')}"
-    if summary.added or summary.updated or summary.removed or summary.failed:
-        new = summary.added_shapes + summary.updated_shapes + summary.partial_shapes
-        rate = f" ({new / summary.seconds:.1f} shapes/s)" if new else ""
-        put(f"{summary.sentence()}; took {summary.seconds:.1f} s{rate}; {library}")
-    else:
-        put(f"nothing to do: {summary.sentence()}; {library}")
-
-
 def _shape_count(library: Path) -> int:
     from shapegoogle_core.library.library import Library
 
@@ -170,12 +194,42 @@ def _shape_count(library: Path) -> int:
         return len(opened)
 
 
+def _excluded_sources(library: Library, options: argparse.Namespace) -> int:
+    """Count the files of the library that are excluded now."""
+    from shapegoogle_core.indexing import Exclusion
+
+    exclusion = Exclusion(options.exclude)
+    tops = {spelling for entry in options.inputs for spelling in (entry.absolute(), entry.resolve())}
+    sources = [Path(source) for source in library.sources()]
+    return sum(
+        any(
+            source.is_relative_to(top) and exclusion.excludes(source.relative_to(top).as_posix())
+            for top in tops
+        )
+        for source in sources
+    )
+
+
+def _folders(options: argparse.Namespace) -> list[Path]:
+    """Folders whose missing files count as gone: an empty one may be where a drive is mounted."""
+    return [entry for entry in options.inputs if _has_entries(entry)]
+
+
 def _has_entries(folder: Path) -> bool:
-    """Whether missing files of a folder count as gone: an empty folder may be where a drive is mounted."""
     try:
         return any(folder.iterdir())
     except OSError:  # not a folder, missing or unreadable: `find_files` has reported it
         return False
+
+
+def _pattern(text: str) -> str:
+    from shapegoogle_core.indexing.exclusion import Exclusion
+
+    try:
+        Exclusion([text])
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
 
 
 COMMAND = Command("index", str(__doc__), _add_options, _run, reads_files=True)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from shapegoogle_core.cli.text import counted, say
@@ -14,7 +15,12 @@ Failures = list[tuple[Path, str]]
 """Inputs that failed, each with the reason."""
 
 
-def find_files(options: Namespace, failed: Failures) -> list[Path]:
+def find_files(
+    options: Namespace,
+    failed: Failures,
+    exclude: Sequence[str] = (),
+    on_excluded: Callable[[Path], None] | None = None,
+) -> list[Path]:
     """Find the mesh files of a command's inputs.
 
     Parameters
@@ -23,6 +29,9 @@ def find_files(options: Namespace, failed: Failures) -> list[Path]:
         With ``inputs`` and ``reader``.
     failed : list of (Path, str)
         Inputs that are missing or contain no mesh are appended here, and reported.
+    exclude : sequence of str, optional
+    on_excluded : callable, optional
+        See `find_meshes`.
 
     Returns
     -------
@@ -32,7 +41,11 @@ def find_files(options: Namespace, failed: Failures) -> list[Path]:
     from shapegoogle_core.indexing import find_meshes, readable_suffixes
 
     return find_meshes(
-        options.inputs, lambda path, reason: skip(path, reason, failed), readable_suffixes(options.reader)
+        options.inputs,
+        lambda path, reason: skip(path, reason, failed),
+        readable_suffixes(options.reader),
+        exclude=exclude,
+        on_excluded=on_excluded,
     )
 
 

@@ -68,6 +68,7 @@ def main(
             stream.reconfigure(errors="backslashreplace")
     options = _parser(program, reader).parse_args(arguments)
     options.reader = reader
+    options.arguments = list(sys.argv[1:] if arguments is None else arguments)
     if reader is not None:
         chosen = [(offer.name, getattr(options, offer.name, offer.choices[0])) for offer in reader.offers]
         options.reader = replace(reader, options=tuple(chosen))

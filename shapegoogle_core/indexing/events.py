@@ -163,8 +163,8 @@ class IndexSummary:
         Files with sentences of their readers on what was left out or assumed.
     removed : tuple of str
         Files that are gone and whose shapes were removed from the library.
-    excluded : int
-        Number of files that were excluded.
+    excluded : tuple of str
+        Files and folders that were excluded.
     library_shapes : int
         Number of shapes that the library has now.
     seconds : float
@@ -182,7 +182,7 @@ class IndexSummary:
     failed: tuple[tuple[str, str], ...] = ()
     warnings: tuple[tuple[str, str], ...] = ()
     removed: tuple[str, ...] = ()
-    excluded: int = 0
+    excluded: tuple[str, ...] = ()
     library_shapes: int = 0
     seconds: float = 0.0
     scene: bool = False
@@ -214,7 +214,8 @@ class IndexSummary:
             stored = f" ({counted(self.partial_shapes, 'shape')} stored)" if self.partial_shapes else ""
             parts.append(f"{counted(failed, 'input')} failed{stored}")
         if self.excluded:
-            parts.append(f"{counted(self.excluded, 'file')} excluded")
+            word = "file or folder" if len(self.excluded) == 1 else "files and folders"
+            parts.append(f"{len(self.excluded):,} {word} excluded")
         if self.warnings:
             parts.append(counted(len(self.warnings), "warning"))
         return ", ".join(parts) or "no files found"

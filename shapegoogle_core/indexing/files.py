@@ -13,6 +13,7 @@ from pathlib import Path
 
 from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing.exclusion import Exclusion
 from shapegoogle_core.mesh import MESH_SUFFIXES
 from shapegoogle_core.mesh.io.file import FormatError
 from shapegoogle_core.mesh.io.gltf import buffer_files
@@ -27,6 +28,7 @@ __all__ = [
     "examine",
     "find_meshes",
     "stamp",
+    "unreadable",
 ]
 
 # Copies of a file are recognised by content and suffix: the suffix decides how the content is read, and so do
@@ -52,6 +54,9 @@ def find_meshes(
     inputs: str | Path | Iterable[str | Path],
     on_error: Callable[[Path, str], None] | None = None,
     suffixes: Collection[str] = MESH_SUFFIXES,
+    *,
+    exclude: str | Iterable[str] = (),
+    on_excluded: Callable[[Path], None] | None = None,
 ) -> list[Path]:
     """List the mesh files in folders and all folders below them.
 
@@ -67,6 +72,11 @@ def find_meshes(
         mesh, and the others are listed. By default such an input raises.
     suffixes : collection of str, optional
         Suffixes of mesh files, in lower case with the dot.
+    exclude : str, or iterable of them, optional
+        Patterns of files and folders to leave out, see `Exclusion`; those of names also hold for inputs that
+        are files.
+    on_excluded : callable, optional
+        Called with each mesh file that was left out, and each folder, which is not searched.
 
     Returns
     -------
@@ -76,7 +86,7 @@ def find_meshes(
     Raises
     ------
     ValueError
-        If an input is neither a str nor a path.
+        If an input is neither a str nor a path, or a pattern is empty.
     MeshError
         For the first input that is missing, cannot be read or contains no mesh, unless `on_error` is given.
 
@@ -97,28 +107,46 @@ def find_meshes(
             raise MeshError(f"'{path}' {reason}")
         on_error(path, f"{path.name!r} {reason}")
 
+    exclusion = Exclusion([exclude] if isinstance(exclude, str) else exclude)
+    left_out: list[Path] = []
     found: set[Path] = set()
     for path in map(absolute, as_paths(inputs)):
         if not path.is_dir():
-            if os.path.lexists(path):
+            if exclusion.matches(path.name):
+                left_out.append(path)
+            elif os.path.lexists(path):
                 found.add(path)
             else:
                 report(path, "does not exist; check the spelling")
             continue
-        meshes = list(_meshes_below(path, suffixes, report))
-        if not meshes:
+        before = len(left_out)
+        meshes = list(_meshes_below(path, suffixes, report, exclusion, left_out.append))
+        if not meshes and len(left_out) == before:
             report(path, f"has no mesh files ({' '.join(sorted(suffixes))}) in it or below it")
         found.update(meshes)
+    if on_excluded is not None:
+        for path in dict.fromkeys(left_out):
+            on_excluded(path)
     return sorted(found)
 
 
 def _meshes_below(
-    top: Path, suffixes: Collection[str], report: Callable[[Path, str], None]
+    top: Path,
+    suffixes: Collection[str],
+    report: Callable[[Path, str], None],
+    exclusion: Exclusion,
+    leave_out: Callable[[Path], None],
 ) -> Iterator[Path]:
     seen: set[tuple[int, int]] = set()
 
     def unreadable(error: OSError) -> None:
         report(Path(error.filename), f"cannot be read: {error.strerror}")
+
+    def excluded(path: Path, *, is_folder: bool) -> bool:
+        if not exclusion.matches(path.relative_to(top).as_posix(), folder=is_folder):
+            return False
+        leave_out(path)
+        return True
 
     for folder, subfolders, files in os.walk(top, followlinks=True, onerror=unreadable):
         status = Path(folder).stat()
@@ -128,10 +156,16 @@ def _meshes_below(
             continue
         seen.add(identity)
         # Sorted, so that a folder that can be reached in two ways always has the same path.
-        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        subfolders[:] = sorted(
+            name
+            for name in subfolders
+            if not name.startswith(".") and not excluded(Path(folder, name), is_folder=True)
+        )
         for name in files:
-            if not name.startswith(".") and Path(name).suffix.lower() in suffixes:
-                yield Path(folder, name)
+            path = Path(folder, name)
+            is_mesh = not name.startswith(".") and path.suffix.lower() in suffixes
+            if is_mesh and not excluded(path, is_folder=False):
+                yield path
 
 
 @dataclass(frozen=True)
@@ -265,6 +299,24 @@ def examine(path: Path, choices: str = "") -> FileState:
     if len(digests) > 1:
         digests = [hashlib.sha256(b"".join(digest.digest() for digest in digests))]
     return FileState(path, size, mtime_ns, digests[0].hexdigest() + choices)
+
+
+def unreadable(path: Path, error: OSError) -> str:
+    """Say why a file cannot be opened.
+
+    Parameters
+    ----------
+    path : Path
+    error : OSError
+
+    Returns
+    -------
+    reason : str
+        A sentence.
+    """
+    if path.is_dir():
+        return f"{path.name!r} is a folder; list its files with find_meshes"
+    return f"{path.name!r} cannot be read: {error.strerror}; check that it is there and is yours"
 
 
 def _parts(path: Path) -> list[Path]:

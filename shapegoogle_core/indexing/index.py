@@ -18,12 +18,13 @@ from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
 from shapegoogle_core.indexing.files import (
     ContentKey,
     FileState,
-    choices_of,
     content_key,
     content_of,
     examine,
     stamp,
+    unreadable,
 )
+from shapegoogle_core.indexing.plan import failed_before, is_read_again
 from shapegoogle_core.indexing.reading import ShapeReader
 from shapegoogle_core.indexing.remaining import working_order
 from shapegoogle_core.indexing.settings import IndexSettings
@@ -200,10 +201,7 @@ class _Run:
         }
 
     def _again(self, source: SourceRecord) -> bool:
-        """Whether a file is read again though it has not changed."""
-        if self._settings.reread or (self._settings.retry and source.error is not None):
-            return True
-        return source.sha256 is not None and choices_of(source.sha256) != self._choices(Path(source.path))
+        return is_read_again(source, self._settings, self._reader)
 
     def _choices(self, path: Path) -> str:
         return "" if self._reader is None else self._reader.choices_for(path)
@@ -217,7 +215,7 @@ class _Run:
             try:
                 size_and_time = stamp(path)
             except OSError as error:
-                self._fail(path, _unreadable(path, error))
+                self._fail(path, Failure(unreadable(path, error)))
                 continue
             self.sizes[path] = size_and_time[0]
             if source is None or (source.size, source.mtime_ns) != size_and_time or self._again(source):
@@ -231,7 +229,7 @@ class _Run:
         try:
             file = examine(path, self._choices(path))
         except OSError as error:
-            self._fail(path, _unreadable(path, error))
+            self._fail(path, Failure(unreadable(path, error)))
             self._tracker.passed_over(path)
             return
         source = self._known.get(str(path))
@@ -351,7 +349,7 @@ class _Run:
         if source.error is None:
             self._note(FileOutcome(path, "unchanged"))
         else:
-            self._fail(path, Failure(f"{source.error} (found in an earlier run; --retry tries it again)"))
+            self._fail(path, Failure(failed_before(source)))
 
     def _fail(self, path: Path, failure: Failure, shapes: int = 0, warnings: tuple[str, ...] = ()) -> None:
         self.failed.append((path, failure.reason))
@@ -363,12 +361,6 @@ class _Run:
         self._tracker.file_done(outcome.path)
         if self._progress is not None:
             self._progress(replace(outcome, seconds=self._seconds.pop(outcome.path, 0.0)))
-
-
-def _unreadable(path: Path, error: OSError) -> Failure:
-    if path.is_dir():
-        return Failure(f"{path.name!r} is a folder; list its files with find_meshes")
-    return Failure(f"{path.name!r} cannot be read: {error.strerror}; check that it is there and is yours")
 
 
 def _as_copy(copy: FileState, first: Path, failure: Failure) -> Failure:

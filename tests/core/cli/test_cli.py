@@ -108,7 +108,7 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
         "updated": 0,
         "unchanged": 3,
         "removed": [],
-        "excluded": 0,
+        "excluded": [],
         "new_shapes": 0,
         "added_shapes": 0,
         "updated_shapes": 0,
