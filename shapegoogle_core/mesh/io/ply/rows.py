@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.io.file import DamagedError, FormatError
 from shapegoogle_core.mesh.io.numbers import A_POLYGON, parse_numbers, parse_polygons, word_numbers
-from shapegoogle_core.mesh.io.ply_header import Element, Property, Type
+from shapegoogle_core.mesh.io.ply.header import Element, Property, Type
 from shapegoogle_core.mesh.io.text import Lines, filled_lines, lines_of, quoted
 from shapegoogle_core.mesh.mesh import FloatArray
 

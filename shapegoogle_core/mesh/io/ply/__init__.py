@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reading PLY, text and binary: a header describes elements, whose rows follow.
+"""Reading PLY, text and binary: a `header` describes elements, whose `rows` follow.
 
 Not left to trimesh, which in version 5.2 refuses binary polygons of several sizes, as Blender writes them,
 splits vertices at texture seams and misreads texts that are cut short.
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.io.file import DamagedError, MeshFile, check_face_count
-from shapegoogle_core.mesh.io.ply_header import Element, Header, read_header
-from shapegoogle_core.mesh.io.ply_rows import Column, Columns, binary_columns, text_columns
+from shapegoogle_core.mesh.io.ply.header import Element, Header, read_header
+from shapegoogle_core.mesh.io.ply.rows import Column, Columns, binary_columns, text_columns
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import plain_text, quoted, without_mark
 
