@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Cutting one polygon that is not convex into triangles."""
+"""Cutting polygons that are not convex into triangles."""
 
 from __future__ import annotations
 
@@ -35,35 +35,55 @@ def newell_normals(points: FloatArray) -> FloatArray:
     return normals
 
 
-def clip_ears(points: FloatArray, corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cut a polygon into triangles that cover the same surface and have the same sides.
+def clip_ears(points: FloatArray, rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Cut polygons into triangles that cover the same surface and have the same sides.
 
     A hole may be joined with the outline by a bridge: two sides along one line, there and back.
 
     Parameters
     ----------
-    points : (n, 3) array
-        Corners in order.
-    corners : (n,) array of int
-        Their vertices; the same one may come several times.
+    points : (v, 3) array
+    rows : (k, n) array of int
+        Corners of polygons of one size, in order; a polygon may use a point several times.
 
     Returns
     -------
-    triangles : (m, 3) array of int
-        Places in `corners`, with the orientation of the polygon. m is n - 2, less if the outline runs to a
+    triangles : list of (m, 3) array of int
+        For each polygon, with its orientation. m is n - 2, less if corners coincide or the outline runs to a
         corner and back.
     """
-    ring = _without_spikes(corners)
+    in_order, corners = np.sort(rows, axis=1), points[rows]
+    repeats = (in_order[:, 1:] == in_order[:, :-1]).any(axis=1)
+    repeats |= (corners == np.roll(corners, 1, axis=1)).all(axis=2).any(axis=1)
+    flat, all_places = _projected(corners), np.arange(rows.shape[1])
+    return [
+        row[_clip(flat[place], _without_spikes(corners[place]) if repeats[place] else all_places)]
+        for place, row in enumerate(rows)
+    ]
+
+
+def _projected(corners: FloatArray) -> FloatArray:
+    """Project polygons, (k, n, 3), along the largest axis of their normals, to have a positive area.
+
+    Along an axis the coordinates stay as they are, so that what is on a line stays on it.
+    """
+    normals = newell_normals(corners)
+    every = np.arange(len(corners))
+    axis = np.abs(normals).argmax(axis=1)
+    upright = normals[every, axis] > 0
+    first, second = np.where(upright, axis + 1, axis + 2) % 3, np.where(upright, axis + 2, axis + 1) % 3
+    local = corners - corners[:, :1]
+    return np.stack([local[every, :, first], local[every, :, second]], axis=2)
+
+
+def _clip(flat: FloatArray, ring: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cut one polygon, given by its corners in the plane and the places of those that count."""
     if len(ring) < 3:
         return np.empty((0, 3), np.int64)
-    normal = newell_normals(points[ring])
-    # Along the largest axis the outline projects without rounding.
-    axis = int(np.abs(normal).argmax())
-    plane = [(axis + 1) % 3, (axis + 2) % 3] if normal[axis] > 0 else [(axis + 2) % 3, (axis + 1) % 3]
-    flat = np.ascontiguousarray(points[ring][:, plane] - points[ring[0], plane])
+    flat = flat[ring]
     found = mapbox_earcut.triangulate_float64(flat, np.array([len(ring)], np.uint32))
     triangles = found.astype(np.int64).reshape(-1, 3)
-    if _signed_areas(flat, triangles).sum() < 0:
+    if len(triangles) and _turns_right(flat, triangles):
         triangles = triangles[:, ::-1]
     if len(triangles) < len(ring) - 2:
         triangles = _with_corners_on_sides(flat, triangles)
@@ -72,10 +92,10 @@ def clip_ears(points: FloatArray, corners: NDArray[np.int64]) -> NDArray[np.int6
     return ring[triangles]
 
 
-def _without_spikes(corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the places of the corners without repeated ones, and without those where a side runs back."""
+def _without_spikes(corners: FloatArray) -> NDArray[np.int64]:
+    """Return the places of the corners without coinciding ones, and without those where a side runs back."""
     kept: list[int] = []
-    names = corners.tolist()
+    names = np.unique(corners, axis=0, return_inverse=True)[1].ravel().tolist()
     for place, name in enumerate(names):
         kept.append(place)
         while len(kept) > 1 and (names[kept[-2]] == name or (len(kept) > 2 and names[kept[-3]] == name)):
@@ -93,37 +113,72 @@ def _without_spikes(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.array(kept, np.int64)
 
 
-def _signed_areas(flat: FloatArray, triangles: NDArray[np.int64]) -> FloatArray:
+def _turns_right(flat: FloatArray, triangles: NDArray[np.int64]) -> bool:
+    """Tell whether triangles have a negative area together."""
     a, b, c = flat[triangles].transpose(1, 2, 0)
     areas: FloatArray = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    return areas
+    return bool(areas.sum() < 0)
 
 
 def _with_corners_on_sides(flat: FloatArray, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Add the corners that the library drops because they lie on a line with their neighbours.
+    """Add corners that lie on a side of a triangle, where the library has left them out.
 
-    Without them the sides of a polygon would not meet those of the next one.
+    It drops corners on a line with their neighbours. Without them the sides of a polygon would not meet those
+    of the next one.
     """
+    count = len(flat)
     apexes = {
         (triangle[side], triangle[(side + 1) % 3]): triangle[(side + 2) % 3]
         for triangle in triangles.tolist()
         for side in range(3)
     }
-    count = len(flat)
-    for first, last in [side for side in apexes if side[::-1] not in apexes]:
+    for first, last in _open_sides(apexes, count):
         skipped = [(first + step) % count for step in range((last - first) % count + 1)]
-        if len(skipped) < 3 or not _is_straight(flat[skipped]):
-            continue
-        apex = apexes.pop((first, last))
-        for start, end in pairwise(skipped):
-            apexes |= {(start, end): apex, (end, apex): start, (apex, start): end}
+        if _is_straight(flat[skipped]):
+            _divide(apexes, skipped)
+    # A side may also run over corners that other triangles have.
+    sides = _open_sides(apexes, count)
+    ends = sorted({corner for side in sides for corner in side})
+    closed = apexes.copy()
+    for first, last in sides:
+        _divide(closed, [first, *_on_side(flat, first, last, ends), last])
+    if not _open_sides(closed, count) and len(closed) == 3 * (count - 2):
+        return _triangles(closed)
+    return _triangles(apexes) if len(apexes) <= 3 * (count - 2) else triangles
+
+
+def _triangles(apexes: dict[tuple[int, int], int]) -> NDArray[np.int64]:
     return np.array([[a, b, c] for (a, b), c in apexes.items() if a < min(b, c)], np.int64).reshape(-1, 3)
+
+
+def _open_sides(apexes: dict[tuple[int, int], int], count: int) -> list[tuple[int, int]]:
+    """List the sides that neither meet another triangle nor are sides of the polygon."""
+    return [side for side in apexes if side[::-1] not in apexes and side[1] != (side[0] + 1) % count]
+
+
+def _divide(apexes: dict[tuple[int, int], int], corners: list[int]) -> None:
+    """Divide the triangle on the side from the first to the last of some corners at those between."""
+    apex = apexes.pop((corners[0], corners[-1]))
+    for start, end in pairwise(corners):
+        apexes |= {(start, end): apex, (end, apex): start, (apex, start): end}
 
 
 def _is_straight(points: FloatArray) -> bool:
     """Tell whether points lie in their order on the line from the first to the last."""
-    along = points[-1] - points[0]
-    square = float(along @ along)
-    steps = (points - points[0]) @ along
-    off = (points - points[0]) @ np.array([-along[1], along[0]])
-    return bool((np.diff(steps) >= 0).all() and (np.abs(off) <= _ON_LINE * square).all())
+    shares, is_near = _along(points, points[0], points[-1])
+    return bool((np.diff(shares) >= 0).all() and is_near.all())
+
+
+def _on_side(flat: FloatArray, first: int, last: int, corners: list[int]) -> list[int]:
+    """Return the corners between the ends of a side, in their order."""
+    shares, is_near = _along(flat[corners], flat[first], flat[last])
+    places = np.flatnonzero(is_near & (shares > 0) & (shares < 1))
+    return [corners[place] for place in places[np.argsort(shares[places], kind="stable")]]
+
+
+def _along(points: FloatArray, start: FloatArray, end: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return where points lie along a side, 0 to 1 from start to end, and whether they are on its line."""
+    along, away = end - start, points - start
+    square = max(float(along @ along), np.finfo(np.float64).tiny)
+    shares: FloatArray = away @ along / square
+    return shares, np.abs(away @ np.array([-along[1], along[0]])) <= _ON_LINE * square

@@ -148,9 +148,8 @@ def triangulate(polygons: Polygons, max_faces: int) -> NDArray[np.int64]:
         triangles[places[chosen, None] + np.arange(size - 2)] = cut
         if size < 5:
             continue
-        for row in np.flatnonzero(~_fan_covers(points, rows)).tolist():
-            clipped = rows[row, clip_ears(points[rows[row]], rows[row])]
-            place = places[chosen[row]]
+        others = np.flatnonzero(~_fan_covers(points, rows))
+        for place, clipped in zip(places[chosen[others]], clip_ears(points, rows[others]), strict=True):
             triangles[place : place + len(clipped)] = clipped
             left_out[place + len(clipped) : place + size - 2] = True  # spikes have no surface
     return triangles[~left_out] if left_out.any() else triangles

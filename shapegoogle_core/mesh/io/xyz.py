@@ -48,17 +48,25 @@ def read_xyz(file: MeshFile) -> Polygons:
     comments = b"#" in text or b"//" in text
     lines = filled_lines(_COMMENT.sub(b"", text) if comments else text)
     lines = _without_count(lines)
-    columns, lines = _named_columns(lines)
+    names, lines = _named_columns(lines)
     if not len(lines):
         raise FormatError("has no points: it is empty, or not an XYZ file; export it again")
     check_point_count(len(lines), file.max_faces)
     if b"," in text or b";" in text:
         lines = _blank_separated(lines)
-    if columns is None and comments:
-        columns = _columns_of_comment(text, len(lines.content[0].split()))
+    column_count = len(lines.content[0].split())
+    if names and len(names) != column_count:
+        # Such as "Point ID": which of them is x can only be guessed.
+        raise FormatError(
+            f"names {len(names)} columns before line {lines.numbers[0]:,}, which has {column_count}; correct "
+            "the names, or remove them"
+        )
+    if not names and comments:
+        names = _names_in_comment(text, column_count)
+    columns = _axes(names)
     if columns is not None:
         return Polygons.from_points(parse_numbers(lines, columns, _A_POINT))
-    if len(lines.content[0].split()) == 3:
+    if column_count == 3:
         return Polygons.from_points(parse_numbers(lines, (0, 1, 2), _A_POINT))
     return _without_ids(lines)
 
@@ -76,20 +84,19 @@ def _without_count(lines: Lines) -> Lines:
     return rest
 
 
-def _named_columns(lines: Lines) -> tuple[tuple[int, int, int] | None, Lines]:
-    """Return the columns of x, y and z if the first line names them, and the lines behind it."""
+def _named_columns(lines: Lines) -> tuple[list[bytes], Lines]:
+    """Return the names of the columns if the first line has some, and the lines behind it."""
     if not len(lines):
-        return None, lines
+        return [], lines
     words = [word for word in _SEPARATORS.split(lines.content[0].strip()) if word]
     if all(NUMBER.fullmatch(word) for word in words):
-        return None, lines
-    columns = _axes(words)
-    if columns is None:
+        return [], lines
+    if _axes(words) is None:
         if any(word.isalpha() for word in words) or not re.search(rb"\d", lines.content[0]):
             expected = "a point (three coordinates) or the names of the columns, among them x, y and z,"
             raise lines.unexpected(0, expected)
-        return None, lines  # a damaged point
-    return columns, lines.part(1)
+        return [], lines  # a damaged point
+    return words, lines.part(1)
 
 
 def _axes(words: list[bytes]) -> tuple[int, int, int] | None:
@@ -100,8 +107,8 @@ def _axes(words: list[bytes]) -> tuple[int, int, int] | None:
     return x, y, z
 
 
-def _columns_of_comment(text: bytes, column_count: int) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z if the last comment before the points names as many as there are."""
+def _names_in_comment(text: bytes, column_count: int) -> list[bytes]:
+    """Return the words of the last comment before the points, if they are as many as there are columns."""
     names: list[bytes] = []
     for line in text.split(b"\n", 100)[:100]:
         comment = re.match(rb"\s*(?:#|//)[#/]*(.*)", line)
@@ -109,7 +116,7 @@ def _columns_of_comment(text: bytes, column_count: int) -> tuple[int, int, int] 
             break
         if comment is not None:
             names = [word for word in _SEPARATORS.split(comment[1].strip()) if word]
-    return _axes(names) if len(names) == column_count else None
+    return names if len(names) == column_count else []
 
 
 def _blank_separated(lines: Lines) -> Lines:

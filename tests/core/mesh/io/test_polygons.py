@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,19 +24,52 @@ SHAPES: dict[str, list[tuple[float, float]]] = {
     "U": [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)],
     "dart": [(0, 0), (2, 1), (4, 0), (2, 4)],
     "slit": [(0, 0), (2, 0), (2, 2), (1, 1e-5), (0, 2)],
+    # A diagonal between two of its corners runs over a third one.
+    "dents": [
+        (8, 8),
+        (4, 6),
+        (5.125, 6),
+        (5.875, 6),
+        (7, 6),
+        (7.75, 6),
+        (8, 6),
+        (7, 5),
+        (8, 5),
+        (8.375, 4.375),
+        (9.875, 1.875),
+        (11, 0),
+        (10, 0.5),
+        (8.5, 1.25),
+        (7, 2),
+        (5.5, 1.25),
+        (4, 0.5),
+        (3, 0),
+        (3, 0.5),
+        (3, 0.5),
+        (3, 4),
+        (2.625, 3.25),
+        (2.25, 2.5),
+        (2, 2),
+        (0, 8),
+        (0.5, 7.25),
+        (0.5, 7.25),
+        (2, 5),
+        (1, 8),
+    ],
     "triangle with corners on its sides": [(0, 0), (1, 0), (2, 0), (3, 0), (2, 1), (1, 2), (0, 3), (0, 1)],
 }
 
 
-def outline(points: FloatArray, faces: Sequence[Sequence[int]]) -> Counter[tuple[tuple[float, ...], ...]]:
-    """The directed sides that are not met by one of the other direction."""
-    sides = Counter(pair for face in faces for pair in pairwise([*face, face[0]]) if pair[0] != pair[1])
+def outline(points: FloatArray, faces: Sequence[Sequence[int]]) -> Counter[tuple[Any, Any]]:
+    """The directed sides, by the positions of their ends, that are not met by one of the other direction."""
+    sides = Counter(
+        (tuple(points[start]), tuple(points[end]))
+        for face in faces
+        for start, end in pairwise([*face, face[0]])
+        if (points[start] != points[end]).any()
+    )
     return Counter(
-        {
-            tuple(tuple(points[corner]) for corner in side): count - sides[side[::-1]]
-            for side, count in sides.items()
-            if count > sides[side[::-1]]
-        }
+        {side: count - sides[side[::-1]] for side, count in sides.items() if count > sides[side[::-1]]}
     )
 
 
