@@ -4,11 +4,11 @@
     python -m benchmarks files FOLDER... --output DIR [--jobs N] [--blender PROGRAM]
 
 Every file is read by the product, trimesh, meshio and, where there is one, Blender, each in processes of its
-own with a limit of time and memory. Area, extent, and the numbers of vertices (after welding) and triangles
-are compared; the objects of a .blend file are compared with what Blender itself evaluates. DIR gets
-readings.csv (what every reader made of every file), verdicts.csv (one line for each file or object) and
-summary.md. The folders are only read. The exit code is 1 if the product failed on a file other than with its
-own error, crashed or took too long.
+own with a limit of time and memory; Blender reads glTF files without their animations. Area, extent, and the
+numbers of vertices (after welding) and triangles are compared; the objects of a .blend file are compared with
+what Blender itself evaluates. DIR gets readings.csv (what every reader made of every file), verdicts.csv (one
+line for each file or object) and summary.md. The folders are only read. The exit code is 1 if the product
+failed on a file other than with its own error, crashed or took too long.
 """
 
 from __future__ import annotations

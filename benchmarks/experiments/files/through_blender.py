@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.errors import BenchmarkError
+from benchmarks.experiments.files import gltf_at_rest
 from benchmarks.experiments.files.facts import FloatArray, IntArray, measure
 from benchmarks.experiments.files.reading import BLENDER, BLENDER_SUFFIXES, PRODUCT, Limits, Parts, Reading
 from shapegoogle_core.errors import MeshError
@@ -140,7 +141,9 @@ class _Alone:
         started = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
             output = Path(folder, "parts.bin")
-            self._program.send({"path": str(path.absolute()), "output": str(output)})
+            is_gltf = path.suffix.lower() in gltf_at_rest.SUFFIXES
+            given = gltf_at_rest.without_animations(path, Path(folder)) if is_gltf else path
+            self._program.send({"path": str(given.absolute()), "output": str(output)})
             try:
                 answer = self._program.message(self._limit)
             except TimeoutError:
@@ -153,7 +156,7 @@ class _Alone:
             seconds = time.monotonic() - started
             if "error" in answer:
                 return Reading(BLENDER, path, "refused", [], str(answer["error"]), seconds)
-            parts = _parts_of(answer["parts"], output, turned=path.suffix.lower() in (".glb", ".gltf"))
+            parts = _parts_of(answer["parts"], output, turned=is_gltf)
         return Reading(BLENDER, path, "read" if parts else "nothing", parts, "", seconds)
 
     def close(self) -> None:

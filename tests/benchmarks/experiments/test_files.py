@@ -4,20 +4,25 @@
 from __future__ import annotations
 
 import csv
+import json
 import struct
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
+import trimesh
 
 from benchmarks.command import main
 from benchmarks.errors import BenchmarkError
 from benchmarks.experiments.files.command import find_models
 from benchmarks.experiments.files.facts import Facts, differences, measure, triangles_of_polygons
+from benchmarks.experiments.files.gltf_at_rest import without_animations
 from benchmarks.experiments.files.reading import BLENDER, PRODUCT, Reading, readers_of
 from benchmarks.experiments.files.through_blender import find_blender
 from benchmarks.experiments.files.verdicts import judge
-from tests.core.mesh.io.mesh_files import AREA, FILES, POINTS, QUADS, TRIANGLES, write
+from tests.core.mesh.io.mesh_files import AREA, FILES, POINTS, QUADS, TRIANGLES, glb, gltf_tree, write
 
 BOX = Facts(8, 12, AREA, (0.0, 0.0, 0.0), (2.0, 1.0, 3.0))
 # A square with a notch down to its middle, as one polygon; and a dart.
@@ -114,6 +119,29 @@ def test_commands_of_blender() -> None:
     command = find_blender("/opt/blender")
     assert command is not None
     assert (command[0], command[-1]) == ("/opt/blender", "--python")
+
+
+@pytest.mark.parametrize("suffix", [".gltf", ".glb"])
+def test_gltf_without_its_animations(tmp_path: Path, suffix: str) -> None:
+    models, folder = tmp_path / "my models", tmp_path / "copies"
+    models.mkdir()
+    folder.mkdir()
+    tree, buffer = gltf_tree(uri="my%20box.bin")
+    write(models, "my box.bin", buffer)
+    still = write(models, f"still{suffix}", json.dumps(tree) if suffix == ".gltf" else FILES["box.glb"])
+    assert without_animations(still, folder) == still
+    animations: list[Any] = [{"channels": [], "samplers": []}]
+    moving = (
+        json.dumps(tree | {"animations": animations}) if suffix == ".gltf" else glb(animations=animations)
+    )
+    copy = without_animations(write(models, f"moving{suffix}", moving), folder)
+    assert copy.parent == folder
+    assert b"animations" not in copy.read_bytes()
+    if suffix == ".glb":
+        assert trimesh.load_scene(copy).area == pytest.approx(AREA)
+    else:
+        assert Path(unquote(json.loads(copy.read_bytes())["buffers"][0]["uri"])).read_bytes() == buffer
+    assert without_animations(write(models, f"cut{suffix}", b"glTF{"), folder).parent == models
 
 
 def test_folders_without_models(tmp_path: Path) -> None:
