@@ -160,7 +160,7 @@ def unpack_measures(store: Store, shape_ids: Sequence[int]) -> dict[int, MeshMea
         try:
             found[shape_id] = MeshMeasures.from_bytes(content)
         except ValueError as error:
-            raise damaged(store.name, f"the measures of shape {shape_id} cannot be read: {error}") from error
+            raise damaged(store.name, f"the measures of shape {shape_id} cannot be read") from error
     return found
 
 
