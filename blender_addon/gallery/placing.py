@@ -45,7 +45,8 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
     source : str
         Path of the file.
     sought : Sought
-        The object in a .blend file. If none has its name any more, it is found by its mesh.
+        The object in a .blend or .3mf file. If none in a .blend has its name any more, it is found by its
+        mesh.
     link : bool
         Link instead of append.
 
@@ -83,7 +84,7 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
             operator = bpy.ops.wm.link if link else bpy.ops.wm.append
             operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
         else:
-            _import(context, path)
+            _import(context, path, object_name)
     except RuntimeError as error:
         raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
     # By identity, since an object that is only referred to may have the name of one of the user's.
@@ -175,7 +176,7 @@ def _instance(context: Any, path: Path, object_name: str) -> Any:
     return item
 
 
-def _import(context: Any, path: Path) -> None:
+def _import(context: Any, path: Path, object_name: str) -> None:
     suffix = path.suffix.lower()
     if suffix == ".fbx":
         # Blender 4.5 has an importer of its own; earlier ones, an add-on that may be off.
@@ -183,23 +184,24 @@ def _import(context: Any, path: Path) -> None:
     elif suffix in _IMPORTERS:
         module, name = _IMPORTERS[suffix]
     else:
-        _from_core(context, path)
+        _from_core(context, path, object_name)
         return
     if name not in dir(getattr(bpy.ops, module)):
         raise PlacingError(f"Blender's importer of {suffix} files is off; switch it on in the preferences")
     getattr(getattr(bpy.ops, module), name)(filepath=str(path))
 
 
-def _from_core(context: Any, path: Path) -> None:
-    from shapegoogle_core import MeshError, read_mesh
+def _from_core(context: Any, path: Path, object_name: str) -> None:
+    from shapegoogle_core import MeshError
+    from shapegoogle_core.mesh.io.objects import read_object
 
     from ..scene.meshes import new_object
 
     try:
-        mesh = read_mesh(path)
+        mesh = read_object(path, object_name)
     except MeshError as error:
         raise PlacingError(str(error)) from error
-    new_object(context, mesh, path.stem)
+    new_object(context, mesh, object_name or path.stem)
 
 
 def move_to(objects: list[Any], place: Vector) -> None:

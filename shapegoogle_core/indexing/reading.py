@@ -10,9 +10,10 @@ from typing import Self
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh
-from shapegoogle_core.mesh.io.reading import read_with_warnings
+from shapegoogle_core.mesh.io.objects import MeshObject, read_objects
 
 __all__ = ["FileShapes", "ShapeReader", "readable_suffixes"]
 
@@ -89,7 +90,7 @@ class ShapeReader:
         Returns
         -------
         found : FileShapes
-            One shape without an object name if it is a mesh file.
+            The objects of a .3mf; one shape without an object name of any other mesh file.
 
         Raises
         ------
@@ -124,9 +125,15 @@ class ShapeReader:
         """
         path = Path(path)
         if self._external is None or self._process is None or not self._external.reads(path):
-            mesh, warnings = read_with_warnings(path)
-            yield NewShape(mesh, mesh.name, warnings=warnings)
+            for found in read_objects(path):
+                yield found if isinstance(found, str) else _shape(found)
             return
         if not path.is_file():
             raise MeshError(f"{str(path)!r} is not there, or is no file; check the spelling")
         yield from self._process.read(path)
+
+
+def _shape(found: MeshObject) -> NewShape[Mesh]:
+    mesh, name = found.mesh, found.object_name
+    places = [(name, matrix) for matrix in found.matrices]
+    return NewShape(mesh, mesh.name, name, placements=placements_of(mesh, places), warnings=found.warnings)

@@ -6,7 +6,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["DamagedError", "FormatError", "MeshFile", "check_face_count", "check_point_count", "read_content"]
+__all__ = [
+    "DamagedError",
+    "FormatError",
+    "MeshFile",
+    "check_face_count",
+    "check_point_count",
+    "largest_content",
+    "read_content",
+]
 
 
 # A file is read as a whole. The longest spelling, a text STL, takes about 300 bytes a face; textures in a
@@ -62,12 +70,17 @@ def check_point_count(count: int, most: int) -> None:
         )
 
 
+def largest_content(max_faces: int) -> int:
+    """Return the largest number of bytes that a file with `max_faces` faces may have."""
+    return _OTHER_BYTES + _BYTES_PER_FACE * max_faces
+
+
 def read_content(path: Path, max_faces: int) -> bytes:
     """Read a file; raise `FormatError` if it is empty or larger than `max_faces` faces can be."""
     size = path.stat().st_size
     if size == 0:
         raise FormatError("is empty (0 bytes); copy or export it again")
-    if size > _OTHER_BYTES + _BYTES_PER_FACE * max_faces:
+    if size > largest_content(max_faces):
         raise FormatError(
             f"has {size:,} bytes, more than a mesh with the limit of {max_faces:,} faces takes; "
             "simplify it first, or raise max_faces"

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -17,16 +18,19 @@ from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_cou
 from shapegoogle_core.mesh.io.gltf import read_glb, read_gltf
 from shapegoogle_core.mesh.io.obj import read_obj
 from shapegoogle_core.mesh.io.off import read_off
+from shapegoogle_core.mesh.io.other_formats import advice
 from shapegoogle_core.mesh.io.pcd import read_pcd
 from shapegoogle_core.mesh.io.ply import read_ply
 from shapegoogle_core.mesh.io.polygons import Polygons, triangulate, without_lost_points
 from shapegoogle_core.mesh.io.stl import read_stl
+from shapegoogle_core.mesh.io.three_mf import read_three_mf
 from shapegoogle_core.mesh.io.xyz import read_xyz
 from shapegoogle_core.mesh.mesh import Mesh
 
-__all__ = ["MESH_SUFFIXES", "READERS", "read_mesh", "read_with_warnings"]
+__all__ = ["MAX_FACES", "MESH_SUFFIXES", "READERS", "opened", "read_mesh", "read_with_warnings"]
 
 READERS: dict[str, Callable[[MeshFile], Polygons]] = {
+    ".3mf": read_three_mf,
     ".glb": read_glb,
     ".gltf": read_gltf,
     ".obj": read_obj,
@@ -40,6 +44,13 @@ READERS: dict[str, Callable[[MeshFile], Polygons]] = {
 
 MESH_SUFFIXES = frozenset(READERS)
 """Suffixes of the files that `read_mesh` reads, in lower case with the dot."""
+
+MAX_FACES = 20_000_000
+"""Largest number of triangles, or of points, of a file that is read unless another one is given."""
+
+_UNKNOWN_SUFFIX = (
+    f"has none of the suffixes that can be read ({', '.join(sorted(MESH_SUFFIXES))}); convert it first"
+)
 
 # In other formats vertices without faces are curves, or the faces were lost in the export.
 _MAY_HAVE_NO_FACES = frozenset({".glb", ".gltf", ".pcd", ".ply", ".xyz"})
@@ -57,9 +68,7 @@ _BEGINNINGS = {
 }
 
 
-def read_mesh(
-    path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = 20_000_000
-) -> Mesh:
+def read_mesh(path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = MAX_FACES) -> Mesh:
     """Read a mesh file, or the points of a scan, as one shape.
 
     All objects, groups and scene nodes of a file, each in its place, make one mesh. Polygons, also concave
@@ -71,8 +80,8 @@ def read_mesh(
     Parameters
     ----------
     path : str or path
-        A file with the suffix .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower case. "~"
-        stands for the user's own folder.
+        A file with the suffix .3mf, .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower
+        case. "~" stands for the user's own folder.
     point_cloud : bool, optional
         Read the points alone, from a file of any format.
     max_faces : int, optional
@@ -82,7 +91,7 @@ def read_mesh(
     Returns
     -------
     mesh : Mesh
-        In the unit of the file, with the file's name.
+        In the unit of the file (of a 3MF, which states its unit: in millimetres), with the file's name.
 
     Raises
     ------
@@ -115,7 +124,7 @@ def read_mesh(
 
 
 def read_with_warnings(
-    path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = 20_000_000
+    path: str | os.PathLike[str], *, point_cloud: bool = False, max_faces: int = MAX_FACES
 ) -> tuple[Mesh, tuple[str, ...]]:
     """Read a mesh file and return its warnings, for programs that show them in their own way.
 
@@ -137,8 +146,26 @@ def read_with_warnings(
     """
     check_count("max_faces", max_faces)
     path = as_path(path)
-    name = path.name or str(path)
-    suffix = path.suffix.lower()
+    with opened(path, max_faces) as file:
+        polygons = without_lost_points(READERS[path.suffix.lower()](file))
+        vertices, faces = polygons.vertices, triangulate(polygons, max_faces)
+        if not len(faces):
+            check_point_count(len(vertices), max_faces)
+    sentences = tuple(f"{path.name!r} {note}" for note in polygons.notes)
+    if point_cloud:
+        return _point_cloud(Mesh(vertices, name=path.name)), sentences
+    mesh = Mesh(vertices, faces, path.name)
+    if mesh.is_point_cloud and path.suffix.lower() in _MAY_HAVE_NO_FACES:
+        check_cloud(mesh)
+    else:
+        check_surface(mesh)
+    return mesh, sentences
+
+
+@contextmanager
+def opened(path: Path, max_faces: int) -> Iterator[MeshFile]:
+    """Open a mesh file; errors within the block become a `MeshError` that names it."""
+    name, suffix = path.name or str(path), path.suffix.lower()
     try:
         if not path.is_file():
             fault = "does not exist"
@@ -146,15 +173,8 @@ def read_with_warnings(
                 fault = "is a folder" if path.is_dir() else "is not a regular file"
             raise MeshError(f"{str(path)!r} {fault}; give the path of a mesh file")
         if suffix not in MESH_SUFFIXES:
-            raise MeshError(
-                f"{name!r} has none of the suffixes that can be read ({', '.join(sorted(MESH_SUFFIXES))}); "
-                "convert it first"
-            )
-        file = MeshFile(read_content(path, max_faces), path.parent, max_faces)
-        polygons = without_lost_points(READERS[suffix](file))
-        vertices, faces = polygons.vertices, triangulate(polygons, max_faces)
-        if not len(faces):
-            check_point_count(len(vertices), max_faces)
+            raise MeshError(f"{name!r} {advice(suffix) or _UNKNOWN_SUFFIX}")
+        yield MeshFile(read_content(path, max_faces), path.parent, max_faces)
     except MeshError:
         raise
     except FormatError as error:
@@ -169,19 +189,10 @@ def read_with_warnings(
             f"{name!r} does not fit into memory; simplify it, or lower max_faces to skip such files"
         ) from error
     except Exception as error:
-        # Damaged files make trimesh fail in every way; the cause is always this file.
+        # Damaged files can be wrong in ways that no reader expects; the cause is always this file.
         raise MeshError(
             f"{name!r} is damaged, cut short, or uses a feature that cannot be read; export it again"
         ) from error
-    sentences = tuple(f"{name!r} {note}" for note in polygons.notes)
-    if point_cloud:
-        return _point_cloud(Mesh(vertices, name=name)), sentences
-    mesh = Mesh(vertices, faces, name)
-    if mesh.is_point_cloud and suffix in _MAY_HAVE_NO_FACES:
-        check_cloud(mesh)
-    else:
-        check_surface(mesh)
-    return mesh, sentences
 
 
 def _point_cloud(points: Mesh) -> Mesh:
@@ -196,7 +207,8 @@ def _misnamed(path: Path) -> str:
     """Name the format of the file if its first bytes are those of another one."""
     with path.open("rb") as file:
         head = file.read(16)
+    own = ".zip" if path.suffix.lower() == ".3mf" else path.suffix.lower()  # a 3MF is a zip
     for beginning, suffix in _BEGINNINGS.items():
-        if head.startswith(beginning) and suffix != path.suffix.lower():
+        if head.startswith(beginning) and suffix != own:
             return f" (it begins like a {suffix} file: perhaps it only has the wrong name)"
     return ""

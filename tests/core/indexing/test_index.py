@@ -21,6 +21,8 @@ from shapegoogle_core.library.library import Library
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ShapeModel
 from tests.core.indexing import misbehaving
+from tests.core.mesh.io.three_mf_files import item, mesh_object, moved, package
+from tests.core.mesh.io.three_mf_files import model as plate
 
 Log = Callable[[], list[str]]
 
@@ -212,6 +214,24 @@ def test_a_gltf_changes_with_the_file_beside_it(library: Library, tmp_path: Path
     assert counts(index(library, folder)) == (0, 1, 1, 0)
     # Now it is one, so it was not described.
     assert log() == []
+
+
+def test_objects_of_a_plate(library: Library, tmp_path: Path) -> None:
+    """Each object of a 3MF is a shape with its places, found by its name."""
+    ball, ring = trimesh.creation.icosphere(2), trimesh.creation.torus(3, 1)
+    resources = mesh_object(1, ball.vertices, 'name="Ball"', faces=ball.faces.tolist())
+    resources += mesh_object(2, ring.vertices, 'name="Ring"', faces=ring.faces.tolist())
+    built = item(1) + item(2, moved(20, 0, 0)) + item(1, moved(5, 5, 0))
+    folder = tmp_path / "plates"
+    folder.mkdir()
+    (folder / "plate.3mf").write_bytes(package(plate(resources, built, unit="centimeter")))
+    assert counts(index(library, folder, read=misbehaving.read)) == (1, 0, 0, 0)
+    shapes = {shape.name: shape for shape in library.shapes()}
+    assert {name: shape.placement_count for name, shape in shapes.items()} == {"Ball": 2, "Ring": 1}
+    assert shapes["Ball"].object_name == "Ball"
+    assert shapes["Ball"].area == pytest.approx(100 * ball.area, rel=1e-6)  # in millimetres
+    places = library.placements(shapes["Ball"].shape_id)
+    assert [place.matrix[:3, 3].tolist() for place in places] == [[0, 0, 0], [50, 50, 0]]
 
 
 def test_a_gltf_is_tried_again_when_its_missing_part_arrives(library: Library, tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ def test_every_format_gives_the_same_box(tmp_path: Path, name: str) -> None:
 
 
 def test_suffixes(tmp_path: Path) -> None:
-    assert sorted(MESH_SUFFIXES) == [".glb", ".gltf", ".obj", ".off", ".pcd", ".ply", ".stl", ".xyz"]
+    assert sorted(MESH_SUFFIXES) == [".3mf", ".glb", ".gltf", ".obj", ".off", ".pcd", ".ply", ".stl", ".xyz"]
     assert read_mesh(str(write(tmp_path, "BOX.OBJ", obj()))).name == "BOX.OBJ"
 
 
@@ -154,9 +154,22 @@ def test_no_usable_file(tmp_path: Path, suffix: str) -> None:
     refuse(write(tmp_path, f"page{suffix}", b"<!DOCTYPE html>\n<html><body>Not found</body></html>\n"))
 
 
-@pytest.mark.parametrize("name", ["a.blend", "a.fbx", "a.txt", "a", ".obj", "a.ply.gz"])
+@pytest.mark.parametrize("name", ["a.txt", "a", ".obj", "a.ply.gz"])
 def test_unsupported_suffix(tmp_path: Path, name: str) -> None:
     refuse(write(tmp_path, name, obj()), ".obj", "convert")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("a.STEP", ("is of the format STEP", "export from the CAD program as STL or 3MF")),
+        ("a.igs", ("is of the format IGES", "STL or 3MF")),
+        ("a.fbx", ("is of the format FBX", "import into Blender")),
+        ("a.blend", ("is of the format Blender", "scripts/index_library.py")),
+    ],
+)
+def test_other_formats_are_refused_with_advice(tmp_path: Path, name: str, words: tuple[str, ...]) -> None:
+    refuse(write(tmp_path, name, obj()), *words)
 
 
 def test_content_of_another_format(tmp_path: Path) -> None:
