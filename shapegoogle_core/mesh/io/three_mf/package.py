@@ -90,7 +90,7 @@ class Package:
             raise FormatError(
                 f"has the part {path!r} packed in a way that cannot be read; export it again"
             ) from error
-        except (zipfile.BadZipFile, zlib.error, EOFError) as error:
+        except (zipfile.BadZipFile, zlib.error, EOFError, ValueError) as error:
             raise DamagedError(f"has the part {path!r}, which cannot be unpacked") from error
 
 
@@ -137,15 +137,13 @@ def parse_xml(
                 parser.Parse(chunk, False)
             parser.Parse(b"", True)
         except expat.ExpatError as error:
-            reason = expat.ErrorString(error.code)
             raise DamagedError(
-                f"has no valid XML at line {error.lineno:,}, column {error.offset + 1:,} of its part "
-                f"{path!r} ({reason})"
+                f"has no valid XML at line {error.lineno:,}, column {error.offset + 1:,} of its part {path!r}"
             ) from error
-        except (ValueError, KeyError, IndexError, OverflowError) as error:
+        except (ValueError, LookupError, OverflowError) as error:
             raise DamagedError(
-                f"has an element at line {parser.CurrentLineNumber:,} of its part {path!r} that does not "
-                "follow the format"
+                f"has an element or an encoding at line {parser.CurrentLineNumber:,} of its part {path!r} "
+                "that does not follow the format"
             ) from error
 
 

@@ -270,16 +270,20 @@ def test_files_that_are_no_package(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "word"),
     [
-        ('x="0.0"', 'x="zero"', "an element at line 1 of its part '3d/3dmodel.model'"),
-        ('x="0.0" ', "", "an element at line 1"),
-        ('v1="0"', 'v1="0.5"', "an element at line 1"),
+        ('x="0.0"', 'x="zero"', "an element or an encoding at line 1 of its part '3d/3dmodel.model'"),
+        ('x="0.0" ', "", "an element or an encoding at line 1"),
+        ('v1="0"', 'v1="0.5"', "an element or an encoding at line 1"),
         ('v1="0"', 'v1="8"', "names vertex 8, counted from 0, of the 8"),
         ('v1="0"', 'v1="-1"', "names vertex -1"),
         ('item objectid="1"', 'item objectid="7"', "names the object '7'"),
-        ('item objectid="1"', "item", "an element at line 1"),
-        ('item objectid="1"', 'item objectid="1" transform="1 2 3"', "an element at line 1"),
-        ('item objectid="1"', 'item objectid="1" transform="' + "nan " * 12 + '"', "an element at line 1"),
-        ("</resources>", '<vertex x="1" y="1" z="1"/></resources>', "an element at line 1"),
+        ('item objectid="1"', "item", "an element or an encoding at line 1"),
+        ('item objectid="1"', 'item objectid="1" transform="1 2 3"', "an element or an encoding at line 1"),
+        (
+            'item objectid="1"',
+            'item objectid="1" transform="' + "nan " * 12 + '"',
+            "an element or an encoding at line 1",
+        ),
+        ("</resources>", '<vertex x="1" y="1" z="1"/></resources>', "an element or an encoding at line 1"),
         ("</resources>", '<object id="1"></object></resources>', "two objects with the id '1'"),
     ],
 )
