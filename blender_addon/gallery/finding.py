@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -15,8 +16,8 @@ from ..state import session_of
 from .errors import PlacingError
 
 __all__ = [
+    "find_objects",
     "is_here",
-    "look_again",
     "object_of",
     "placements_here",
     "register",
@@ -124,15 +125,16 @@ def is_here(match: Any) -> bool:
     return match.object_name in bpy.context.scene.objects
 
 
-def look_again(context: Any) -> None:
-    """Find the objects of all matches: the answer or the open file is new.
+def find_objects(context: Any, matches: Iterable[Any]) -> None:
+    """Find the objects that matches are: they are new, or another file is open.
 
     Parameters
     ----------
     context : bpy.types.Context
+    matches : iterable of SHAPEGOOGLE_PG_match
     """
     here, numbers, source = SceneObjects(context), state.current().library.objects, open_source()
-    for match in session_of(context).matches:
+    for match in matches:
         match.session_uid = 0
         if is_open_file(match.source):
             match.session_uid = numbers.get((source, match.object_name), 0)
@@ -157,7 +159,7 @@ def _count_again(*_arguments: object) -> None:
 @persistent
 def _note_opened(*_arguments: object) -> None:
     _count_again()
-    look_again(bpy.context)
+    find_objects(bpy.context, session_of(bpy.context).matches)
 
 
 _HANDLERS = {

@@ -35,11 +35,6 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
     reread: BoolProperty(
         name="Read All Again", description="Also files that have not changed", options={"SKIP_SAVE"}
     )
-    prune: BoolProperty(
-        name="Forget Missing Files",
-        description="Forget the shapes of files that are no longer in the chosen folders",
-        options={"SKIP_SAVE"},
-    )
     retry: BoolProperty(
         name="Retry Failed", description="Also files that failed before", options={"SKIP_SAVE"}
     )
@@ -78,7 +73,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         return {"FINISHED"}
 
     def _flags(self) -> list[str]:
-        return [f"--{name}" for name in ("reread", "retry", "prune") if getattr(self, name)]
+        return [f"--{name}" for name in ("reread", "retry") if getattr(self, name)]
 
     def _start(self, context: Any) -> bool:
         chosen, session = preferences(context), session_of(context)

@@ -155,7 +155,10 @@ class SHAPEGOOGLE_MT_indexing(bpy.types.Menu):
         self.layout.operator_context = "INVOKE_DEFAULT"
         self.layout.operator("shape_google.index_library", text="Retry Failed Files").retry = True
         self.layout.operator("shape_google.index_library", text="Read All Files Again").reread = True
-        self.layout.operator("shape_google.index_library", text="Forget Missing Files").prune = True
+        self.layout.separator()
+        self.layout.operator("shape_google.move_sources", text="Move Sources…")
+        self.layout.operator("shape_google.forget_folder", text="Forget Folder…")
+        self.layout.operator("shape_google.forget_missing", text="Forget Missing Files…")
         self.layout.separator()
         self.layout.operator("shape_google.train_model")
 

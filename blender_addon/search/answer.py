@@ -9,7 +9,7 @@ import bpy
 
 from .. import jobs, state
 from ..gallery import labels, pictures
-from ..gallery.finding import look_again
+from ..gallery.finding import find_objects
 from ..state import session_of
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
         line.placement_count = match.placement_count
         labels.set_state(line, labels.COMPARING)
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
-    look_again(context)
+    find_objects(context, session.matches)
     session.active_match = 0 if answer.matches else -1
     session.page = 0
     count = f"{len(answer.matches)} of {answer.shape_count:,} shapes"
@@ -68,11 +68,18 @@ def show_evidence(context: Any, explained: dict[int, Match]) -> None:
     explained : dict of int to Match
         By the id of the shape; a match that cannot be compared keeps its similarity alone.
     """
+    answer = state.current().search.answer
+    moved = []
     for line in session_of(context).matches:
         if line.shape_id in explained:
             match = explained[line.shape_id]
-            line.object_name = match.object_name
+            if match.object_name != line.object_name:
+                line.object_name, line.area = match.object_name, match.area
+                moved.append(line)
+            if answer is not None:
+                line.size = (match.area / answer.area) ** 0.5
             labels.set_evidence(line, match.evidence)
+    find_objects(context, moved)
 
 
 def explain_matches(answer: Answer, first: int = 0) -> None:

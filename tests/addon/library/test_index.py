@@ -130,16 +130,3 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, se
     bpy.ops.shape_google.index_library()
     assert session.summary == "1 shape of this scene"
     assert not session.errors
-
-
-def test_forget_missing_files(indexed: Path, preferences: Any, session: Any) -> None:
-    (indexed / "plum.blend").unlink()
-    (indexed / "broken.blend").unlink()
-    bpy.ops.shape_google.index_library()
-    assert session.summary == "3 files unchanged"
-    with Library.open(preferences.library) as library:
-        assert len(library) == 4
-    bpy.ops.shape_google.index_library(prune=True)
-    assert session.summary == "3 files unchanged, 2 files removed"
-    with Library.open(preferences.library) as library:
-        assert len(library) == 3
