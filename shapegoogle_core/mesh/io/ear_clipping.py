@@ -56,10 +56,14 @@ def clip_ears(points: FloatArray, rows: NDArray[np.int64]) -> list[NDArray[np.in
     repeats = (in_order[:, 1:] == in_order[:, :-1]).any(axis=1)
     repeats |= (corners == np.roll(corners, 1, axis=1)).all(axis=2).any(axis=1)
     flat, all_places = _projected(corners), np.arange(rows.shape[1])
-    return [
-        row[_clip(flat[place], _without_spikes(corners[place]) if repeats[place] else all_places)]
-        for place, row in enumerate(rows)
-    ]
+    cut = []
+    for place, row in enumerate(rows):
+        ring = _without_spikes(corners[place]) if repeats[place] else all_places
+        triangles = _clip(flat[place], ring)
+        if len(triangles) < len(ring) - 2 and _bends_where_cut_off(corners[place], ring, triangles):
+            triangles = _fan(ring)
+        cut.append(row[triangles])
+    return cut
 
 
 def _projected(corners: FloatArray) -> FloatArray:
@@ -76,6 +80,22 @@ def _projected(corners: FloatArray) -> FloatArray:
     return np.stack([local[every, :, first], local[every, :, second]], axis=2)
 
 
+def _bends_where_cut_off(corners: FloatArray, ring: NDArray[np.int64], triangles: NDArray[np.int64]) -> bool:
+    """Tell whether a corner without a triangle is off the line of its neighbours, though not as projected.
+
+    A side of a strongly bent outline may run back along another one, seen along the normal.
+    """
+    before, after = corners[np.roll(ring, 1)], corners[np.roll(ring, -1)]
+    to_before, to_after = before - corners[ring], after - corners[ring]
+    off = np.linalg.norm(np.cross(to_before, to_after), axis=1)
+    length = np.maximum(np.linalg.norm(to_before, axis=1), np.linalg.norm(to_after, axis=1))
+    return bool((off > 1e-6 * length**2)[~np.isin(ring, triangles)].any())
+
+
+def _fan(ring: NDArray[np.int64]) -> NDArray[np.int64]:
+    return ring[[[0, corner, corner + 1] for corner in range(1, len(ring) - 1)]]
+
+
 def _clip(flat: FloatArray, ring: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cut one polygon, given by its corners in the plane and the places of those that count."""
     if len(ring) < 3:
@@ -87,9 +107,7 @@ def _clip(flat: FloatArray, ring: NDArray[np.int64]) -> NDArray[np.int64]:
         triangles = triangles[:, ::-1]
     if len(triangles) < len(ring) - 2:
         triangles = _with_corners_on_sides(flat, triangles)
-    if not len(triangles):  # no area at all
-        triangles = np.array([[0, corner, corner + 1] for corner in range(1, len(ring) - 1)])
-    return ring[triangles]
+    return ring[triangles] if len(triangles) else _fan(ring)  # without any area
 
 
 def _without_spikes(corners: FloatArray) -> NDArray[np.int64]:

@@ -173,6 +173,16 @@ def test_polygons_that_are_not_quite_flat(size: int) -> None:
         check(points, rel=1e-4)
 
 
+def test_a_strongly_bent_polygon_keeps_its_corners() -> None:
+    """Seen along its normal, the side from (-5, 0, -5) to (0, 5, -5) runs back along the one before it."""
+    points = np.array([[-5, 0, 5], [5, 0, 5], [5, 0, -5], [-5, 0, -5], [0, 5, -5]], np.float64)
+    for first in range(5):
+        corners = np.roll(np.arange(5), first)
+        triangles = triangulate(Polygons(points, corners, np.array([5])), 10)
+        assert len(triangles) == 3
+        assert set(triangles.ravel().tolist()) == set(range(5))
+
+
 def test_in_one_plane_and_without_area() -> None:
     points = in_space([(0, 0), (1, 0), (3, 0), (2, 0), (0.5, 0)])
     assert len(triangulate(Polygons(points, np.arange(5), np.array([5])), 9)) <= 3
