@@ -13,7 +13,7 @@ Every shape is compared with the first of its group, never through a chain of ot
 members but the first: their faces, and for copies the bytes of the files. Nothing is changed or deleted.
 With --json, one line for each group, the largest saving first:
   {"kind", "similarity", "saving": {"faces", "bytes"},
-   "members": [{"name", "source", "object_name", "shape_id", "similarity", "scale"}, …]}
+   "members": [{"name", "source", "object_name", "shape_id", "similarity", "scale", "placements"}, …]}
 
 for example:
   shapegoogle duplicates --library shapes.sglib
@@ -32,7 +32,7 @@ from shapegoogle_core.cli.text import counted, put, table
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 
 if TYPE_CHECKING:
-    from shapegoogle_core.library.duplicates.groups import DuplicateGroup
+    from shapegoogle_core.library.duplicates.groups import DuplicateGroup, DuplicateMember
 
 __all__ = ["COMMAND"]
 
@@ -87,13 +87,18 @@ def _group_table(group: DuplicateGroup) -> str:
         (
             f"  {member.similarity:.3f}",
             f"×{member.scale:.4g}",
-            member.object_name or member.name,
+            _name(member),
             member.source,
         )
         for member in group.members
     ]
     title = f"{group.title}: {counted(len(group.members), noun)}; {saving} besides the first"
     return "\n".join([title, *table(rows, "<<<<")])
+
+
+def _name(member: DuplicateMember) -> str:
+    name = member.object_name or member.name
+    return name if member.placements == 1 else f"{name} ×{member.placements:,}"
 
 
 COMMAND = Command("duplicates", str(__doc__), _add_options, _run)

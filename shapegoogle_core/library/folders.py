@@ -63,7 +63,7 @@ class LibraryFolders:
         roots : list of Root
             In the order of their names.
         """
-        return self._store.roots()
+        return self._store.roots(counted=True)
 
     def add_root(self, folder: PathLike, name: str = "") -> Root:
         """Make a folder a root; the files below it that are already in the library lie below it from then on.
@@ -92,7 +92,7 @@ class LibraryFolders:
         changes = with_root(path, name, self._store.roots(), self._store.sources)
         if changes is not None:
             self._store.rearrange(changes)
-        roots = self._store.roots()
+        roots = self._store.roots(counted=True)
         found = containing_root(path, [root.path for root in roots])
         assert found is not None  # it was there, or has just been made
         return roots[found[0]]
@@ -186,7 +186,7 @@ class LibraryFolders:
         report = plan_move(
             str(as_path(old)),
             os.path.realpath(place),
-            self._store.roots(),
+            self._store.roots(counted=True),
             self._store.sources(),
             lambda path: Path(path).exists(),
         )
@@ -250,10 +250,11 @@ class LibraryFolders:
             tops = [spelling for name in named for spelling in spellings(name)]
             emptied = [root for root in roots if any(relative_to(root.path, top) is not None for top in tops)]
         if not dry_run and (gone or emptied):
-            left = {source.root for source in sources} - {source.root for source in gone}
+            removed = {source.key for source in gone}
+            left = {source.root for source in sources if source.key not in removed}
             self._store.rearrange(
                 Rearrangement(
-                    removed=tuple(source.key for source in gone),
+                    removed=tuple(removed),
                     removed_roots=tuple(root.name for root in emptied if root.name not in left),
                 )
             )

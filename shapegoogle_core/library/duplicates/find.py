@@ -158,6 +158,7 @@ def _shape_groups(
                 record.shape_id,
                 similarity,
                 _scale(first, record),
+                record.placement_count,
             )
             for record, similarity in there
         )

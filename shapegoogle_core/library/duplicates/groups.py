@@ -30,6 +30,8 @@ class DuplicateMember:
         To the first member; 1 for itself.
     scale : float
         Linear size relative to the first member, from the areas; 1 if an area is 0.
+    placements : int
+        Number of objects of its file that show the shape, which are no duplicates; in a group of copies 1.
     """
 
     name: str
@@ -38,6 +40,7 @@ class DuplicateMember:
     shape_id: int
     similarity: float
     scale: float
+    placements: int = 1
 
     def to_json(self) -> dict[str, object]:
         """Convert to an element of "members" in `DuplicateGroup.to_json`.
@@ -97,7 +100,7 @@ class DuplicateGroup:
         -------
         record : dict
             ``kind``, ``similarity``, ``saving`` (``faces``, ``bytes``) and ``members``, each with ``name``,
-            ``source``, ``object_name``, ``shape_id``, ``similarity`` and ``scale``.
+            ``source``, ``object_name``, ``shape_id``, ``similarity``, ``scale`` and ``placements``.
         """
         return {
             "kind": self.kind,

@@ -129,10 +129,15 @@ def relative_to(path: str, folder: str) -> str | None:
     windows = is_windows(folder)
     if windows != is_windows(path):
         return None
-    parts, top = _parts(path, windows), _parts(folder, windows)
-    if _folded(parts[: len(top)], windows) != _folded(top, windows):
+    if not windows:  # of a hundred thousand paths this takes a tenth of the time
+        top = folder.rstrip("/")
+        if path.rstrip("/") == top:
+            return ""
+        return path[len(top) + 1 :] if path.startswith(f"{top}/") else None
+    parts, tops = _parts(path, windows), _parts(folder, windows)
+    if _folded(parts[: len(tops)]) != _folded(tops):
         return None
-    return "/".join(parts[len(top) :])
+    return "/".join(parts[len(tops) :])
 
 
 def joined(folder: str, relative: str) -> str:
@@ -226,5 +231,5 @@ def _hidden(path: str) -> set[str]:
     return {part for part in _parts(path, is_windows(path)) if part.startswith(".")}
 
 
-def _folded(parts: Sequence[str], windows: bool) -> Sequence[str]:
-    return [part.casefold() for part in parts] if windows else parts
+def _folded(parts: Sequence[str]) -> list[str]:
+    return [part.casefold() for part in parts]

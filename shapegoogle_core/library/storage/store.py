@@ -124,8 +124,8 @@ class Store(Protocol):
     def count(self) -> int:
         """Return the number of shapes."""
 
-    def roots(self) -> list[Root]:
-        """Return all roots in the order of their names."""
+    def roots(self, *, counted: bool = False) -> list[Root]:
+        """Return all roots in the order of their names, with the numbers of their sources if requested."""
 
     def known_sources(self, keys: Sequence[SourceKey]) -> list[SourceKey]:
         """Return those of some keys that are sources, in their order."""

@@ -22,13 +22,11 @@ class SourceTable(Database):
 
     # -- roots ----------------------------------------------------------------------------------------------
 
-    def roots(self) -> list[Root]:
+    def roots(self, *, counted: bool = False) -> list[Root]:
         """Return all roots, see `Store.roots`."""
-        rows = self.rows(
-            "SELECT name, path, (SELECT count(*) FROM sources WHERE root_id = roots.id)"
-            " FROM roots ORDER BY name"
-        )
-        return [Root(*row) for row in rows]
+        # By the expression of the index `source_keys`.
+        count = "(SELECT count(*) FROM sources WHERE coalesce(root_id, 0) = roots.id)" if counted else "0"
+        return [Root(*row) for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")]
 
     def located(self, source: SourceKey) -> Located:
         """Return the values of the columns that identify a source."""

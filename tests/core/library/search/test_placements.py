@@ -156,3 +156,23 @@ def test_thousands_of_placements(library: sg.Library, data: Mesh) -> None:
     assert match.evidence is not None
     assert (match.object_name, match.evidence.kind) == ("Blade.0777", "identical")
     assert replace(match, placement=None).to_json()["placements"] == 1_400
+
+
+def test_placements_are_no_duplicates(library: sg.Library) -> None:
+    assert library.duplicates() == []
+    (record,) = library.shapes()
+    placements = library.placements(record.shape_id)
+    shape = NewShape(library.signature(record.shape_id), "First", "First", placements=placements)
+    with sg.Library.open(library.path.with_name("copies.sglib")) as own:
+        for source in ("zoo.blend", "park.blend"):
+            own.replace_source(source, size=None, mtime_ns=None, sha256=None, shapes=[shape])
+        (group,) = own.duplicates()
+    assert group.kind == "identical"
+    assert [(member.source, member.placements) for member in group.members] == [
+        ("zoo.blend", len(OBJECTS)),
+        ("park.blend", len(OBJECTS)),
+    ]
+    assert group.to_json()["saving"] == {"faces": record.face_count, "bytes": 0}
+    members = group.to_json()["members"]
+    assert isinstance(members, list)
+    assert set(members[0]) >= {"name", "source", "scale", "placements"}
