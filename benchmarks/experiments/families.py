@@ -38,7 +38,7 @@ from shapegoogle_core.registration import spectral_difference
 
 __all__ = ["add_options", "run"]
 
-LIMITS = (0.03, 0.04, FamilySettings.max_spectral_difference, 0.05, 0.06, 0.1)
+LIMITS = (0.03, 0.04, FamilySettings.max_spectral_difference, 0.06, 0.1)
 REPEATS = 7
 # Deviation of a version's bags from the original's, as a share of them.
 DEVIATION = 0.02

@@ -203,7 +203,7 @@ class FamilySettings:
     """
 
     min_similarity: float = 0.95
-    max_spectral_difference: float = 0.045
+    max_spectral_difference: float = 0.05
     at_once: int = 500
     most_met: int = 50_000
 
