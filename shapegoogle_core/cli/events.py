@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress, IndexSummary
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["CommandError", "Event", "StepProgress", "event_from_json", "event_to_json", "summary_to_json"]
 
@@ -129,6 +130,7 @@ def summary_to_json(summary: IndexSummary) -> dict[str, Any]:
         "unchanged": summary.unchanged,
         "removed": list(summary.removed),
         "excluded": list(summary.excluded),
+        "skipped": [asdict(skipped) for skipped in summary.skipped],
         "new_shapes": summary.added_shapes + summary.updated_shapes + summary.partial_shapes,
         "added_shapes": summary.added_shapes,
         "updated_shapes": summary.updated_shapes,
@@ -153,6 +155,7 @@ def _summary_from_json(record: dict[str, Any]) -> IndexSummary:
         warnings=tuple((warning["source"], warning["warning"]) for warning in record["warnings"]),
         removed=tuple(record["removed"]),
         excluded=tuple(record["excluded"]),
+        skipped=tuple(SkippedFormat(**skipped) for skipped in record["skipped"]),
         library_shapes=record["shapes"],
         seconds=record["seconds"],
         scene=record["scene"],

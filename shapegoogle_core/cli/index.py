@@ -40,11 +40,12 @@ from shapegoogle_core.cli.arguments import (
 from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE, Command
 from shapegoogle_core.cli.events import Event
 from shapegoogle_core.cli.index_report import names, report_plan, report_summary, summary_of, texts
-from shapegoogle_core.cli.inputs import Failures, find_files, list_failures
+from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, say_skipped
 from shapegoogle_core.cli.text import counted, say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing.events import IndexSummary
 from shapegoogle_core.indexing.settings import IndexSettings
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.library import Library
@@ -129,7 +130,8 @@ def _index(options: argparse.Namespace) -> int:
 
     failed: Failures = []
     excluded: list[Path] = []
-    paths = find_files(options, failed, options.exclude, excluded.append)
+    skipped: list[SkippedFormat] = []
+    paths = find_files(options, failed, options.exclude, excluded.append, skipped)
     known = options.library.exists()
     settings = IndexSettings(
         options.jobs, options.time_limit, options.memory_limit, options.retry, options.reread
@@ -139,12 +141,16 @@ def _index(options: argparse.Namespace) -> int:
             outcomes = plan_indexing(library, paths, settings, options.reader)
             gone = library.missing(_folders(options)) if library is not None and options.prune else []
         report_plan(outcomes, failed, excluded, gone, options)
+        say_skipped(skipped)
         return SOME_FAILED if failed or any(outcome.status == "failed" for outcome in outcomes) else DONE
     if not paths and not (options.prune and known):
         # A misspelt folder must not create a library.
         shapes = _shape_count(options.library) if known else 0
-        summary = IndexSummary(failed=texts(failed), excluded=names(excluded), library_shapes=shapes)
+        summary = IndexSummary(
+            failed=texts(failed), excluded=names(excluded), skipped=tuple(skipped), library_shapes=shapes
+        )
         report_summary(summary, options, printed=options.json or not failed)
+        say_skipped(skipped)
         list_failures(failed)
         return SOME_FAILED if failed else DONE
     model = None if options.model is None else load_model(options.model)
@@ -173,7 +179,8 @@ def _index(options: argparse.Namespace) -> int:
         shapes = len(library)
         kept = _excluded_sources(library, options) if excluded else 0
     failed += report.failed
-    report_summary(summary_of(report, failed, removed, excluded, shapes), options)
+    report_summary(summary_of(report, failed, removed, excluded, skipped, shapes), options)
+    say_skipped(skipped)
     if gone:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
     if kept:

@@ -13,12 +13,18 @@ from shapegoogle_core.cli.events import summary_to_json
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted, put
 from shapegoogle_core.indexing.events import FileOutcome, IndexReport, IndexSummary
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["names", "report_plan", "report_summary", "summary_of", "texts"]
 
 
 def summary_of(
-    report: IndexReport, failed: Failures, removed: list[str], excluded: list[Path], shapes: int
+    report: IndexReport,
+    failed: Failures,
+    removed: list[str],
+    excluded: list[Path],
+    skipped: Sequence[SkippedFormat],
+    shapes: int,
 ) -> IndexSummary:
     """Sum up a run.
 
@@ -30,6 +36,7 @@ def summary_of(
     removed : list of str
         Files that were removed from the library.
     excluded : list of Path
+    skipped : sequence of SkippedFormat
     shapes : int
         Number of shapes in the library.
 
@@ -48,6 +55,7 @@ def summary_of(
         warnings=texts(report.warnings),
         removed=tuple(removed),
         excluded=names(excluded),
+        skipped=tuple(skipped),
         library_shapes=shapes,
         seconds=report.seconds,
     )

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from shapegoogle_core.cli.text import counted, say
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat, skipped_formats
 
-__all__ = ["Failures", "find_files", "list_failures", "skip"]
+__all__ = ["Failures", "find_files", "list_failures", "say_skipped", "skip"]
 
 Failures = list[tuple[Path, str]]
 """Inputs that failed, each with the reason."""
@@ -20,6 +21,7 @@ def find_files(
     failed: Failures,
     exclude: Sequence[str] = (),
     on_excluded: Callable[[Path], None] | None = None,
+    skipped: list[SkippedFormat] | None = None,
 ) -> list[Path]:
     """Find the mesh files of a command's inputs.
 
@@ -32,6 +34,8 @@ def find_files(
     exclude : sequence of str, optional
     on_excluded : callable, optional
         See `find_meshes`.
+    skipped : list of SkippedFormat, optional
+        Formats that are not read are appended here; by default they are reported.
 
     Returns
     -------
@@ -40,13 +44,32 @@ def find_files(
     """
     from shapegoogle_core.indexing import find_meshes, readable_suffixes
 
-    return find_meshes(
+    other: list[Path] = []
+    paths = find_meshes(
         options.inputs,
         lambda path, reason: skip(path, reason, failed),
         readable_suffixes(options.reader),
         exclude=exclude,
         on_excluded=on_excluded,
+        on_skipped=other.append,
     )
+    formats = skipped_formats(other)
+    if skipped is None:
+        say_skipped(formats)
+    else:
+        skipped.extend(formats)
+    return paths
+
+
+def say_skipped(formats: Iterable[SkippedFormat]) -> None:
+    """Print what to do with files in formats that are not read.
+
+    Parameters
+    ----------
+    formats : iterable of SkippedFormat
+    """
+    for skipped in formats:
+        say(skipped.sentence())
 
 
 def skip(path: Path, reason: str, failed: Failures) -> None:

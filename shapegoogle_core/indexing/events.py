@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from shapegoogle_core.api.text import counted, duration
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["FileOutcome", "IndexReport", "IndexSummary", "IndexingProgress"]
 
@@ -165,6 +166,8 @@ class IndexSummary:
         Files that are gone and whose shapes were removed from the library.
     excluded : tuple of str
         Files and folders that were excluded.
+    skipped : tuple of SkippedFormat
+        Files in formats that are not read.
     library_shapes : int
         Number of shapes that the library has now.
     seconds : float
@@ -183,6 +186,7 @@ class IndexSummary:
     warnings: tuple[tuple[str, str], ...] = ()
     removed: tuple[str, ...] = ()
     excluded: tuple[str, ...] = ()
+    skipped: tuple[SkippedFormat, ...] = ()
     library_shapes: int = 0
     seconds: float = 0.0
     scene: bool = False
@@ -216,6 +220,10 @@ class IndexSummary:
         if self.excluded:
             word = "file or folder" if len(self.excluded) == 1 else "files and folders"
             parts.append(f"{len(self.excluded):,} {word} excluded")
+        if self.skipped:
+            number = sum(each.files for each in self.skipped)
+            formats = ", ".join(each.format for each in self.skipped)
+            parts.append(f"{counted(number, 'file')} not read ({formats})")
         if self.warnings:
             parts.append(counted(len(self.warnings), "warning"))
         return ", ".join(parts) or "no files found"

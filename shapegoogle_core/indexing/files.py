@@ -17,6 +17,7 @@ from shapegoogle_core.indexing.exclusion import Exclusion
 from shapegoogle_core.mesh import MESH_SUFFIXES
 from shapegoogle_core.mesh.io.file import FormatError
 from shapegoogle_core.mesh.io.gltf import buffer_files
+from shapegoogle_core.mesh.io.other_formats import OTHER_SUFFIXES
 
 __all__ = [
     "ContentKey",
@@ -57,6 +58,7 @@ def find_meshes(
     *,
     exclude: str | Iterable[str] = (),
     on_excluded: Callable[[Path], None] | None = None,
+    on_skipped: Callable[[Path], None] | None = None,
 ) -> list[Path]:
     """List the mesh files in folders and all folders below them.
 
@@ -76,7 +78,9 @@ def find_meshes(
         Patterns of files and folders to leave out, see `Exclusion`; those of names also hold for inputs that
         are files.
     on_excluded : callable, optional
-        Called with each mesh file that was left out, and each folder, which is not searched.
+        Called with each file of shapes that was left out, and each folder, which is not searched.
+    on_skipped : callable, optional
+        Called with each file that holds shapes in a format that is not read, such as .step.
 
     Returns
     -------
@@ -109,6 +113,7 @@ def find_meshes(
 
     exclusion = Exclusion([exclude] if isinstance(exclude, str) else exclude)
     left_out: list[Path] = []
+    skipped: list[Path] = []
     found: set[Path] = set()
     for path in map(absolute, as_paths(inputs)):
         if not path.is_dir():
@@ -120,17 +125,22 @@ def find_meshes(
                 report(path, "does not exist; check the spelling")
             continue
         before = len(left_out)
-        meshes = list(_meshes_below(path, suffixes, report, exclusion, left_out.append))
+        meshes: list[Path] = []
+        for file in _files_below(path, {*suffixes, *OTHER_SUFFIXES}, report, exclusion, left_out.append):
+            (meshes if file.suffix.lower() in suffixes else skipped).append(file)
         if not meshes and len(left_out) == before:
             report(path, f"has no mesh files ({' '.join(sorted(suffixes))}) in it or below it")
         found.update(meshes)
     if on_excluded is not None:
         for path in dict.fromkeys(left_out):
             on_excluded(path)
+    if on_skipped is not None:
+        for path in dict.fromkeys(skipped):
+            on_skipped(path)
     return sorted(found)
 
 
-def _meshes_below(
+def _files_below(
     top: Path,
     suffixes: Collection[str],
     report: Callable[[Path, str], None],
@@ -163,8 +173,8 @@ def _meshes_below(
         )
         for name in files:
             path = Path(folder, name)
-            is_mesh = not name.startswith(".") and path.suffix.lower() in suffixes
-            if is_mesh and not excluded(path, is_folder=False):
+            is_wanted = not name.startswith(".") and path.suffix.lower() in suffixes
+            if is_wanted and not excluded(path, is_folder=False):
                 yield path
 
 

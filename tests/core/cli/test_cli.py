@@ -109,6 +109,7 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
         "unchanged": 3,
         "removed": [],
         "excluded": [],
+        "skipped": [],
         "new_shapes": 0,
         "added_shapes": 0,
         "updated_shapes": 0,
@@ -120,6 +121,20 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
         "shapes": 3,
     }
     assert stderr.count("gone.obj' does not exist") == 2
+
+
+def test_files_of_other_formats_are_counted(run: Command, library_file: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    for name in ("a.step", "b.STP", "notes.txt"):
+        (folder / name).touch()
+    sentence = "2 STEP files skipped: export from the CAD program as STL or 3MF, with a fine tolerance"
+    code, stdout, stderr = run("index", folder, "--library", library_file, "--json")
+    assert code == 1  # there is nothing else in the folder
+    skipped = {"format": "STEP", "files": 2, "advice": sentence.partition(": ")[2]}
+    assert json.loads(stdout)["skipped"] == [skipped]
+    assert sentence in stderr.splitlines()
+    assert sentence in run("index", folder, "--library", library_file, "--dry-run")[2].splitlines()
 
 
 def test_what_was_left_out_of_a_file_is_said(

@@ -19,6 +19,7 @@ from shapegoogle_core.cli.events import (
 from shapegoogle_core.cli.index_progress import IndexProgress
 from shapegoogle_core.cli.steps import StepReporter
 from shapegoogle_core.indexing import FileOutcome, IndexingProgress, IndexSummary
+from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 from tests.core.cli.running import without_progress
 
 Capture = pytest.CaptureFixture[str]
@@ -44,6 +45,7 @@ SUMMARY = IndexSummary(
     warnings=(("a.off", "'a.off' has no unit"),),
     removed=("gone.off",),
     excluded=("a_draft.off", "old"),
+    skipped=(SkippedFormat("FBX", 1, "convert"), SkippedFormat("STEP", 12, "export")),
     library_shapes=2134,
     seconds=1.5,
 )
@@ -98,7 +100,8 @@ def test_events_survive_their_way_through_json(event: Event) -> None:
 def test_the_summary_says_what_is_counted() -> None:
     assert SUMMARY.sentence() == (
         "130 shapes added from 12 files, 1 shape updated from 1 file, 2,000 files unchanged, 1 file removed, "
-        "1 input failed (4 shapes stored), 2 files and folders excluded, 1 warning"
+        "1 input failed (4 shapes stored), 2 files and folders excluded, 13 files not read (FBX, STEP), "
+        "1 warning"
     )
     assert summary_to_json(SUMMARY)["new_shapes"] == 135
     assert IndexSummary(added=1, added_shapes=1, scene=True).sentence() == "1 shape of this scene"

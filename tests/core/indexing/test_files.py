@@ -9,6 +9,7 @@ import pytest
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import find_meshes
+from shapegoogle_core.mesh.io.other_formats import skipped_formats
 
 
 def touch(path: Path) -> Path:
@@ -30,6 +31,25 @@ def test_all_formats_in_all_folders_below(tmp_path: Path) -> None:
     for other in ("notes.txt", "b/texture.png", "no_suffix", "animals.blend"):
         touch(tmp_path / other)
     assert find_meshes([tmp_path]) == sorted(expected)
+
+
+def test_files_of_other_formats_are_told_apart(tmp_path: Path) -> None:
+    """Those that hold shapes, and are not read, are not passed over silently."""
+    mesh = touch(tmp_path / "a.obj")
+    other = [touch(tmp_path / name) for name in ("b.step", "c/d.STP", "c/e.Fbx")]
+    for name in ("notes.txt", ".hidden.step", "picture.png"):
+        touch(tmp_path / name)
+    skipped: list[Path] = []
+    assert find_meshes([tmp_path, tmp_path / "c"], lambda *_: None, on_skipped=skipped.append) == [mesh]
+    assert sorted(skipped) == sorted(other)
+    assert [each.sentence() for each in skipped_formats(skipped)] == [
+        "1 FBX file skipped: import into Blender and save as .blend, or export as glTF",
+        "2 STEP files skipped: export from the CAD program as STL or 3MF, with a fine tolerance",
+    ]
+    skipped.clear()
+    found = find_meshes([tmp_path], suffixes={".obj", ".fbx"}, exclude="b.*", on_skipped=skipped.append)
+    assert found == [mesh, other[2]]
+    assert skipped == [other[1]]
 
 
 def test_hidden_files_and_folders_are_passed_over(tmp_path: Path) -> None:
