@@ -57,6 +57,8 @@ def read_off(file: MeshFile) -> Polygons:
         )
     if head is None:
         start = len(text) - len(text[word.end() if word else 0 :].lstrip())
+        if start == len(text):
+            raise DamagedError("ends after the word OFF")
         raise unexpected(
             text[start:].partition(b"\n")[0],
             text.count(b"\n", 0, start) + 1,

@@ -106,7 +106,7 @@ def _read_header(lines: Lines) -> _Header:
     def values(key: bytes, expected: str, pattern: str, count: int | None = None) -> list[str]:
         """Return the words behind a key; raise `DamagedError` if one of them does not match."""
         if key not in places:
-            raise DamagedError(f"has no line {key.decode()} in its PCD header, where {expected} is expected")
+            raise DamagedError(f"has no line {key.decode()} in its PCD header")
         place = places[key]
         found = lines.content[place].decode("latin-1").split()[1:]
         if (count is not None and len(found) != count) or not all(

@@ -81,6 +81,11 @@ def without_lost_points(polygons: Polygons) -> Polygons:
     sound = np.atleast_1d(np.isfinite(vertices).all(axis=1))
     if sound.all():
         return polygons
+    if not sound.any():
+        raise FormatError(
+            f"has no finite coordinates: those of all {len(vertices):,} points are NaN or infinite; "
+            "export it again"
+        )
     lost = len(vertices) - int(sound.sum())
     _check_corners(polygons)
     # Points and lines of a file may name any vertex: they are no surface.

@@ -18,7 +18,10 @@ __all__ = ["read_stl"]
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _HEADER_SIZE = 84
 _LINE_END = b"\n"
-_FACET = re.compile(rb"\bvertex((?:[ \t]+[-+.,\w]+){3})[ \t]*\n\s*" * 3 + rb"end")
+_FACET = re.compile(rb"\bvertex((?:[ \t]+[-+.,\w]+){3})\s+" * 3 + rb"end")
+# The name of a solid, which goes on to the end of the line or, in a file of one line, to the first facet.
+_NAMED = re.compile(rb"^[ \t]*(end ?)?solid\b.*?(?=\bfacet[ \t]+normal\b|$)", re.MULTILINE)
+_END_BEHIND_FACET = re.compile(rb"(?<=endfacet)[ \t]+(?=end ?solid\b)")
 _A_VERTEX = "a vertex (the word and three coordinates)"
 # The first words of the lines of a facet, in their order, and what they stand for.
 _LINES = (
@@ -89,7 +92,9 @@ def _text(data: bytes) -> bytes | None:
 
 
 def _text_vertices(text: bytes, max_faces: int) -> FloatArray:
-    text = re.sub(rb"^[ \t]*(end ?)?solid\b.*", rb"\1solid", text, flags=re.MULTILINE)  # names say anything
+    if b"endfacet endsolid" in text:  # everything in one line
+        text = _END_BEHIND_FACET.sub(b"\n", text)
+    text = _NAMED.sub(rb"\1solid ", text)  # names say anything
     if not re.search(rb"\bend ?solid\s*\Z", text):
         raise _wrong_line(text) or DamagedError(
             f"ends in line {text.count(_LINE_END) + 1:,} before the word endsolid"

@@ -12,6 +12,7 @@ from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, c
 from shapegoogle_core.mesh.io.numbers import DECIMAL_COMMA, NUMBER, check_thousands, parse_numbers
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.text import Lines, filled_lines, plain_text, quoted
+from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["read_xyz"]
 
@@ -164,7 +165,9 @@ def _commas_separate(lines: Lines, fields: list[list[bytes]]) -> bool:
 
 
 def _may_be_decimals(parts: list[bytes]) -> bool:
-    """Tell whether a word with commas may be numbers with decimal commas, and commas between them."""
+    """Tell whether a word with commas may begin with decimal commas, and commas between the numbers."""
+    if len(parts) >= 6:  # a point, whatever follows it
+        return all(_DECIMALS.fullmatch(part) for part in parts[1:6:2])
     return len(parts) % 2 == 0 and all(_DECIMALS.fullmatch(part) for part in parts[1::2])
 
 
@@ -187,7 +190,7 @@ def _without_ids(lines: Lines) -> Polygons:
     """Read points of four and more columns, of which the first may be the number of the point."""
     points = parse_numbers(lines, (0, 1, 2), _A_POINT)
     first = points[:, 0]
-    if not (first == np.floor(first)).all() or len(np.unique(first)) < len(first):
+    if not _are_whole(first):
         return Polygons.from_points(points)
     if min(len(line.split(None, 4)) for line in lines.content) < 4:
         return Polygons.from_points(points)
@@ -197,9 +200,14 @@ def _without_ids(lines: Lines) -> Polygons:
             "the next three; name the columns in a first line if this is wrong"
         )
         return Polygons.from_points(parse_numbers(lines, (1, 2, 3), _A_POINT), (note,))
-    if (points[:, 1:] != np.floor(points[:, 1:])).any():
+    all_differ = len(np.unique(first)) == len(first)
+    if not _are_whole(points[:, 1]) or (all_differ and not _are_whole(points[:, 2])):
         raise FormatError(
-            "has a different whole number in the first column of each line, which may be the number of the "
-            "point or its x; remove this column, or name all columns in a first line such as 'id x y z'"
+            "has a whole number in the first column of each line, which may be the number of the point or "
+            "its x; remove this column, or name all columns in a first line such as 'id x y z'"
         )
     return Polygons.from_points(points)
+
+
+def _are_whole(numbers: FloatArray) -> bool:
+    return bool((numbers == np.floor(numbers)).all())
