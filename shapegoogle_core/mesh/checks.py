@@ -59,7 +59,7 @@ def check_surface(mesh: Mesh) -> None:
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         area = mesh.area
         if 1e-100 < area < 1e100:
-            relative_area = area / extent**2
+            relative_area = area / extent / extent  # the square may overflow
         else:  # rounded or out of range, where the shape itself may be sound
             scaled = face_areas(Mesh(mesh.vertices / extent, mesh.faces)) if extent < np.inf else np.zeros(1)
             relative_area = float(scaled.sum())

@@ -74,6 +74,8 @@ def parse_numbers(lines: Lines, columns: Sequence[int], expected: str) -> FloatA
 
 
 def _loaded(lines: list[bytes], columns: Sequence[int]) -> FloatArray:
+    if not all(lines):
+        raise ValueError("numpy skips blank lines")
     numbers: FloatArray = np.loadtxt(lines, usecols=columns, ndmin=2, comments=None, encoding="latin-1")
     return numbers
 

@@ -34,6 +34,7 @@ def test_surface_passes() -> None:
             "no area",
         ),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 0, 1], [2, 2, 2]], "no area"),
+        ([[0, 0, 0], [1e200, 0, 0], [0, 1e-190, 0], [1, 1e-190, 0]], [[0, 1, 2], [1, 3, 2]], "no area"),
         (BALL.vertices * 1e200, BALL.faces, "scale"),
         (BALL.vertices * 1e308, BALL.faces, "scale"),
         (BALL.vertices * 1e-200, BALL.faces, "scale"),

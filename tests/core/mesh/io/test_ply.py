@@ -158,3 +158,10 @@ def test_vertices_with_lists_of_different_lengths(tmp_path: Path) -> None:
     mesh = read_mesh(write(tmp_path, "around.ply", data[:start] + vertices + data[start + 13 * 8 :]))
     assert np.array_equal(mesh.vertices, POINTS)
     assert volume(mesh) == pytest.approx(VOLUME)
+
+
+def test_lists_that_are_not_in_the_rows(tmp_path: Path) -> None:
+    """The header announces a list before the corners of a face, the rows have the corners alone."""
+    data = ply(kind="ascii").replace(b"property uchar flags", b"property list uchar int flags")
+    path = write(tmp_path, "lists.ply", data.replace(b"\n1 3 ", b"\n3 "))
+    refuse(path, "line", "where a polygon")
