@@ -10,6 +10,8 @@ several limits of the spectral difference, among all pairs whose bags are near.
 Then a library of synthetic shapes, some of which are versions of one: the time of a search for this one with
 and without families, as a ratio within the run, and the number of families and versions found.
 
+Finally, a shape with one placement and the same with 1,400: times to store it, and to search and explain it.
+
 Prints one line of JSON.
 """
 
@@ -31,6 +33,7 @@ import shapegoogle_core as sg
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.duplicates import DECAY, creature_samples, made_up_bags
 from shapegoogle_core.cli.arguments import number_from
+from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.search.query import Query
 from shapegoogle_core.library.search.settings import FamilySettings
 from shapegoogle_core.library.storage.records import NewShape
@@ -42,6 +45,7 @@ LIMITS = (0.03, 0.04, FamilySettings.max_spectral_difference, 0.06, 0.1)
 REPEATS = 7
 # Deviation of a version's bags from the original's, as a share of them.
 DEVIATION = 0.02
+PLACEMENTS = (1, 1_400)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +74,9 @@ def run(options: argparse.Namespace) -> int:
     """
     model = sg.load_model()
     pairs = _near_pairs(model, options.individuals, options.poses)
-    print(json.dumps({"pairs": pairs, "search": _search(model, options.shapes, options.family)}))
+    search = _search(model, options.shapes, options.family)
+    placements = {str(count): _placed(model, count) for count in PLACEMENTS}
+    print(json.dumps({"pairs": pairs, "search": search, "placements": placements}))
     return 0
 
 
@@ -157,6 +163,34 @@ def _search(model: sg.ShapeModel, count: int, family: int) -> dict[str, object]:
             "ratio": round(_middle(times[True]) / _middle(times[False]), 2),
             "families": len(found),
             "versions": found[0].versions,
+        }
+
+
+def _placed(model: sg.ShapeModel, count: int) -> dict[str, float]:
+    """Store a shape with this number of placements, and find it."""
+    random = np.random.default_rng(0)
+    mesh = make_creature("ape", 0).rest
+    objects = []
+    for number in range(count):
+        matrix = np.eye(4)
+        matrix[:3, 3] = random.uniform(-50, 50, 3) if number else 0
+        objects.append((f"Ape.{number:04d}", matrix))
+    signature = model.describe(mesh, keep_surface=True)
+    shape = NewShape(signature, "Ape.0000", "Ape.0000", placements=placements_of(mesh, objects))
+    with tempfile.TemporaryDirectory() as folder, sg.Library.open(Path(folder, "shapes.sglib")) as library:
+        empty = library.path.stat().st_size
+        started = time.process_time()
+        library.replace_source("apes.blend", size=None, mtime_ns=None, sha256=None, shapes=[shape])
+        stored = time.process_time() - started
+        times = []
+        for _ in range(REPEATS):
+            started = time.process_time()
+            library.query(signature)
+            times.append(time.process_time() - started)
+        return {
+            "store": _middle([stored]),
+            "search and explain": _middle(times),
+            "bytes": library.path.stat().st_size - empty,
         }
 
 

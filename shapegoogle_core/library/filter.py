@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from dataclasses import dataclass
 from numbers import Real
 
 from shapegoogle_core.api.arguments import as_tuple, check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
+from shapegoogle_core.library.placement import Placement
 
 __all__ = ["Filter"]
 
@@ -102,6 +104,32 @@ class Filter:
         return any(
             condition is not None for condition in (self.name, *sources, self.tag, self.faces, self.size)
         )
+
+    def accepts(self, placement: Placement) -> bool:
+        """Decide whether a placement meets the conditions on the name and the size.
+
+        Parameters
+        ----------
+        placement : Placement
+            With its extents.
+
+        Returns
+        -------
+        accepted : bool
+        """
+        if self.size is not None and placement.extents is not None:
+            low, high = (None if limit is None else float(limit) for limit in self.size)
+            largest = max(placement.extents)
+            if (low is not None and largest < low) or (high is not None and largest > high):
+                return False
+        if self.name is None:
+            return True
+        name, pattern = placement.object_name.casefold(), self.name.casefold()
+        if not set(pattern) & {"*", "?"}:
+            return pattern in name
+        wildcards = {"*": ".*", "?": "."}
+        expression = "".join(wildcards.get(character, re.escape(character)) for character in pattern)
+        return re.fullmatch(expression, name, re.DOTALL) is not None
 
 
 def _check_range(field: str, limits: Range) -> None:

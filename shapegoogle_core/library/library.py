@@ -236,14 +236,14 @@ class Library(LibraryContents):
                 lambda match: match.similarity >= least,
             )
             if kind is None:
-                return self.explain(examples, [family.best for family in found], explain)
+                return self.explain(examples, [family.best for family in found], explain, where=where)
             return families_of_kind(
-                found, kind, lambda some: self.explain(examples, some, len(some)), top, kept
+                found, kind, lambda some: self.explain(examples, some, len(some), where=where), top, kept
             )
         matches = [match for match in matches if match.similarity >= least]
         if kind is not None:
-            return self._of_kind(kind, examples, matches[:kept], top)
-        return self.explain(examples, matches[:top], explain)
+            return self._of_kind(kind, examples, matches[:kept], top, where)
+        return self.explain(examples, matches[:top], explain, where=where)
 
     def versions(self, shapes: QueryShapes, match: Match, *, explain: int = 10) -> list[Match]:
         """List the family of a match: the shapes that it stands for in a search with ``families=True``.
@@ -293,7 +293,12 @@ class Library(LibraryContents):
         return self.explain(examples, matches, explain)
 
     def explain(
-        self, signatures: QueryShapes, matches: Match | Sequence[Match], count: int | None = None
+        self,
+        signatures: QueryShapes,
+        matches: Match | Sequence[Match],
+        count: int | None = None,
+        *,
+        where: Filter | None = None,
     ) -> list[Match]:
         """Find the kind of the best matches by comparing surfaces.
 
@@ -308,6 +313,9 @@ class Library(LibraryContents):
             From `query`, best first.
         count : int, optional
             Number of matches to explain; `EvidenceSettings.explained` by default.
+        where : Filter, optional
+            Conditions of the search. Of several objects that share a mesh, one whose name and size meet them
+            is chosen.
 
         Returns
         -------
@@ -329,7 +337,7 @@ class Library(LibraryContents):
         check_count("count", count, 0)
         matches = as_tuple("matches", matches, Match, "a Match, or several")
         examples = self._signatures(signatures, "signatures", keep_surface=True)
-        explained = explain_matches(self._store, self.model, examples, matches[:count], settings)
+        explained = explain_matches(self._store, self.model, examples, matches[:count], settings, where)
         return [*explained, *matches[count:]]
 
     def _signatures(
@@ -349,13 +357,18 @@ class Library(LibraryContents):
         return signatures
 
     def _of_kind(
-        self, kind: str, examples: Sequence[ShapeSignature], matches: Sequence[Match], top: int
+        self,
+        kind: str,
+        examples: Sequence[ShapeSignature],
+        matches: Sequence[Match],
+        top: int,
+        where: Filter | None,
     ) -> list[Match]:
         """Explain matches in portions until enough are of a kind."""
         found: list[Match] = []
         for start in range(0, len(matches), KIND_PORTION):
             portion = matches[start : start + KIND_PORTION]
-            explained = self.explain(examples, portion, len(portion))
+            explained = self.explain(examples, portion, len(portion), where=where)
             found += [
                 match for match in explained if match.evidence is not None and match.evidence.kind == kind
             ]

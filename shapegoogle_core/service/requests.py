@@ -234,7 +234,13 @@ def _answer(library: Library, signatures: list[ShapeSignature], matches: list[Ma
     )
 
 
-def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[Match]) -> dict[int, Match]:
+def explain(
+    path: Path,
+    signatures: Sequence[ShapeSignature],
+    matches: Sequence[Match],
+    *,
+    where: Filter | None = None,
+) -> dict[int, Match]:
     """Compare the surfaces of matches with that of the query.
 
     Parameters
@@ -245,6 +251,8 @@ def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[
         See `Answer`.
     matches : sequence of Match
         All of an answer, or a part of it: each takes up to a tenth of a second.
+    where : Filter, optional
+        That of the query: of several objects that share a mesh, one that meets it is chosen.
 
     Returns
     -------
@@ -257,7 +265,7 @@ def explain(path: Path, signatures: Sequence[ShapeSignature], matches: Sequence[
     LibraryError
         If the library cannot be opened or read.
     """
-    explained = _SESSION.library(path).explain(signatures, matches, len(matches))
+    explained = _SESSION.library(path).explain(signatures, matches, len(matches), where=where)
     return {match.shape_id: match for match in explained}
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.placements import best_placement, shown_at
@@ -36,6 +37,7 @@ def explain_matches(
     queries: Sequence[ShapeSignature],
     matches: Sequence[Match],
     settings: EvidenceSettings,
+    where: Filter | None = None,
 ) -> list[Match]:
     """Add evidence to matches.
 
@@ -50,6 +52,8 @@ def explain_matches(
     matches : sequence of Match
         Alignments that verification found for them are used.
     settings : EvidenceSettings
+    where : Filter, optional
+        Conditions of the search, which the chosen placements meet too.
 
     Returns
     -------
@@ -88,7 +92,7 @@ def explain_matches(
                 match = shown_at(match, placements[shape_id], 0)
                 compared = Compared(sample, match, measures.get(shape_id))
                 evidence, position = best_placement(
-                    query_sample, compared, placements[shape_id], alignment, explain
+                    query_sample, compared, placements[shape_id], alignment, explain, where
                 )
                 match = shown_at(match, placements[shape_id], position)
             else:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.search.kinds import Compared
@@ -59,6 +60,7 @@ def best_placement(
     placements: Sequence[Placement],
     alignment: Alignment | None,
     explain: Explain,
+    where: Filter | None = None,
 ) -> tuple[Evidence, int]:
     """Find the placement that fits the query best, and its evidence.
 
@@ -73,6 +75,8 @@ def best_placement(
         From the query to the stored shape.
     explain : callable
         Finds the evidence of the shape at a placement.
+    where : Filter, optional
+        Only placements that meet its name and size are chosen, if there are any.
 
     Returns
     -------
@@ -80,8 +84,10 @@ def best_placement(
     position : int
         Of the placement.
     """
-    matrices = np.stack([placement.matrix for placement in placements])
-    relative = matrices @ np.linalg.inv(matrices[0])
+    every = range(len(placements))
+    chosen = every if where is None else [index for index in every if where.accepts(placements[index])]
+    matrices = np.stack([placements[index].matrix for index in chosen or every])
+    relative = matrices @ np.linalg.inv(placements[0].matrix)
     scales = np.sqrt((relative[:, :3, :3] ** 2).sum(axis=(1, 2)) / 3)
     flipped = np.linalg.det(relative[:, :3, :3]) < 0
 
@@ -111,8 +117,8 @@ def best_placement(
         best = int(sizes.argmin())
         if sizes[best] + _SIZE < sizes[position]:
             factor = evidence.factor * scales[best] / scales[position]
-            return replace(evidence, factor=float(f"{factor:.4g}")), best
-    return evidence, position
+            evidence, position = replace(evidence, factor=float(f"{factor:.4g}")), best
+    return evidence, (chosen or every)[position]
 
 
 def _least(sizes: FloatArray, among: NDArray[np.bool_]) -> int | None:

@@ -98,6 +98,26 @@ def test_other_places_and_sizes_are_compared_with_the_nearest(
     assert match.evidence.factor == pytest.approx(factor, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("where", "name", "factor"),
+    [
+        (sg.Filter(name="twice"), "Twice", 2.0),
+        (sg.Filter(name="F*r"), "Far", 6.0),
+        (sg.Filter(name="m?rr*d"), "Mirrored", 1.0),
+        (sg.Filter(size=(2.0, None)), "Far", 6.0),
+        # Each condition is met by another one.
+        (sg.Filter(name="First", size=(2.0, None)), "First", 1.0),
+    ],
+)
+def test_the_placement_meets_the_filter(
+    library: sg.Library, data: Mesh, where: sg.Filter, name: str, factor: float
+) -> None:
+    (match,) = library.query(placed(data, OBJECTS["First"]), top=1, where=where)
+    assert match.evidence is not None
+    assert match.object_name == name
+    assert match.evidence.factor == pytest.approx(factor, rel=1e-3)
+
+
 def test_explaining_again_changes_nothing(library: sg.Library, data: Mesh) -> None:
     mesh = placed(data, OBJECTS["Far"])
     signature = library.model.describe(mesh, keep_surface=True)
