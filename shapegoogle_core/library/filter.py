@@ -22,8 +22,8 @@ Range = tuple[float | None, float | None]
 class Filter:
     """Conditions that every match of a search must meet.
 
-    Name, folder, sources, tag, faces and size are known before the search: only shapes that meet these
-    conditions are compared. Kind and similarity are known after it. Objects that share a mesh are one shape
+    Kind and similarity are known after the search, all else before it: only shapes that meet these
+    conditions are compared. Objects that share a mesh are one shape
     with several placements; it meets a name or a size if one of its placements does.
 
     Attributes
@@ -31,6 +31,8 @@ class Filter:
     name : str or None
         Text that the name of the shape contains, ignoring case. With the wildcards ``*`` (any characters) and
         ``?`` (one character) it is a pattern for the whole name.
+    text : str or None
+        As `name`, but in the name of the shape or anywhere in the path of its source.
     folder : str or None
         Folder that the source of the shape lies in, or in a folder below it; absolute, or relative to the
         working directory.
@@ -43,6 +45,9 @@ class Filter:
         Least and largest number of faces, both included; None for no limit.
     size : (float or None, float or None) or None
         Least and largest extent of the shape along its longest axis, in units of its file; None for no limit.
+    area : (float or None, float or None) or None
+        Least and largest area of the shape's surface, in squared units of its file; None for no limit. It
+        stays about the same in every pose.
     kind : str or None
         Kind of the evidence, one of `KINDS`. A search explains as many matches as this needs, up to
         `EvidenceSettings.max_filtered`.
@@ -68,12 +73,14 @@ class Filter:
     """
 
     name: str | None = None
+    text: str | None = None
     folder: str | os.PathLike[str] | None = None
     sources: tuple[str, ...] | None = None
     not_sources: tuple[str, ...] | None = None
     tag: str | None = None
     faces: Range | None = None
     size: Range | None = None
+    area: Range | None = None
     kind: EvidenceKind | None = None
     min_similarity: float | None = None
 
@@ -84,12 +91,17 @@ class Filter:
             if sources is not None:
                 listed = as_tuple(field, sources, (str, os.PathLike), "a path or a label, or several")
                 object.__setattr__(self, field, tuple(os.fspath(source) for source in listed))
-        for field, text in (("name", self.name), ("folder", self.folder), ("tag", self.tag)):
+        for field, text in (
+            ("name", self.name),
+            ("text", self.text),
+            ("folder", self.folder),
+            ("tag", self.tag),
+        ):
             if text is not None and (not isinstance(text, str) or not text.strip()):
                 raise ValueError(
                     f"{field} must be a text that is not empty, not {text!r}; leave it out for any"
                 )
-        for field, limits in (("faces", self.faces), ("size", self.size)):
+        for field, limits in (("faces", self.faces), ("size", self.size), ("area", self.area)):
             if limits is not None:
                 _check_range(field, limits)
         if self.kind is not None and self.kind not in KINDS:
@@ -100,10 +112,8 @@ class Filter:
     @property
     def selects_shapes(self) -> bool:
         """Whether it has a condition that is known before the search: all but kind and similarity."""
-        sources = (self.folder, self.sources, self.not_sources)
-        return any(
-            condition is not None for condition in (self.name, *sources, self.tag, self.faces, self.size)
-        )
+        texts = (self.name, self.text, self.folder, self.sources, self.not_sources, self.tag)
+        return any(condition is not None for condition in (*texts, self.faces, self.size, self.area))
 
     def accepts(self, placement: Placement) -> bool:
         """Decide whether a placement meets the conditions on the name and the size.

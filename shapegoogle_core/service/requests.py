@@ -7,7 +7,7 @@ The process that runs them keeps one `Session`, so that only the first request o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from shapegoogle_core.errors import LibraryError, MeshError
@@ -19,6 +19,7 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+from shapegoogle_core.service.library_state import LibraryState, ShownShape, state_of
 
 __all__ = [
     "Answer",
@@ -28,6 +29,7 @@ __all__ = [
     "describe_meshes",
     "explain",
     "library_duplicates",
+    "library_state",
     "query",
     "versions",
     "warm_up",
@@ -144,13 +146,14 @@ class Answer:
 
 def query(
     path: Path,
-    meshes: Sequence[Mesh],
+    meshes: Sequence[Mesh | ShapeSignature],
     top: int,
     like: Sequence[StoredExample] = (),
     unlike: Sequence[StoredExample] = (),
     *,
     families: bool = False,
     where: Filter | None = None,
+    size_factor: float | None = None,
 ) -> Answer:
     """Find the shapes of a library that are most similar to a mesh, or to several examples.
 
@@ -158,8 +161,8 @@ def query(
     ----------
     path : Path
         The library.
-    meshes : sequence of Mesh
-        Examples of the shape that is searched.
+    meshes : sequence of Mesh or ShapeSignature
+        Examples of the shape that is searched; signatures are those of an earlier `Answer`.
     top : int
         Number of matches.
     like, unlike : sequence of (int, str), optional
@@ -168,6 +171,9 @@ def query(
         Whether to find different shapes, each with the number of its versions.
     where : Filter, optional
         Conditions on the matches. Only those of a kind have evidence.
+    size_factor : float, optional
+        Largest factor, at least 1, between the size of a match and that of the first example: the root of
+        the ratio of their areas.
 
     Returns
     -------
@@ -183,8 +189,14 @@ def query(
         If there is no example.
     """
     library = _SESSION.library(path)
-    signatures = [library.model.describe(mesh, keep_surface=True) for mesh in meshes]
+    signatures = [
+        mesh if isinstance(mesh, ShapeSignature) else library.model.describe(mesh, keep_surface=True)
+        for mesh in meshes
+    ]
     signatures += [_stored_signature(library, example) for example in like]
+    if size_factor is not None:
+        area = signatures[0].area
+        where = replace(where or Filter(), area=(area / size_factor**2, area * size_factor**2))
     matches = library.query(
         signatures,
         top=top,
@@ -362,26 +374,29 @@ def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> li
     return _SESSION.library(path).duplicates(min_similarity)
 
 
-def warm_up(path: Path) -> int:
-    """Load everything that the first request would wait for: the library and the eigensolver.
+def library_state(path: Path, shown: Sequence[ShownShape] = ()) -> LibraryState:
+    """Look at a library: its size and model, and which of the shapes shown are still in it.
 
     Parameters
     ----------
     path : Path
-        The library.
+        The library, which need not exist.
+    shown : sequence of ShownShape, optional
 
     Returns
     -------
-    shapes : int
-        Number of shapes; 0 if there is no library yet.
+    state : LibraryState
 
     Raises
     ------
     LibraryError
-        If the library cannot be opened.
+        If the library cannot be opened or read.
     """
+    return state_of(path, _SESSION.library(path) if path.is_file() else None, shown)
+
+
+def warm_up() -> None:
+    """Load everything that the first request would wait for, except the library: see `library_state`."""
     import scipy.sparse.linalg  # noqa: F401
 
     import shapegoogle_core.rendering  # noqa: F401
-
-    return len(_SESSION.library(path)) if path.exists() else 0

@@ -18,7 +18,15 @@ def test_a_filter_without_conditions_accepts_everything() -> None:
 
 @pytest.mark.parametrize(
     "condition",
-    [{"name": "chair"}, {"folder": "/models"}, {"tag": "wood"}, {"faces": (0, 10)}, {"size": (None, 2.5)}],
+    [
+        {"name": "chair"},
+        {"text": "chair"},
+        {"area": (1, 2)},
+        {"folder": "/models"},
+        {"tag": "wood"},
+        {"faces": (0, 10)},
+        {"size": (None, 2.5)},
+    ],
 )
 def test_conditions_on_stored_values_select_shapes(condition: dict[str, Any]) -> None:
     assert Filter(**condition).selects_shapes

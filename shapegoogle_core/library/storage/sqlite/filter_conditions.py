@@ -61,6 +61,8 @@ def fold_case(name: bytes) -> bytes:
 def _conditions(where: Filter, roots: Sequence[Root]) -> Iterator[Condition]:
     if where.name is not None:
         yield _name_condition(where.name)
+    if where.text is not None:
+        yield _text_condition(where.text)
     if where.folder is not None:
         yield _folder_condition(os.fspath(where.folder), roots)
     if where.sources is not None:
@@ -75,6 +77,8 @@ def _conditions(where: Filter, roots: Sequence[Root]) -> Iterator[Condition]:
     if where.size is not None:
         own, values = _range_condition(LARGEST_EXTENT, where.size)
         yield f"{own} OR id IN (SELECT shape_id FROM placements WHERE {own})", 2 * values
+    if where.area is not None:
+        yield _range_condition("area", where.area)
 
 
 def _range_condition(column: str, limits: tuple[float | None, float | None]) -> Condition:
@@ -88,19 +92,40 @@ def _range_condition(column: str, limits: tuple[float | None, float | None]) -> 
 
 
 def _name_condition(name: str) -> Condition:
-    """Compare whole names with a pattern that has wildcards; else search the text anywhere in a name."""
+    """Search a text in the names of shapes and of the objects that show them."""
+    like, value = _like(name)
+    own, other = like.format(column="name"), like.format(column="object_name")
+    # The first placement has the name of the shape, unless the shape was renamed.
+    return f"{own} OR id IN (SELECT shape_id FROM placements WHERE {other})", (value, value)
+
+
+def _text_condition(text: str) -> Condition:
+    """Search a text in names, and in the full paths of sources."""
+    name, values = _name_condition(text)
+    like, value = _like(text)
+    path = like.format(column="(coalesce(roots.path || '/', '') || sources.path)")
+    sources = f"SELECT sources.id FROM sources LEFT JOIN roots ON roots.id = root_id WHERE {path}"
+    return f"{name} OR source_id IN ({sources})", (*values, value)
+
+
+def _like(name: str) -> tuple[str, object]:
+    """Compare whole texts with a pattern that has wildcards; else search the text anywhere in them.
+
+    Returns
+    -------
+    like : str
+        Condition on a column, which is to be filled in.
+    value : object
+        For its question mark.
+    """
     escaped = name.translate({ord(character): f"\\{character}" for character in "\\%_"})
     for wildcard, translated in WILDCARDS.items():
         escaped = escaped.replace(wildcard, translated)
     pattern = escaped if any(wildcard in name for wildcard in WILDCARDS) else f"%{escaped}%"
     if name.isascii():  # LIKE ignores case, but only of ASCII letters
-        like, value = "{column} LIKE CAST(? AS TEXT) ESCAPE '\\'", encoded(pattern)
-    else:
-        like = "CAST(fold_case(CAST({column} AS BLOB)) AS TEXT) LIKE CAST(? AS TEXT) ESCAPE '\\'"
-        value = fold_case(encoded(pattern))
-    own, other = like.format(column="name"), like.format(column="object_name")
-    # The first placement has the name of the shape, unless the shape was renamed.
-    return f"{own} OR id IN (SELECT shape_id FROM placements WHERE {other})", (value, value)
+        return "{column} LIKE CAST(? AS TEXT) ESCAPE '\\'", encoded(pattern)
+    like = "CAST(fold_case(CAST({column} AS BLOB)) AS TEXT) LIKE CAST(? AS TEXT) ESCAPE '\\'"
+    return like, fold_case(encoded(pattern))
 
 
 def _folder_condition(folder: str, roots: Sequence[Root]) -> Condition:

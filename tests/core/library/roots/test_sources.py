@@ -61,6 +61,9 @@ def test_one_source_however_it_is_spelt(
     assert rooted.sources()[str(folder / "pear.obj")].mtime_ns == 5
     assert found(rooted, Filter(sources=(path,))) == ["pear.obj"]
     assert found(rooted, Filter(not_sources=(path,))) == ["apple.off", "plum.stl"]
+    # In the path or in the name.
+    assert found(rooted, Filter(text="MESHES/more")) == ["plum.stl"]
+    assert found(rooted, Filter(text="P*.???")) == ["pear.obj", "plum.stl"]
     assert rooted.remove(path)
     assert not rooted.remove(path)
     assert len(rooted) == 2
