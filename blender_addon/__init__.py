@@ -12,7 +12,8 @@ its own classes:
 - ``transfer``: carrying vertex groups, colours and UVs from a match to the query.
 
 Shared: ``scene`` (objects and meshes), ``jobs`` (other processes), ``state`` (memory of the running add-on),
-``session`` (results shown in the window), ``connections`` (other programs), ``preferences``, ``commands``.
+``session`` (results shown in the window), ``connections`` (other programs), ``preferences``, ``commands``,
+``needs`` (what a Blender without numpy shows instead).
 Modules imported for registering must not import numpy or the core; those that need them are imported in
 functions.
 """
@@ -23,6 +24,7 @@ from . import (
     gallery,
     jobs,
     library,
+    needs,
     preferences,
     search,
     session,
@@ -46,18 +48,22 @@ _MODULES = (
     session,
     commands,
 )
+# What a Blender without numpy gets: preferences, a panel and a command that say so.
+_WITHOUT_PACKAGES = (preferences, needs, commands)
 
 
 def register() -> None:
-    """Register everything with Blender."""
+    """Register everything with Blender; where a package is missing, only what says so."""
     state.start()
-    for module in _MODULES:
+    registered = _WITHOUT_PACKAGES if needs.sentence() else _MODULES
+    for module in registered:
         module.register()
+    state.current().registered = registered
 
 
 def unregister() -> None:
     """Unregister everything and end all background work."""
     jobs.stop_all()
-    for module in reversed(_MODULES):
+    for module in reversed(state.current().registered):
         module.unregister()
     state.stop()

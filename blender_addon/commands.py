@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Sequence
 
 import bpy
 
-from . import connections, state
+from . import connections, needs, state
 
 __all__ = ["main", "register", "unregister"]
 
 COMMAND = "shape_google"
 """Name of the command for `blender --command`, which has to be an identifier."""
+# As `shapegoogle_core.cli.command.UNUSABLE`, which cannot be imported without numpy.
+UNUSABLE = 2
 
 
 def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} {{command}}") -> int:
@@ -31,6 +34,10 @@ def main(arguments: Sequence[str], program: str = f"blender --command {COMMAND} 
     exit_code : int
         As of the command.
     """
+    missing = needs.sentence()
+    if missing:
+        print(f"shapegoogle: {missing}", file=sys.stderr)
+        return UNUSABLE
     from shapegoogle_core import cli
     from shapegoogle_core.processes.launching import orderly_end
 

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packages that the add-on needs, and what is shown in its place where one of them is not there."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from typing import Any
+
+import bpy
+
+from .wrapped_text import split_lines
+
+__all__ = ["draw_sentence", "register", "sentence", "unregister"]
+
+# numpy comes with Blender, though not with the builds of all distributions; the others with the extension.
+BUNDLED = (
+    *("scipy", "sklearn", "joblib", "threadpoolctl", "robust_laplacian", "fast_simplification", "trimesh"),
+    *("mapbox_earcut", "PIL", "pebble", "tqdm", "shapegoogle_core"),
+)
+
+
+def sentence() -> str:
+    """Say which package is missing and what to do about it, without importing any.
+
+    Returns
+    -------
+    sentence : str
+        Empty if all are there.
+    """
+    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    if importlib.util.find_spec("numpy") is None:
+        return (
+            "Shape Google needs numpy, which this Blender does not have: use a Blender from blender.org, or "
+            f"install numpy for its {python} (on Debian and Ubuntu the package python3-numpy), and start "
+            "Blender again"
+        )
+    missing = [name for name in BUNDLED if importlib.util.find_spec(name) is None]
+    if missing:
+        return (
+            f"Shape Google cannot find {' and '.join(missing)}, which its zip contains: install the zip for "
+            f"the {python} of this Blender, and start Blender again"
+        )
+    return ""
+
+
+def draw_sentence(layout: Any, text: str, letters: int) -> None:
+    """Lay a sentence out in as many lines as it takes.
+
+    Parameters
+    ----------
+    layout : bpy.types.UILayout
+    text : str
+    letters : int
+        Longest line.
+    """
+    column = layout.column(align=True)
+    for number, line in enumerate(split_lines(text, letters)):
+        column.label(text=line, icon="BLANK1" if number else "ERROR")
+
+
+class SHAPEGOOGLE_PT_needs(bpy.types.Panel):
+    """What is missing; registered in place of all other panels."""
+
+    bl_label = "Shape Google"
+    bl_category = "Shape Google"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+
+    def draw(self, context: Any) -> None:
+        """Lay the panel out."""
+        width = context.region.width / context.preferences.system.ui_scale
+        draw_sentence(self.layout, sentence(), max(20, int(width / 7) - 12))
+
+
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PT_needs,))
