@@ -179,4 +179,3 @@ def stop_all() -> None:
     if processes.worker is not None:
         processes.worker.stop()
         processes.worker = None
-    state.current().library.warm.clear()

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
-from . import connections
+from . import connections, needs
 
 __all__ = ["preferences", "register", "unregister"]
 
@@ -32,14 +32,18 @@ _MODELS = (
 )
 
 
-def _absolute(name: str) -> Callable[[Any, Any], None]:
+def _absolute(name: str, *, of_library: bool = False) -> Callable[[Any, Any], None]:
     """Return an update function that makes a path absolute, so that it does not depend on the open file."""
 
-    def update(group: Any, _context: Any) -> None:
+    def update(group: Any, context: Any) -> None:
         path = getattr(group, name)
         absolute = os.path.abspath(bpy.path.abspath(path)) if path else ""  # noqa: PTH100 - keeps links
         if path != absolute:
-            setattr(group, name, absolute)
+            setattr(group, name, absolute)  # which calls this again
+        elif of_library and hasattr(context.window_manager, "shape_google"):
+            from .library.present import library_changed
+
+            library_changed(context)
 
     return update
 
@@ -74,14 +78,14 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         description="File that stores the signatures of all shapes; created when you first index into it",
         subtype="FILE_PATH",
         maxlen=1024,
-        update=_absolute("library"),
+        update=_absolute("library", of_library=True),
     )
     folder: StringProperty(
         name="Libraries Folder",
         description="Folder for new libraries; if empty, Blender's own folder for this extension",
         subtype="DIR_PATH",
         maxlen=1024,
-        update=_absolute("folder"),
+        update=_absolute("folder", of_library=True),
     )
     folders: CollectionProperty(type=SHAPEGOOGLE_PG_folder)
     active_folder: IntProperty(name="Folder", options={"SKIP_SAVE"})
@@ -135,6 +139,10 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     def draw(self, context: Any) -> None:
         """Lay the preferences out."""
         layout = self.layout
+        missing = needs.sentence()
+        if missing:
+            needs.draw_sentence(layout, missing, letters=80)
+            return
         layout.use_property_split = True
         layout.use_property_decorate = False
         column = layout.column(heading="Library")

@@ -89,6 +89,8 @@ def unregister() -> None:
         "examples",
         "answer",
         "active_match",
+        "versions",
+        "opened",
     ):
         session.property_unset(name)
     del bpy.types.WindowManager.shape_google

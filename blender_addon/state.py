@@ -9,8 +9,10 @@ outlast a change of file. `register` makes the one `State` of a Blender session,
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -54,8 +56,16 @@ class LibraryState:
 
     Attributes
     ----------
-    warm : set of Path
-        Libraries that the worker process has opened, or is about to.
+    followed : bool
+        Whether the library is looked at every now and then.
+    shown : Path or None
+        The library that what is shown belongs to.
+    indexed : Path or None
+        The library that the present or last run of indexing fills.
+    file : tuple of int or None
+        What tells whether its file was replaced or written since the last look.
+    forget : list of callable
+        What the features do when their results no longer belong to the library.
     indexing : list of BackgroundRun or SceneIndexing
         Runs that fill the library, the present one first.
     training : BackgroundRun or None
@@ -74,7 +84,11 @@ class LibraryState:
         Session numbers of indexed objects of the open file, by source and the name they had then.
     """
 
-    warm: set[Path] = field(default_factory=set)
+    followed: bool = False
+    shown: Path | None = None
+    indexed: Path | None = None
+    file: tuple[int, ...] | None = None
+    forget: list[Callable[[Any, str], None]] = field(default_factory=list)
     indexing: list[BackgroundRun | SceneIndexing] = field(default_factory=list)
     training: BackgroundRun | None = None
     model: tuple[str, float, ShapeModel] | None = None
@@ -95,12 +109,24 @@ class SearchState:
         The query that is being answered.
     answer : Answer or None
         The answer that is shown.
+    versions : Answer or None
+        The versions of one of its matches, if they are shown.
+    before : str
+        What was said of the answer shown, for a search that is cancelled.
+    unlike : list of (int, str)
+        Examples of shapes that were not meant in the last query.
+    refine_at : float
+        When the present query is to be answered again because a filter has changed; 0 for never.
     searched : frozenset of int
         Session uids of the objects that the last query was made with.
     """
 
     waiting: Future[Answer] | None = None
     answer: Answer | None = None
+    versions: Answer | None = None
+    before: str = ""
+    unlike: list[tuple[int, str]] = field(default_factory=list)
+    refine_at: float = 0.0
     searched: frozenset[int] = frozenset()
 
 
@@ -190,6 +216,8 @@ class State:
         Values of the session while another file is being opened.
     command : object or None
         Blender's handle of `blender --command shape_google`.
+    registered : tuple of module
+        What was registered, in this order.
     """
 
     jobs: JobsState = field(default_factory=JobsState)
@@ -201,6 +229,7 @@ class State:
     transfer: TransferState = field(default_factory=TransferState)
     kept_session: dict[str, Any] | None = None
     command: object = None
+    registered: tuple[ModuleType, ...] = ()
 
 
 class _Holder:

@@ -13,6 +13,7 @@ from bpy.props import IntProperty
 
 from .. import state
 from ..library.model import current_model
+from ..library.present import when_it_goes
 from ..preferences import preferences
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
@@ -236,6 +237,15 @@ def _forget(*_arguments: object) -> None:
     shown.status, shown.running = "", False
 
 
+def _forget_library(context: Any, reason: str) -> None:
+    """Drop the groups of a library that is no longer the chosen one."""
+    shown = context.window_manager.shape_google_duplicates
+    if shown.found_in == "LIBRARY" or isinstance(state.current().duplicates.search, LibrarySearch):
+        _cancel_running()
+        shown.groups.clear()
+        shown.status, shown.running = reason, False
+
+
 _register, _unregister = bpy.utils.register_classes_factory(
     (
         SHAPEGOOGLE_OT_find_duplicates,
@@ -249,6 +259,7 @@ def register() -> None:
     """Register the operators."""
     _register()
     bpy.app.handlers.load_pre.append(_forget)
+    when_it_goes(_forget_library)
 
 
 def unregister() -> None:

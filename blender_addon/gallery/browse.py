@@ -11,6 +11,7 @@ from bpy.props import IntProperty
 from ..state import session_of
 from . import pictures
 from .labels import tooltip
+from .on_match import shown_lines
 
 __all__ = ["register", "unregister"]
 
@@ -27,17 +28,21 @@ class SHAPEGOOGLE_OT_choose_match(bpy.types.Operator):
     @classmethod
     def description(cls, context: Any, properties: Any) -> str:
         """Return the tooltip of a match."""
-        matches = session_of(context).matches
-        if not 0 <= properties.index < len(matches):
+        lines, _ = shown_lines(session_of(context))
+        if not 0 <= properties.index < len(lines):
             return "Choose this match"
-        return tooltip(matches[properties.index])
+        return tooltip(lines[properties.index])
 
     def execute(self, context: Any) -> set[str]:
         """Choose it."""
         session = session_of(context)
-        if not 0 <= self.index < len(session.matches):
+        lines, _ = shown_lines(session)
+        if not 0 <= self.index < len(lines):
             return {"CANCELLED"}
-        session.active_match = self.index
+        if session.opened >= 0:
+            session.active_version = self.index
+        else:
+            session.active_match = self.index
         return {"FINISHED"}
 
 

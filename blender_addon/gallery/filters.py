@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the matches are shown, by the filters in the panel Search."""
+"""The filters of the panel Search, as conditions of the search itself."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["shown_matches"]
+from ..library.open_file import open_source
+
+if TYPE_CHECKING:
+    from shapegoogle_core import Filter
+
+__all__ = ["conditions", "is_filtered", "size_factor"]
 
 
-def shown_matches(session: Any) -> list[tuple[int, Any]]:
-    """Return the matches that pass the filters, best first, each with its index.
+def conditions(session: Any) -> Filter:
+    """Return what the user asks of matches, except their size.
 
     Parameters
     ----------
@@ -17,30 +22,34 @@ def shown_matches(session: Any) -> list[tuple[int, Any]]:
 
     Returns
     -------
-    shown : list of (int, SHAPEGOOGLE_PG_match)
+    where : Filter
     """
-    text = session.text.strip().lower()
-    factor = 1 + session.size_tolerance / 100
-    best: dict[tuple[float, int, float], int] = {}  # of each shape the place among those shown
-    shown: list[tuple[int, Any]] = []
-    for index, match in enumerate(session.matches):
-        if match.similarity < session.least_similarity:
-            continue
-        if session.use_size and not 1 / factor <= match.size <= factor:
-            continue
-        if session.source != "ANY" and match.in_scene != (session.source == "SCENE"):
-            continue
-        if text and text not in f"{match.name}\n{match.source}".lower():
-            continue
-        # Equal distances to six digits and as many vertices: the same mesh, wherever it is.
-        # Of several examples all copies have distance 0: the sizes of their poses tell them apart.
-        size = round(match.size, 3) if session.asked > 1 else 0.0
-        key = round(match.distance, 6), match.vertex_count, size
-        if session.collapse and key in best:
-            # The one that can be selected stands for its copies in files.
-            if match.in_scene and not shown[best[key]][1].in_scene:
-                shown[best[key]] = index, match
-            continue
-        best.setdefault(key, len(shown))
-        shown.append((index, match))
-    return shown
+    from shapegoogle_core import Filter
+
+    return Filter(
+        text=session.text.strip() or None,
+        sources=(open_source(),) if session.source == "SCENE" else None,
+        not_sources=(open_source(),) if session.source == "FILES" else None,
+        min_similarity=session.least_similarity or None,
+    )
+
+
+def size_factor(session: Any) -> float | None:
+    """Return the largest factor between the sizes of query and match; None if any size will do.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+
+    Returns
+    -------
+    factor : float or None
+    """
+    return 1 + session.size_tolerance / 100 if session.use_size else None
+
+
+def is_filtered(session: Any) -> bool:
+    """Whether any filter is set; cheap enough for a panel."""
+    return bool(
+        session.text.strip() or session.source != "ANY" or session.least_similarity > 0 or session.use_size
+    )

@@ -159,7 +159,8 @@ def _count_again(*_arguments: object) -> None:
 @persistent
 def _note_opened(*_arguments: object) -> None:
     _count_again()
-    find_objects(bpy.context, session_of(bpy.context).matches)
+    session = session_of(bpy.context)
+    find_objects(bpy.context, (*session.matches, *session.versions))
 
 
 _HANDLERS = {

@@ -7,13 +7,31 @@ from typing import Any
 
 from ..state import session_of
 
-__all__ = ["OnMatch", "active_match"]
+__all__ = ["OnMatch", "active_match", "shown_lines"]
+
+
+def shown_lines(session: Any) -> tuple[Any, int]:
+    """Return what the gallery shows: the matches, or the versions of one of them.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+
+    Returns
+    -------
+    lines : collection of SHAPEGOOGLE_PG_match
+    active : int
+        Index of the chosen one; it may be none of them.
+    """
+    if session.opened >= 0:
+        return session.versions, session.active_version
+    return session.matches, session.active_match
 
 
 def active_match(context: Any) -> Any:
     """Return the chosen match, or None."""
-    session = session_of(context)
-    return session.matches[session.active_match] if 0 <= session.active_match < len(session.matches) else None
+    lines, active = shown_lines(session_of(context))
+    return lines[active] if 0 <= active < len(lines) else None
 
 
 class OnMatch:

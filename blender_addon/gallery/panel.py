@@ -12,6 +12,7 @@ from typing import Any
 from ..transfer.panel import draw_transfer
 from . import pictures
 from .labels import below_picture, details
+from .on_match import shown_lines
 
 __all__ = ["draw_gallery", "draw_match"]
 
@@ -61,6 +62,14 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     for unlike, text, icon in ((False, "More Like This", "ADD"), (True, "Not Like This", "REMOVE")):
         button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
         button.unlike = unlike
+    box.operator("shape_google.show_versions", text=_versions(session, match), icon="DUPLICATE").index = -1
+
+
+def _versions(session: Any, match: Any | None) -> str:
+    if session.opened >= 0:
+        return "Show All Shapes"
+    count = 0 if match is None else match.version_count
+    return f"Show {count + 1:,} Versions" if count else "No Other Versions"
 
 
 def _title(match: Any | None) -> str:
@@ -73,32 +82,35 @@ def _lines(match: Any | None) -> list[str]:
         return ["", "", ""]
     # The whole path is in the tooltip of the picture.
     where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
+    if match.since:
+        where = f"{match.since.capitalize()}: {where}"
     return [where, *details(match)]
 
 
-def draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], context: Any) -> None:
+def draw_gallery(layout: Any, session: Any, context: Any) -> None:
     """Draw a page of pictures with the texts below them, and above it the buttons that turn the pages.
 
     Parameters
     ----------
     layout : bpy.types.UILayout
     session : SHAPEGOOGLE_PG_session
-    shown : list of (int, SHAPEGOOGLE_PG_match)
-        The matches that pass the filters, each with its index.
     context : bpy.types.Context
     """
+    lines, active = shown_lines(session)
+    shown = list(enumerate(lines))
     scale = context.preferences.system.ui_scale
     columns = max(1, int(context.region.width / (COLUMN_WIDTH * scale)))
     size = columns * GALLERY_ROWS
     pages = max(1, -(-len(shown) // size))
-    # Filters and the width of the sidebar may leave fewer pages than there were.
+    # The width of the sidebar may leave fewer pages than there were.
     page = min(session.page, pages - 1)
     row = layout.row(align=True)
     _draw_turn(row, page - 1, pages, "TRIA_LEFT")
     middle = row.row()
     middle.alignment = "CENTER"
     last = min((page + 1) * size, len(shown))
-    middle.label(text=f"{page * size + 1} to {last} of {len(shown)}" if shown else "No matches")
+    what = " versions" if session.opened >= 0 else ""
+    middle.label(text=f"{page * size + 1} to {last} of {len(shown)}{what}" if shown else "No matches")
     _draw_turn(row, page + 1, pages, "TRIA_RIGHT")
     grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
     cells: list[tuple[int, Any] | None] = [*shown[page * size : (page + 1) * size]]
@@ -112,11 +124,14 @@ def draw_gallery(layout: Any, session: Any, shown: list[tuple[int, Any]], contex
             continue
         index, match = cell
         column.template_icon(icon_value=pictures.icon_of(match.shape_id), scale=PICTURE_SCALE)
-        column.operator(
-            "shape_google.choose_match",
-            text=match.object_name or match.name,
-            depress=index == session.active_match,
+        row = column.row(align=True)
+        row.operator(
+            "shape_google.choose_match", text=match.object_name or match.name, depress=index == active
         ).index = index
+        if match.version_count and session.opened < 0:
+            count = row.row(align=True)
+            count.scale_x = 0.6
+            count.operator("shape_google.show_versions", text=f"+{match.version_count}").index = index
         column.label(text=below_picture(match))
 
 

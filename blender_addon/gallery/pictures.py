@@ -20,14 +20,14 @@ def keep(shape_id: int, png: bytes | None) -> None:
     png : bytes or None
         Without a picture the shape has no icon.
     """
-    if png is None:
+    gallery = state.current().gallery
+    if png is None or (gallery.pictures is not None and str(shape_id) in gallery.pictures):
         return
     import io
 
     import numpy as np
     from PIL import Image
 
-    gallery = state.current().gallery
     if gallery.pictures is None:
         gallery.pictures = bpy.utils.previews.new()
     with Image.open(io.BytesIO(png)) as image:

@@ -16,6 +16,7 @@ from bpy.props import (
 )
 
 from .finding import is_here
+from .refining import search_again
 
 __all__ = ["GalleryProperties", "register", "unregister"]
 
@@ -49,6 +50,8 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
         name="Objects", description="Number of objects of the file that show this shape", default=1
     )
     session_uid: IntProperty(description="Blender's number of the object, if it is in the open scene")
+    version_count: IntProperty(name="Versions", description="Number of other versions of this shape")
+    since: StringProperty(description="What has happened to it since the search; empty for nothing")
     in_scene: BoolProperty(
         name="In This Scene",
         description="Whether its object is in the open scene now",
@@ -57,21 +60,32 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
 
 
 class GalleryProperties:
-    """Part of the session: matches, and which of them are shown."""
+    """Part of the session: matches, and which of them are shown. Filters search again when they change."""
 
     matches: CollectionProperty(type=SHAPEGOOGLE_PG_match)
     active_match: IntProperty(name="Match", default=-1)
+    opened: IntProperty(
+        description="Index of the match whose versions are shown in place of the matches; -1: none",
+        default=-1,
+    )
+    versions: CollectionProperty(type=SHAPEGOOGLE_PG_match)
+    active_version: IntProperty(name="Version", default=-1)
+    page_of_matches: IntProperty(description="Page to return to from the versions", min=0)
     page: IntProperty(name="Page", description="Page of the gallery, from 0", min=0)
     least_similarity: FloatProperty(
         name="Similarity",
-        description="Lowest similarity of the matches shown; 0.5: as likely the same shape as another one",
+        description="Lowest similarity of the matches; 0.5: as likely the same shape as another one",
         default=0.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=search_again,
     )
     use_size: BoolProperty(
-        name="Same Size", description="Show only matches of about the size of the query", default=False
+        name="Same Size",
+        description="Find only matches of about the size of the query",
+        default=False,
+        update=search_again,
     )
     size_tolerance: FloatProperty(
         name="Tolerance",
@@ -80,15 +94,25 @@ class GalleryProperties:
         min=0.1,
         max=100.0,
         subtype="PERCENTAGE",
+        update=search_again,
     )
-    source: EnumProperty(name="Source", description="Origin of the matches shown", items=_SOURCES)
+    source: EnumProperty(
+        name="Source", description="Origin of the matches", items=_SOURCES, update=search_again
+    )
     text: StringProperty(
         name="Text",
-        description="Show only matches with this text in their name or path",
+        description="Find only matches with this text in their name or path",
         options={"TEXTEDIT_UPDATE"},
+        update=search_again,
     )
     collapse: BoolProperty(
-        name="Collapse Duplicates", description="Show equal shapes only once", default=True
+        name="Collapse Versions",
+        description=(
+            "Find different shapes: of all copies and versions of a shape show only the best, with the "
+            "number of the others"
+        ),
+        default=True,
+        update=search_again,
     )
 
 

@@ -14,6 +14,7 @@ from .. import jobs, state
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..state import session_of
+from .present import refresh
 from .properties import add_error
 from .scene_source import SceneIndexing
 
@@ -96,6 +97,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
                 running.pop().cancel()
             self.report({"ERROR"}, f"{path}: {error.strerror}; choose another library")
             return False
+        state.current().library.indexed = path
         session.indexing = True
         return True
 
@@ -136,7 +138,8 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
                 add_error(session, str(event.path), _worded(event.reason))
             case IndexSummary():
                 run.reported = True
-                session.shape_count = event.library_shapes
+                if state.current().library.indexed == preferences().library_path():
+                    session.shape_count = event.library_shapes
                 sentence = event.sentence()
                 session.summary = f"{session.summary}; {sentence}" if session.summary else sentence
                 # Files that were there but could not be read have their line already; folders have none.
@@ -149,10 +152,11 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
         add_error(session, str(preferences().library_path()), run.last_words())
-        session.summary = session.summary or "Indexing stopped; see the list of errors"
+        session.summary = session.summary or "Indexing stopped; Not Indexed says why"
     if not running:
         session.indexing = False
         session.progress = ""
+        refresh(bpy.context)
 
 
 def _worded(reason: str) -> str:
@@ -179,6 +183,7 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
         session.indexing = False
         session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
         session.progress = ""
+        refresh(context)  # the shapes stored so far stay
         return {"FINISHED"}
 
 

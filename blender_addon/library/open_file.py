@@ -87,7 +87,8 @@ def _note_saved(*_arguments: Any) -> None:
     library.objects = {
         (new if source == old else source, name): uid for (source, name), uid in library.objects.items()
     }
-    for line in session_of(bpy.context).matches:
+    session = session_of(bpy.context)
+    for line in (*session.matches, *session.versions, *session.examples):
         if line.source == old:
             line.source = new
     take_over()

@@ -41,8 +41,6 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
         preferences(context).library = str(path)
         context.preferences.is_dirty = True
         session = session_of(context)
-        session.summary = ""
-        session.shape_count = 0
         if path.exists():
             return self._open(path, session)
         return {"FINISHED"}
@@ -52,7 +50,7 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
 
         try:
             with Library.open(path, read_only=True) as library:
-                session.shape_count = len(library)
+                session.shape_count, session.model = len(library), library.model.name
         except LibraryError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -16,6 +16,7 @@ from .. import connections
 from ..preferences import preferences
 from ..state import session_of
 from ..wrapped_text import fixed_text
+from .present import follow
 
 __all__ = ["register", "unregister"]
 
@@ -75,6 +76,7 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
     def draw(self, context: Any) -> None:
         """Lay the panel out."""
         layout = self.layout
+        follow(context)
         chosen, session = preferences(context), session_of(context)
         layout.operator("shape_google.choose_library", text=chosen.library_path().name, icon="FILE_FOLDER")
         _draw_sources(layout, chosen, context)
@@ -122,12 +124,21 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
 
 def _draw_model(layout: Any, session: Any, context: Any) -> None:
     header, body = layout.panel_prop(session, "show_model")
-    header.label(text=f"Model: {session.model}" if not session.training else f"Training: {session.training}")
+    model = session.model or _model_of_new(preferences(context))
+    header.label(text=f"Training: {session.training}" if session.training else f"Model: {model}")
     header.operator("shape_google.cancel_training", text="", icon="X", emboss=False)
     if body is None:
         return
     body.operator("shape_google.train_model", icon="FILE_REFRESH")
     fixed_text(body, session.training or session.trained, context)
+
+
+def _model_of_new(chosen: Any) -> str:
+    """Name the model of a library that is not there yet."""
+    if chosen.library_path().is_file():
+        return "…"  # the worker process has not opened it yet
+    name = PurePath(chosen.model_file).stem if chosen.model == "FILE" else chosen.model.lower()
+    return f"{name}, for the new library"
 
 
 def _draw_errors(layout: Any, session: Any, context: Any) -> None:

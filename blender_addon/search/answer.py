@@ -9,21 +9,31 @@ import bpy
 
 from .. import jobs, state
 from ..gallery import labels, pictures
+from ..gallery.filters import is_filtered
 from ..gallery.finding import find_objects
+from ..library.present import refresh
+from ..preferences import preferences
 from ..state import session_of
 
 if TYPE_CHECKING:
     from shapegoogle_core import Match
     from shapegoogle_core.service.requests import Answer
 
-__all__ = ["explain_matches", "show_answer", "show_evidence", "show_failure"]
+__all__ = [
+    "drop_answer",
+    "explain_matches",
+    "show_answer",
+    "show_evidence",
+    "show_matches",
+    "show_versions",
+]
 
 # Matches whose surfaces are compared in one task; a new query has to wait for it.
 EXPLAINED_AT_ONCE = 6
 
 
 def show_answer(context: Any, answer: Answer, seconds: float) -> None:
-    """Put the matches of an answer into the gallery.
+    """Put the matches of a new query into the gallery.
 
     Parameters
     ----------
@@ -34,13 +44,76 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     """
     session = session_of(context)
     session.searching = False
-    session.library, session.asked = str(answer.library), answer.examples
-    session.matches.clear()
-    state.current().search.answer = answer
+    session.asked = answer.examples
     pictures.clear()
     state.current().gallery.placed.clear()
+    show_matches(context, answer, seconds)
+    session.active_match = 0 if answer.matches else -1
+
+
+def show_matches(context: Any, answer: Answer, seconds: float) -> None:
+    """Put the matches of the present query into the gallery; the chosen one stays chosen if it is among them.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    answer : Answer
+    seconds : float
+        How long it took.
+    """
+    session, search = session_of(context), state.current().search
+    chosen = session.active_match
+    chosen_id = session.matches[chosen].shape_id if 0 <= chosen < len(session.matches) else None
+    # The library as it is chosen: the answer may spell its path in another way.
+    session.library = str(preferences(context).library_path())
+    session.opened = -1
+    session.versions.clear()
+    search.answer, search.versions = answer, None
+    _fill(session.matches, answer)
+    find_objects(context, session.matches)
+    ids = [match.shape_id for match in answer.matches]
+    session.active_match = ids.index(chosen_id) if chosen_id in ids else 0 if ids else -1
+    session.page = 0
+    session.shape_count = answer.shape_count
+    session.answer = _sentence(session, len(ids), answer.shape_count, seconds)
+
+
+def _sentence(session: Any, count: int, among: int, seconds: float) -> str:
+    filtered = is_filtered(session)
+    if not count:
+        return f"{session.query}: no match{' meets the filters' if filtered else ''} among {among:,} shapes"
+    what = f"{count}{' different' if session.collapse else ''} shape{'' if count == 1 else 's'}"
+    verb = "meets" if count == 1 else "meet"
+    where = f" that {verb} the filters" if filtered else ""
+    return f"{session.query}: {what}{where}, the best of {among:,}, {seconds:.1f} s"
+
+
+def show_versions(context: Any, answer: Answer, index: int) -> None:
+    """Put the versions of a match into the gallery, in place of the matches.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    answer : Answer
+        With the match and its versions.
+    index : int
+        Of the match.
+    """
+    session = session_of(context)
+    state.current().search.versions = answer
+    _fill(session.versions, answer)
+    find_objects(context, session.versions)
+    session.opened, session.page_of_matches, session.page = index, session.page, 0
+    ids = [match.shape_id for match in answer.matches]
+    match_id = session.matches[index].shape_id
+    session.active_version = ids.index(match_id) if match_id in ids else 0
+
+
+def _fill(lines: Any, answer: Answer) -> None:
+    """Describe each match of an answer in a line."""
+    lines.clear()
     for match in answer.matches:
-        line = session.matches.add()
+        line = lines.add()
         line.name = match.name
         line.object_name = match.object_name
         line.shape_id = match.shape_id
@@ -49,14 +122,9 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
         line.placement_count = match.placement_count
+        line.version_count = match.versions
         labels.set_state(line, labels.COMPARING)
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
-    find_objects(context, session.matches)
-    session.active_match = 0 if answer.matches else -1
-    session.page = 0
-    count = f"{len(answer.matches)} of {answer.shape_count:,} shapes"
-    session.answer = f"{session.query}: the best {count}, {seconds:.1f} s"
-    session.shape_count = answer.shape_count
 
 
 def show_evidence(context: Any, explained: dict[int, Match]) -> None:
@@ -68,9 +136,9 @@ def show_evidence(context: Any, explained: dict[int, Match]) -> None:
     explained : dict of int to Match
         By the id of the shape; a match that cannot be compared keeps its similarity alone.
     """
-    answer = state.current().search.answer
+    session, answer = session_of(context), state.current().search.answer
     moved = []
-    for line in session_of(context).matches:
+    for line in (*session.matches, *session.versions):
         if line.shape_id in explained:
             match = explained[line.shape_id]
             if match.object_name != line.object_name:
@@ -104,29 +172,40 @@ def explain_matches(answer: Answer, first: int = 0) -> None:
 
     def failed(error: BaseException) -> None:
         if _is_shown(answer):
+            session = session_of(bpy.context)
             rest = {match.shape_id for match in answer.matches[first:]}
-            for line in session_of(bpy.context).matches:
-                if line.shape_id in rest:
-                    labels.set_state(line, labels.NOT_COMPARED)
-            session_of(bpy.context).answer += f"; surfaces could not be compared: {error}"
+            for lines in (session.matches, session.versions):
+                for line in lines:
+                    if line.shape_id in rest and line.label == labels.COMPARING:
+                        labels.set_state(line, labels.NOT_COMPARED)
+            session.answer += f"; surfaces could not be compared: {error}"
+            refresh(bpy.context)  # such as a library that was deleted meanwhile
 
     jobs.watch(jobs.worker().submit(explain, answer.library, answer.signatures, portion), done, failed)
 
 
 def _is_shown(answer: Answer) -> bool:
-    return state.current().search.answer is answer
+    search = state.current().search
+    return answer is search.answer or answer is search.versions
 
 
-def show_failure(context: Any, reason: str) -> None:
-    """Empty the gallery and show why there is no answer.
+def drop_answer(context: Any, reason: str) -> None:
+    """Empty the gallery, and end a search that runs.
 
     Parameters
     ----------
     context : bpy.types.Context
     reason : str
+        Shown in place of the answer; may be empty.
     """
-    session = session_of(context)
+    session, search = session_of(context), state.current().search
+    if search.waiting is not None:
+        search.waiting.cancel()
+        search.waiting = None
+    session.searching = False
     session.matches.clear()
-    state.current().search.answer = None
-    session.active_match = -1
+    session.versions.clear()
+    session.active_match, session.opened, session.page = -1, -1, 0
+    search.answer = search.versions = None
+    pictures.clear()
     session.answer = reason

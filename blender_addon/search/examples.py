@@ -54,6 +54,7 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
         session.active_example = len(session.examples) - 1
         example.name = match.object_name or match.name
         example.library, example.shape_id, example.unlike = session.library, match.shape_id, self.unlike
+        example.source, example.shape_name = match.source, match.name
         return {"FINISHED"}
 
 

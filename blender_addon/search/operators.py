@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import jobs, state
+from ..gallery.filters import conditions, size_factor
+from ..library.present import when_it_goes
 from ..preferences import preferences
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import SearchState, session_of
-from .answer import explain_matches, show_answer, show_evidence, show_failure
+from .answer import drop_answer, explain_matches, show_answer, show_evidence, show_matches
 from .properties import examples_of
 
 if TYPE_CHECKING:
@@ -58,14 +62,14 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         started = time.monotonic()
 
         def failed(error: BaseException) -> None:
-            state.current().search.waiting = None
-            session_of(bpy.context).searching = False
-            show_failure(bpy.context, str(error))
+            if state.current().search.waiting is future:
+                drop_answer(bpy.context, str(error))
 
         def done(answer: Answer) -> None:
-            state.current().search.waiting = None
-            show_answer(bpy.context, answer, time.monotonic() - started)
-            explain_matches(answer)
+            if state.current().search.waiting is future:  # else it was cancelled as it ended
+                state.current().search.waiting = None
+                show_answer(bpy.context, answer, time.monotonic() - started)
+                explain_matches(answer)
 
         jobs.watch(future, done, failed)
         return {"FINISHED"}
@@ -85,7 +89,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
                 jobs.worker().submit(explain, answer.library, answer.signatures, answer.matches).result()
             )
         except ShapeGoogleError as error:
-            show_failure(context, str(error))
+            drop_answer(context, str(error))
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
@@ -98,7 +102,6 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
 
     def _ask(self, context: Any) -> Future[Answer] | None:
         from shapegoogle_core import MeshError
-        from shapegoogle_core.service.requests import query
 
         from ..scene.meshes import query_meshes
 
@@ -114,22 +117,58 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
                 self.report({"ERROR"}, str(error))
                 return None
             meshes = []
-        future = jobs.worker().submit(
-            query,
-            preferences(context).library_path(),
-            meshes,
-            session.top,
-            [(example.shape_id, example.name) for example in like],
-            [(example.shape_id, example.name) for example in unlike],
-        )
         search = state.current().search
-        search.waiting, search.searched = future, searched_objects(context)
+        search.unlike = [(example.shape_id, example.name) for example in unlike]
+        future = _submit(context, meshes, [(example.shape_id, example.name) for example in like])
+        search.waiting, search.searched, search.refine_at = future, searched_objects(context), 0.0
         session.searching = True
         session.query = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:
             session.query += f", not like {joined_name([example.name for example in unlike])}"
-        session.answer = f"Searching for {session.query} …"
+        search.before, session.answer = session.answer, f"Searching for {session.query} …"
         return future
+
+
+def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]] = ()) -> Future[Answer]:
+    """Have the worker search the library, under the conditions of the filters."""
+    from shapegoogle_core.service.requests import query
+
+    session = session_of(context)
+    search = partial(
+        query, families=session.collapse, where=conditions(session), size_factor=size_factor(session)
+    )
+    library = preferences(context).library_path()
+    unlike = state.current().search.unlike
+    return jobs.worker().submit(search, library, shapes, session.top, like, unlike)
+
+
+def refine(context: Any) -> None:
+    """Answer the present query again under the filters as they are now.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    search = state.current().search
+    if search.answer is None or session_of(context).searching:
+        return
+    if search.waiting is not None:
+        search.waiting.cancel()
+    started = time.monotonic()
+    future = search.waiting = _submit(context, search.answer.signatures)
+
+    def done(answer: Answer) -> None:
+        if state.current().search.waiting is future:
+            state.current().search.waiting = None
+            show_matches(bpy.context, answer, time.monotonic() - started)
+            explain_matches(answer)
+
+    def failed(error: BaseException) -> None:
+        if state.current().search.waiting is future:
+            state.current().search.waiting = None
+            session_of(bpy.context).answer = str(error)
+
+    jobs.watch(future, done, failed)
 
 
 def _examples(context: Any) -> list[Any]:
@@ -157,7 +196,8 @@ class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):
             search.waiting = None
         session = session_of(context)
         session.searching = False
-        session.answer = "Cancelled"
+        # What is shown is still the answer to the query before.
+        session.answer = search.before if session.matches else "Cancelled"
         return {"FINISHED"}
 
 
@@ -169,6 +209,7 @@ _register, _unregister = bpy.utils.register_classes_factory(
 def register() -> None:
     """Register the operators."""
     _register()
+    when_it_goes(drop_answer)
 
 
 def unregister() -> None:

@@ -13,9 +13,8 @@ from typing import Any
 import bpy
 
 from ..gallery import panel as gallery
-from ..gallery.filters import shown_matches
 from ..gallery.on_match import active_match
-from ..library.warm_up import warm_up
+from ..library.present import follow
 from ..preferences import preferences
 from ..scene.selection import query_objects
 from ..state import session_of
@@ -39,7 +38,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         """Lay the panel out."""
         layout = self.layout
         session = session_of(context)
-        warm_up(context)
+        follow(context)
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("shape_google.find_similar", icon="VIEWZOOM")
@@ -53,7 +52,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         gallery.draw_match(layout, session, active_match(context))
         # Only at full width, so not in the box.
         draw_choices(layout, session)
-        gallery.draw_gallery(layout, session, shown_matches(session), context)
+        gallery.draw_gallery(layout, session, context)
 
 
 def _draw_examples(layout: Any, session: Any, library: Path) -> None:
@@ -87,7 +86,8 @@ class SHAPEGOOGLE_UL_examples(bpy.types.UIList):
     ) -> None:
         """Lay an example out."""
         kind = "Not like" if item.unlike else "Like"
-        layout.label(text=f"{kind} {item.name}", icon="REMOVE" if item.unlike else "ADD")
+        icon = "ERROR" if item.is_gone else "REMOVE" if item.unlike else "ADD"
+        layout.label(text=f"{kind} {item.name}{': no longer indexed' if item.is_gone else ''}", icon=icon)
 
     def draw_filter(self, _context: Any, _layout: Any) -> None:
         """Leave the filters of lists out: examples of other libraries must stay hidden."""

@@ -9,6 +9,8 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
+from ..gallery.refining import search_again
+
 __all__ = ["SearchProperties", "examples_of", "register", "unregister"]
 
 _SEVERAL = (
@@ -28,6 +30,9 @@ class SHAPEGOOGLE_PG_example(bpy.types.PropertyGroup):
         description="Its library; in another library the same number belongs to another shape"
     )
     shape_id: IntProperty()
+    source: StringProperty()
+    shape_name: StringProperty(description="Its name in the library, which need not be that of its object")
+    is_gone: BoolProperty(description="Whether it is not in its library any more")
     unlike: BoolProperty(name="Not Like This")
 
 
@@ -45,7 +50,14 @@ class SearchProperties:
     answer: StringProperty(name="Answer")
     library: StringProperty(name="Library", description="Library of the matches")
     asked: IntProperty(description="Number of examples to be found in the last query")
-    top: IntProperty(name="Results", description="Number of matches to find", default=24, min=1, max=200)
+    top: IntProperty(
+        name="Results",
+        description="Number of matches to find",
+        default=24,
+        min=1,
+        max=200,
+        update=search_again,
+    )
 
 
 def examples_of(session: Any, library: Path) -> list[tuple[int, Any]]:

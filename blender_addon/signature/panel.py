@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from ..library.warm_up import warm_up
+from ..library.present import follow
 from . import bag_chart, distance
 from .picked import picked_text
 from .properties import settings_of
@@ -44,7 +44,7 @@ class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         """Lay the panel out."""
-        warm_up(context)
+        follow(context)
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False

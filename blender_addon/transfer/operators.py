@@ -11,7 +11,7 @@ from .. import jobs, state
 from ..gallery import placing
 from ..gallery.errors import PlacingError
 from ..gallery.finding import object_of, sought
-from ..gallery.on_match import OnMatch
+from ..gallery.on_match import OnMatch, active_match
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import TransferState, session_of
 
@@ -154,7 +154,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         from . import carry_over
 
         session = session_of(context)
-        match = session.matches[session.active_match]
+        match = active_match(context)
         wanted = {
             "groups": session.transfer_groups,
             "colors": session.transfer_colors,

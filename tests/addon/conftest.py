@@ -73,6 +73,10 @@ def blender(addon: ModuleType, tmp_path: Path) -> Any:
         "source",
         "text",
         "collapse",
+        "top",
+        "opened",
+        "versions",
+        "active_version",
     ):
         session.property_unset(name)
     return bpy

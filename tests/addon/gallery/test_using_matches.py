@@ -42,6 +42,7 @@ def test_append_and_mark(indexed: Path, preferences: Any, session: Any) -> None:
 
 def test_import_a_mesh_file_and_refuse_what_is_gone(indexed: Path, preferences: Any, session: Any) -> None:
     lumpy("Query", 2)
+    session.collapse = False
     bpy.ops.shape_google.find_similar()
     index = [match.name for match in session.matches].index("nut.obj")
     bpy.ops.shape_google.choose_match(index=index)

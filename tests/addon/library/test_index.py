@@ -55,6 +55,7 @@ def test_the_scene_itself(preferences: Any, session: Any) -> None:
     assert session.summary == "2 shapes of this scene"
     bpy.context.view_layer.objects.active = bpy.data.objects["First"]
     bpy.ops.object.select_all(action="DESELECT")
+    session.collapse = False
     bpy.ops.shape_google.find_similar()
     assert [(match.name, match.in_scene) for match in session.matches] == [("First", True), ("Second", True)]
     assert not bpy.ops.shape_google.append_match.poll()
@@ -80,6 +81,7 @@ def test_the_scene_and_its_file_are_one_source(folder: Path, preferences: Any) -
     # What is on the disk is read again, in case only that is wanted.
     bpy.ops.shape_google.index_library()
     assert session.summary == "1 shape updated from 1 file, 3 files unchanged; 2 shapes of this scene"
+    session.collapse = False
     bpy.ops.shape_google.find_similar()
     assert session.matches[0].name == "Unsaved"
     assert [match.in_scene for match in session.matches if match.name == "Pear"] == [True]

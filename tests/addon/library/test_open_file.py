@@ -44,8 +44,10 @@ def find(name: str) -> Any:
     for item in bpy.context.view_layer.objects:
         item.select_set(item.name == name)
     bpy.context.view_layer.objects.active = bpy.data.objects[name]
+    session = bpy.context.window_manager.shape_google
+    session.collapse = False
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
-    return bpy.context.window_manager.shape_google
+    return session
 
 
 def choose(session: Any, name: str) -> Any:

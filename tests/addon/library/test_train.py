@@ -23,7 +23,7 @@ def test_train_a_model_on_this_library(folder: Path, preferences: Any, session: 
     add_folder(preferences, folder)
     model = tmp_path / "mine.npz"
     assert bpy.ops.shape_google.train_model(filepath=str(model)) == {"FINISHED"}
-    assert session.summary == "Trained mine.npz; it is used for new libraries"
+    assert session.trained == "Trained mine.npz; it is used for new libraries"
     assert (preferences.model, preferences.model_file) == ("FILE", str(model))
     bpy.ops.shape_google.index_library()
     with Library.open(preferences.library) as library:

@@ -31,7 +31,7 @@ def test_find_similar(indexed: Path, preferences: Any, session: Any) -> None:
     assert best.similarity > 0.9
     assert Path(best.source) == indexed / "pear.blend"
     assert best.size == pytest.approx(1 / 3, rel=1e-3)
-    assert session.answer.startswith("Query: the best 4 of 4 shapes")
+    assert session.answer.startswith("Query: 2 different shapes, the best of 4, ")
     assert not best.in_scene
 
 
@@ -58,7 +58,7 @@ def test_selected_objects_as_examples(indexed: Path, preferences: Any, session: 
     for seed, name in ((2, "Second"), (0, "First")):
         lumpy(name, seed)
     bpy.data.objects["Second"].select_set(True)
-    session.several = "EXAMPLES"
+    session.several, session.collapse = "EXAMPLES", False
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
     assert session.query == "First and 1 more"
     assert session.asked == 2
@@ -70,20 +70,6 @@ def test_selected_objects_as_examples(indexed: Path, preferences: Any, session: 
     bpy.ops.shape_google.find_similar()
     assert session.asked == 1
     assert all(match.distance > 0 for match in session.matches)
-
-
-def test_copies_of_two_examples_are_not_taken_for_one_shape(
-    addon: ModuleType, indexed: Path, preferences: Any, session: Any
-) -> None:
-    """All have distance 0, and as poses of one mesh as many vertices; Plum and nut.obj are one shape."""
-    shown_matches = importlib.import_module(f"{addon.__name__}.gallery.filters").shown_matches
-    lumpy("Second", 2)
-    lumpy("First", 0).select_set(True)
-    bpy.data.objects["Second"].select_set(True)
-    session.several = "EXAMPLES"
-    bpy.ops.shape_google.find_similar()
-    names = {match.name for _, match in shown_matches(session)}
-    assert names in ({"Apple", "Pear", "Plum"}, {"Apple", "Pear", "nut.obj"})
 
 
 def test_more_and_not_like_a_match(indexed: Path, preferences: Any, session: Any) -> None:

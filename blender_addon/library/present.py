@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The library that is chosen at present: what is shown of it, kept up to date.
+
+The library changes without the add-on's doing: other programs index into it, replace it or delete it, and the
+preferences can name another one. Whatever is shown of it, such as matches, examples and counts, is refreshed
+here, or goes with it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from .. import jobs, state
+from ..preferences import preferences
+from ..state import session_of
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from shapegoogle_core.service.library_state import LibraryState
+
+__all__ = ["follow", "library_changed", "refresh", "when_it_goes"]
+
+SECONDS_BETWEEN_LOOKS = 2.0
+
+
+def follow(context: Any) -> None:
+    """Keep an eye on the library from now on; cheap enough for a panel's draw.
+
+    Whoever looks at a panel is about to query the library, or to paint: the worker process opens it.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    library = state.current().library
+    if library.followed or bpy.app.background:
+        return
+    library.followed = True
+    library.shown = preferences(context).library_path()
+
+    def begin(tasks: ModuleType) -> None:
+        jobs.worker().submit(tasks.warm_up)
+        refresh(bpy.context)
+        bpy.app.timers.register(_look, first_interval=SECONDS_BETWEEN_LOOKS, persistent=True)
+
+    # The core is imported in another thread, since the import would block the window for half a second.
+    jobs.watch(_import_core(), begin, _leave_to_query)
+
+
+def library_changed(context: Any) -> None:
+    """Drop what belongs to another library, once the preferences name a new one.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    path = preferences(context).library_path()
+    library, session = state.current().library, session_of(context)
+    if library.shown == path:
+        return
+    library.shown, library.file = path, None
+    session.shape_count, session.model = 0, ""
+    if not session.indexing:
+        session.summary = ""
+        session.errors.clear()
+    for forget in library.forget:
+        forget(context, "")
+    if library.followed:
+        refresh(context)
+
+
+def refresh(context: Any) -> None:
+    """Count the shapes of the library again, and find out which of those shown are still in it.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    if bpy.app.background and state.current().jobs.worker is None:
+        return  # nobody is looking
+    from shapegoogle_core.service.library_state import ShownShape
+    from shapegoogle_core.service.requests import library_state
+
+    path, session = preferences(context).library_path(), session_of(context)
+    state.current().library.file = _file(path)
+    lines = (*session.matches, *session.versions)
+    shown = [(line.shape_id, line.source, line.name) for line in lines]
+    shown += [
+        (example.shape_id, example.source, example.shape_name)
+        for example in session.examples
+        if example.library == str(path)
+    ]
+    shapes = [ShownShape(*shape) for shape in dict.fromkeys(shown)]
+    jobs.watch(jobs.worker().submit(library_state, path, shapes), _show, _leave_to_query)
+
+
+def _show(found: LibraryState) -> None:
+    """Show what the worker has found, unless another library has been chosen meanwhile."""
+    context = bpy.context
+    if preferences(context).library_path() != found.path:
+        return
+    session = session_of(context)
+    session.shape_count, session.model = found.shape_count, found.model
+    for match in (*session.matches, *session.versions):
+        today = found.today.get(match.shape_id, match.shape_id)
+        same = today == match.shape_id
+        match.since = "" if same else "no longer indexed" if today is None else "indexed again since"
+    for example in session.examples:
+        if example.library == str(found.path):
+            today = found.today.get(example.shape_id, example.shape_id)
+            example.is_gone = today is None
+            example.shape_id = example.shape_id if today is None else today
+
+
+def _look() -> float | None:
+    """Notice that the preferences name another library, or that its file was written, replaced or deleted."""
+    if not state.is_registered():
+        return None
+    context = bpy.context
+    library = state.current().library
+    path = preferences(context).library_path()
+    if library.shown != path:
+        library_changed(context)
+        return SECONDS_BETWEEN_LOOKS
+    before, now = library.file, _file(path)
+    if before == now:
+        return SECONDS_BETWEEN_LOOKS
+    if before is not None and (now is None or now[:2] != before[:2]):
+        how = "was deleted" if now is None else "was replaced by another file"
+        for forget in library.forget:
+            forget(context, f"The library {path.name} {how}")
+    refresh(context)
+    jobs.redraw()
+    return SECONDS_BETWEEN_LOOKS
+
+
+def _file(path: Path) -> tuple[int, ...] | None:
+    """Device and number of a file, and when it or its journal was written; None if there is none."""
+    try:
+        status = os.stat(path)  # noqa: PTH116 - as the line below
+        journal = path.with_name(f"{path.name}-wal")
+        written = journal.stat().st_mtime_ns if journal.exists() else 0
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino, status.st_mtime_ns, written
+
+
+def _leave_to_query(_error: BaseException) -> None:
+    """Leave it to the next query to report the error."""
+
+
+def _import_core() -> Future[ModuleType]:
+    """Import in another thread the functions that tasks are sent with; numpy comes along."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    importer = ThreadPoolExecutor(1)
+    imported = importer.submit(importlib.import_module, "shapegoogle_core.service.requests")
+    importer.shutdown(wait=False)
+    return imported
+
+
+def when_it_goes(forget: Callable[[Any, str], None]) -> None:
+    """Have a feature drop its results when the library is no longer the one that they are from.
+
+    Parameters
+    ----------
+    forget : callable
+        Called with the context, and with a sentence to show in place of the results; empty for none.
+    """
+    state.current().library.forget.append(forget)
