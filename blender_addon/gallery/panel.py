@@ -83,7 +83,7 @@ def _lines(match: Any | None) -> list[str]:
     # The whole path is in the tooltip of the picture.
     where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
     if match.since:
-        where = f"{match.since.capitalize()}: {where}"
+        where = f"{match.since}: {where}"
     return [where, *details(match)]
 
 

@@ -14,6 +14,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..preferences import preferences
 from ..state import session_of
 from .open_file import is_unsaved, open_source
+from .present import refresh
 
 if TYPE_CHECKING:
     from shapegoogle_core import Library
@@ -101,6 +102,7 @@ class _OnLibrary:
         self.report({"INFO"}, text)  # type: ignore[attr-defined]
         count = self.call(context, len)
         session_of(context).shape_count = count or 0
+        refresh(context)  # matches and examples may be gone
 
     def choose_folder(self, context: Any, title: str, confirm: str) -> set[str]:
         """Show the dialog with the folders of the library."""

@@ -112,7 +112,7 @@ def _show(found: LibraryState) -> None:
     for match in (*session.matches, *session.versions):
         today = found.today.get(match.shape_id, match.shape_id)
         same = today == match.shape_id
-        match.since = "" if same else "no longer indexed" if today is None else "indexed again since"
+        match.since = "" if same else "No longer indexed" if today is None else "Indexed again since"
     for example in session.examples:
         if example.library == str(found.path):
             today = found.today.get(example.shape_id, example.shape_id)
