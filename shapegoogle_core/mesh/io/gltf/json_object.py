@@ -47,19 +47,19 @@ class JsonObject:
     place: str
 
     def has(self, key: str) -> bool:
-        """Whether there is such a key."""
-        return key in self.values
+        """Whether there is such a key; some programs write null for what is not there."""
+        return self.values.get(key) is not None
 
     def whole(self, key: str, default: int | None = None) -> int:
         """Return a whole number ≥ 0."""
-        value = _as_whole(self.values.get(key, default))
+        value = _as_whole(self.values[key] if self.has(key) else default)
         if value is None:
             raise self._unexpected(key, "a whole number ≥ 0")
         return value
 
     def text(self, key: str, default: str | None = None) -> str:
         """Return a text."""
-        value = self.values.get(key, default)
+        value = self.values[key] if self.has(key) else default
         if not isinstance(value, str):
             raise self._unexpected(key, "a text")
         return value
@@ -91,7 +91,7 @@ class JsonObject:
 
     def object(self, key: str) -> JsonObject:
         """Return an object, empty without the key."""
-        value = self.values.get(key, {})
+        value = self.values[key] if self.has(key) else {}
         if not isinstance(value, dict):
             raise self._unexpected(key, "an object")
         return JsonObject(value, self._place(key))
@@ -104,7 +104,7 @@ class JsonObject:
         return [JsonObject(value, f"{place}[{index}]") for index, value in enumerate(values)]
 
     def _list(self, key: str) -> list[Any]:
-        value = self.values.get(key, [])
+        value = self.values[key] if self.has(key) else []
         if not isinstance(value, list):
             raise self._unexpected(key, "a list")
         return value
@@ -113,7 +113,7 @@ class JsonObject:
         return f"{self.place}.{key}" if self.place else key
 
     def _unexpected(self, key: str, expected: str) -> DamagedError:
-        if key not in self.values:
+        if not self.has(key):
             return DamagedError(f"has no {key!r} in {self.place or 'its JSON'}; it should be {expected}")
         found = json.dumps(self.values[key])[:40]
         return DamagedError(f"has {found} as {self._place(key)} instead of {expected}")

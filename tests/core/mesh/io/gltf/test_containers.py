@@ -232,6 +232,14 @@ def test_json_that_is_damaged(tmp_path: Path) -> None:
         refuse(write(tmp_path, "odd.gltf", gltf(**changes)), word)
 
 
+def test_null_is_nothing(tmp_path: Path) -> None:
+    tree, _ = gltf_tree()
+    primitive = tree["meshes"][0]["primitives"][0] | {"mode": None, "targets": None, "extensions": None}
+    node = {"mesh": 0, "skin": None, "matrix": None, "children": None, "rotation": None, "weights": None}
+    data = gltf(scene=None, skins=None, nodes=[node], meshes=[{"primitives": [primitive], "weights": None}])
+    assert volume(read_mesh(write(tmp_path, "box.gltf", data))) == pytest.approx(VOLUME)
+
+
 UNKNOWN = [
     "ACME_gizmo",
     "KHR_gaussian_splatting",
