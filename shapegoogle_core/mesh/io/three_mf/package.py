@@ -64,6 +64,10 @@ class Package:
             )
         return _key(found[0])
 
+    def has(self, path: str) -> bool:
+        """Whether there is such a part."""
+        return _key(path) in self._parts
+
     def resolve(self, path: str, part: str) -> str:
         """Return the path of a part that another part names; `DamagedError` if it is not there."""
         key = _key(posixpath.join("/" + posixpath.dirname(part), path))

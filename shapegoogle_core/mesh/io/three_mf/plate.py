@@ -12,6 +12,7 @@ from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, c
 from shapegoogle_core.mesh.io.polygons import Polygons
 from shapegoogle_core.mesh.io.three_mf.model import Model, ModelObject, Reference, read_model
 from shapegoogle_core.mesh.io.three_mf.package import Package
+from shapegoogle_core.mesh.io.three_mf.slicer import apply_slicer_settings
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["PlateObject", "read_plate", "read_three_mf"]
@@ -158,7 +159,10 @@ class _Plate:
 
     def _model(self, part: str) -> Model:
         if part not in self._models:
-            self._models[part] = read_model(self._package, part, self._max_faces)
+            model = read_model(self._package, part, self._max_faces)
+            if part == self._start:
+                model = apply_slicer_settings(self._package, model)
+            self._models[part] = model
         return self._models[part]
 
 

@@ -16,7 +16,7 @@ from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.mesh.io.file import MeshFile
 from shapegoogle_core.mesh.io.objects import MeshObject, read_object, read_objects
 from shapegoogle_core.mesh.io.three_mf import PlateObject, read_plate
-from tests.core.mesh.io.mesh_files import AREA, POINTS, VOLUME, obj, refuse, volume, write
+from tests.core.mesh.io.mesh_files import AREA, POINTS, TRIANGLES, VOLUME, obj, refuse, volume, write
 from tests.core.mesh.io.three_mf_files import (
     LATTICE,
     component,
@@ -291,6 +291,55 @@ def test_models_that_are_damaged(tmp_path: Path, old: str, new: str, word: str) 
     text = model(mesh_object(1), item(1))
     assert old in text
     refuse(write(tmp_path, "bad.3mf", package(text.replace(old, new, 1))), word)
+
+
+def test_volumes_of_prusaslicer(tmp_path: Path) -> None:
+    """One mesh holds the model, a modifier and a support blocker; the settings tell them apart."""
+    points = np.vstack([POINTS, POINTS + 10, POINTS + 20, POINTS + 30])
+    faces = [tuple(corner + 8 * part for corner in face) for part in range(4) for face in TRIANGLES]
+    volumes = "".join(
+        f'<volume firstid="{12 * part}" lastid="{12 * part + 11}">'
+        '<metadata type="volume" key="name" value="v"/>'
+        f'<metadata type="volume" key="{key}" value="{value}"/></volume>'
+        for part, (key, value) in enumerate(
+            [
+                ("volume_type", "ModelPart"),
+                ("volume_type", "ParameterModifier"),
+                ("modifier", "1"),
+                ("volume_type", "ModelPart"),
+            ]
+        )
+    )
+    config = f'<config><object id="1"><metadata type="object" key="name" value="Bracket"/>{volumes}</object>'
+    config += '<object id="2"><metadata type="object" key="name" value="Other"/></object></config>'
+    resources = mesh_object(1, points, faces=faces) + mesh_object(2)
+    data = package(model(resources, item(1) + item(2)), parts={"Metadata/Slic3r_PE_model.config": config})
+    bracket, other = plate(data)
+    assert (bracket.name, other.name) == ("Bracket", "Other")
+    path = write(tmp_path, "plate.3mf", data)
+    assert read_mesh(path).area == pytest.approx(AREA * (2 + 1))
+    subtracted = config.replace("ParameterModifier", "NegativeVolume")
+    data = package(model(resources, item(1)), parts={"Metadata/Slic3r_PE_model.config": subtracted})
+    with pytest.warns(MeshWarning, match="its slicer subtracts"):
+        assert read_mesh(write(tmp_path, "plate.3mf", data)).area == pytest.approx(2 * AREA)
+    data = package(model(resources, item(1)), parts={"Metadata/Slic3r_PE_model.config": config[:-20]})
+    refuse(write(tmp_path, "plate.3mf", data), "part 'Metadata/Slic3r_PE_model.config'")
+
+
+def test_parts_of_bambu_studio() -> None:
+    other = model(mesh_object(1) + mesh_object(2, POINTS * 2))
+    resources = components(
+        3, component(1, more='p:path="/3D/b.model"'), component(2, more='p:path="/3D/b.model"')
+    )
+    config = (
+        '<config><object id="3"><metadata key="name" value="Vase"/><part id="1" subtype="normal_part">'
+        '<metadata key="name" value="body"/></part><part id="2" subtype="modifier_part"/></object>'
+        '<plate><metadata key="plater_name" value=""/></plate></config>'
+    )
+    parts = {"3D/b.model": other, "Metadata/model_settings.config": config}
+    (vase,) = plate(package(model(resources, item(3), 'requiredextensions="p"'), parts=parts))
+    assert vase.name == "Vase"
+    assert np.ptp(vase.polygons.vertices, axis=0).tolist() == [2, 1, 3]
 
 
 def objects_of(path: Path) -> dict[str, MeshObject]:
