@@ -96,7 +96,7 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         left = self._run.total - self._run.done
         counts = f"{len(result.linked):,} linked, {len(result.refused) + len(self._gone):,} left as they are"
         if cancelled:
-            counts = f"Cancelled: {counts}, {left:,} not reached; choose their groups and link again"
+            counts = f"Cancelled: {counts}, {left:,} not reached; Link Data goes on with them"
         shown.status = counts
         _refresh(context, shown, chosen=cancelled)
         self.report({"INFO"}, shown.status)

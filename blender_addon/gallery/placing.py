@@ -61,11 +61,8 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
         If the file or the object in it is gone, or Blender cannot read it.
     """
     path, object_name = Path(source), sought.object_name
-    if is_unsaved(source) and is_open_file(source):
-        raise PlacingError(
-            f"{object_name!r} is not in this scene any more: it was deleted, or renamed and changed; undo "
-            "that, or index This Scene and search again"
-        )
+    if is_open_file(source):
+        raise PlacingError(_why_not_here(object_name))
     if is_unsaved(source):
         raise PlacingError(
             f"{object_name!r} is in a file that was never saved and is not open any more; Forget Missing "
@@ -158,6 +155,20 @@ def select_only(context: Any, items: Sequence[Any]) -> None:
     for item in items:
         item.select_set(True)
     objects.active = items[0]
+
+
+def _why_not_here(object_name: str) -> str:
+    """Say why an object of the open file, which cannot be appended to itself, is not in the scene."""
+    item = bpy.data.objects.get(object_name)
+    scenes = [] if item is None else [repr(scene.name) for scene in item.users_scene]
+    if scenes:
+        return (
+            f"{object_name!r} is in another scene of this file, {' and '.join(scenes)}; switch to that scene"
+        )
+    return (
+        f"{object_name!r} is not in this scene any more: it was deleted, or renamed and changed; undo "
+        "that, or index This Scene and search again"
+    )
 
 
 def _instance(context: Any, path: Path, object_name: str) -> Any:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["register", "unregister"]
 
-WIDTH = 420
+WIDTH = 560
 # Examples in a dialog; all would not fit the window.
 MOST_NAMES = 3
 _HERE = "This folder exists", "FILE_FOLDER"
@@ -141,7 +141,7 @@ class SHAPEGOOGLE_OT_move_sources(_OnLibrary, bpy.types.Operator):
     def draw(self, _context: Any) -> None:
         """Lay the dialog out."""
         if not self.old:
-            self.layout.prop(self, "root", expand=True)
+            self.layout.column(align=True).prop(self, "root", expand=True)
             return
         column = self.layout.column(align=True)
         column.label(text=f"From {self.old}", icon="FILE_FOLDER")
@@ -211,9 +211,9 @@ class SHAPEGOOGLE_OT_forget_folder(_OnLibrary, bpy.types.Operator):
 
     def draw(self, _context: Any) -> None:
         """Lay the dialog out."""
-        self.layout.prop(self, "root", expand=True)
+        self.layout.column(align=True).prop(self, "root", expand=True)
         column = self.layout.column(align=True)
-        column.label(text=f"{_counted(*_Folders.counts[self.root])} leave the library.", icon="INFO")
+        column.label(text=f"To forget: {_counted(*_Folders.counts[self.root])}", icon="INFO")
         column.label(text="The files stay as they are. This cannot be undone;")
         column.label(text="Index Library reads the folder again.")
 
@@ -257,7 +257,7 @@ class SHAPEGOOGLE_OT_forget_missing(_OnLibrary, bpy.types.Operator):
         """Lay the dialog out."""
         column, report = self.layout.column(align=True), self._report
         count = _counted(len(report.forgotten), report.shape_count)
-        column.label(text=f"{count} do not exist any more and leave the library.", icon="INFO")
+        column.label(text=f"To forget, since the files do not exist any more: {count}", icon="INFO")
         if report.forgotten:
             column.label(text=_listed([PurePath(path).name for path in report.forgotten]))
         for folder, files in report.kept:

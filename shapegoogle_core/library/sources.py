@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from shapegoogle_core.api.arguments import path_text
 from shapegoogle_core.library.folders import LibraryFolders, PathLike
@@ -90,25 +91,29 @@ class LibrarySources(LibraryFolders):
         return known is not None and self._store.update_source(known, size, mtime_ns)
 
     def rename_source(self, source: str, name: str) -> bool:
-        """Give a label another text; its shapes keep their numbers.
+        """Give a label another text, or its shapes to a file; they keep their numbers.
 
         Parameters
         ----------
         source : str
             A label, such as that of a scene that has not been saved yet.
         name : str
-            The new text. A label that has it already is replaced.
+            The new text. The absolute path of a file below a root makes them shapes of that file. A source
+            that has the name already is replaced.
 
         Returns
         -------
         known : bool
             Whether the library has the label.
         """
-        old, new = SourceKey("", path_text(source)), SourceKey("", path_text(name))
+        old, label = SourceKey("", path_text(source)), SourceKey("", path_text(name))
         if not self._store.known_sources([old]):
             return False
+        below = key_below(name, self._store.roots()) if Path(name).is_absolute() else None
+        new = below or label
         if old != new:
-            self._store.rearrange(Rearrangement(moved=((old, new),), removed=(new,)))
+            replaced = tuple(key for key in (new, label) if key != old)
+            self._store.rearrange(Rearrangement(moved=((old, new),), removed=replaced))
         return True
 
     def remove(self, source: PathLike) -> bool:

@@ -74,7 +74,7 @@ def test_an_unsaved_file_is_no_other_unsaved_file(new_file: Any, index: Any) -> 
     assert [name for _, name in index()] == ["Cube", "Cube"]
 
 
-def test_saving_takes_the_shapes_over(new_file: Any, index: Any, tmp_path: Path) -> None:
+def test_saving_takes_the_shapes_over(new_file: Any, index: Any, preferences: Any, tmp_path: Path) -> None:
     lumpy("Pear", 0)
     index()
     session = find("Pear")
@@ -85,6 +85,9 @@ def test_saving_takes_the_shapes_over(new_file: Any, index: Any, tmp_path: Path)
     assert session.matches[0].source == path
     choose(session, "Pear")
     assert bpy.ops.shape_google.select_match() == {"FINISHED"}
+    with Library.open(preferences.library) as library:
+        assert [(record.source, record.object_name) for record in library.shapes()] == [(path, "Pear")]
+        assert [root.path for root in library.roots()] == [str(tmp_path)]
     assert index() == [(path, "Pear")]
     # Under another name it is another file; the first one is where it was.
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
@@ -165,6 +168,20 @@ def test_what_is_gone_is_said(new_file: Any, index: Any, tmp_path: Path) -> None
     assert not bpy.ops.shape_google.select_match.poll()
     with pytest.raises(RuntimeError, match="'Plum' is not in this scene any more"):
         bpy.ops.shape_google.append_match()
+
+
+def test_another_scene_of_the_file_is_named(new_file: Any, index: Any) -> None:
+    lumpy("Pear", 0)
+    plum = lumpy("Plum", 1)
+    index()
+    session = find("Pear")
+    bpy.data.scenes.new("Attic").collection.objects.link(plum)
+    bpy.context.collection.objects.unlink(plum)
+    bpy.context.view_layer.update()
+    assert not choose(session, "Plum").in_scene
+    with pytest.raises(RuntimeError, match="'Plum' is in another scene of this file, 'Attic'; switch"):
+        bpy.ops.shape_google.append_match()
+    bpy.data.scenes.remove(bpy.data.scenes["Attic"])
 
 
 def test_select_goes_through_the_placements(new_file: Any, index: Any) -> None:

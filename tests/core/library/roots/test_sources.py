@@ -133,6 +133,23 @@ def test_a_renamed_label_keeps_its_shapes(rooted: Library) -> None:
     }
 
 
+def test_a_label_that_is_saved_below_a_root_becomes_that_file(rooted: Library, folder: Path) -> None:
+    signature = rooted.signature(1)
+    (root,) = rooted.roots()
+    path = str(Path(root.path) / "new.blend")
+    rooted.replace_source(path, size=1, mtime_ns=1, sha256="old", shapes=[])
+    shape = rooted.add_signature(signature, "a", source="unsaved")
+    assert rooted.rename_source("unsaved", path)
+    assert rooted.shape(shape).source == path
+    source = rooted.sources()[path]
+    assert (source.root, source.relative, source.size, source.shape_count) == (
+        root.name,
+        "new.blend",
+        None,
+        1,
+    )
+
+
 def test_placements(library: Library, folder: Path, indexed: Library) -> None:
     signature = indexed.signature(1)
     placements = (
