@@ -94,7 +94,10 @@ class IndexingProgress:
         """
         parts = [f"{self.files_done:,} of {counted(self.files_total, 'file')}"]
         shapes = self.shapes_done + self.shapes_waiting + self.shapes_expected
-        if shapes:
+        if self.seconds_left is None:
+            # A file that has not been read may contain one shape or thousands.
+            parts.append(counted(self.shapes_done, "shape"))
+        elif shapes:
             about = "about " if self.shapes_expected else ""
             parts.append(f"{self.shapes_done:,} of {about}{counted(shapes, 'shape')}")
         if self.seconds_left is None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import bpy
+import pytest
 
 from shapegoogle_core import Library
 from shapegoogle_core.indexing import FileOutcome, IndexSummary
@@ -132,3 +134,16 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, se
     bpy.ops.shape_google.index_library()
     assert session.summary == "1 shape of this scene"
     assert not session.errors
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such names")
+def test_forty_broken_files(preferences: Any, session: Any, tmp_path: Path) -> None:
+    """The summary is longer than any pipe takes at once, and beside it the list of errors is printed."""
+    folder = tmp_path.joinpath("assets", *["}\n{ long name of a folder " * 8] * 8)
+    folder.mkdir(parents=True)
+    for number in range(40):
+        (folder / f"{number:02}.off").write_text("OFF\n")
+    add_folder(preferences, tmp_path / "assets")
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    assert session.summary == "40 inputs failed"
+    assert {error.path for error in session.errors} == {str(path) for path in folder.iterdir()}

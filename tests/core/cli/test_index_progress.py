@@ -79,7 +79,7 @@ def test_lines_in_a_log(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> Non
         "warning: a.off: 'a.off' has no unit",
         "1 of 3 files, 5 of about 52 shapes, 3 min left, 0 failed",
         "skipped b.off: 'b.off' is damaged",
-        "2 of 3 files, estimating the time left, 1 failed",
+        "2 of 3 files, 0 shapes, estimating the time left, 1 failed",
         "3 of 3 files, 52 of 52 shapes, done, 1 failed",
     ]
     assert without_progress(stderr).splitlines() == [stderr.splitlines()[0], stderr.splitlines()[2]]
