@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
 import os
 import sys
@@ -89,7 +90,11 @@ def main(
     except KeyboardInterrupt:
         say("shapegoogle: interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
+    except OSError as error:
+        if error.errno == errno.EIO:  # the terminal was closed, so nothing can be said
+            return INTERRUPTED
+        if not isinstance(error, BrokenPipeError):
+            raise
         # Python flushes stdout once more at exit, which must not fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return CLOSED_PIPE

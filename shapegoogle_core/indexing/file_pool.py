@@ -265,7 +265,7 @@ class FilePool:
             reason = (
                 f"{step.name!r} crashed the process that {did} it ({error}); export it again or simplify it"
             )
-            return Failure(reason), Spent()
+            return Failure(reason, lasting=not error.asked), Spent()
         except Exception as error:
             reason = (
                 f"{step.name!r} was lost by the process that worked on it; index it again, and report it "

@@ -9,11 +9,9 @@ shapes.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
 from typing import Protocol, TypeVar, cast
 
 import numpy as np
@@ -35,6 +33,7 @@ from shapegoogle_core.model.settings import DESCRIPTORS, ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
 from shapegoogle_core.model.shape_model import ShapeModel
 from shapegoogle_core.model.working_shape import WorkingShape, working_shape
+from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask
 from shapegoogle_core.registration import (
     PreparedSample,
     SurfaceSample,
@@ -185,14 +184,14 @@ def train_model(
     random = np.random.default_rng(seed)
     plan = _plan_versions(shapes, versions, random)
     show = progress or _silent
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
+    with Pool(jobs, time_limit=None) as pool:
         chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
-        sampling = pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen], chunksize=2)
+        sampling = _results(pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen]))
         sampled = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
         if not sampled:
             raise ModelError("none of the training shapes could be described; see the warnings")
         vocabularies = _learn_vocabularies(settings, sampled, seed)
-        describing = pool.map(partial(_describe_version, settings, vocabularies), plan, chunksize=2)
+        describing = _results(pool.map(partial(_describe_version, settings, vocabularies), plan))
         described = list(show(describing, "bags", len(plan)))
     usable = [(version.label, *found) for version, found in zip(plan, described, strict=True) if found]
     labels = np.array([label for label, _, _ in usable], dtype=np.int64)
@@ -207,8 +206,15 @@ def _check_variety(different: int) -> None:
         raise ModelError(f"a model needs at least 8 different usable shapes to learn from, not {different}")
 
 
-def _one_thread() -> None:
-    threadpool_limits(1)
+def _results(tasks: Iterable[PoolTask[T]]) -> Iterator[T]:
+    for task in tasks:
+        try:
+            yield task.result()
+        except CrashError as error:
+            raise ModelError(
+                f"the training has ended, since a process that described a shape did ({error}); use fewer "
+                "jobs if memory was short"
+            ) from error
 
 
 def _plan_versions(

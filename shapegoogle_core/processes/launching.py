@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import threading
+import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
@@ -42,6 +43,10 @@ THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
 
 NO_WINDOW: int = getattr(subprocess, "CREATE_NO_WINDOW", 0)
 """Flag for `subprocess.Popen`: on Windows a console would open beside a program with a window."""
+
+
+# Programs that this process has launched.
+_launched: weakref.WeakSet[subprocess.Popen[bytes]] = weakref.WeakSet()
 
 
 def default_jobs() -> int:
@@ -110,6 +115,7 @@ def launch(
     finally:
         # As long as it is open here too, the end of the program is not the end of its messages.
         os.close(writing)
+    _launched.add(process)
     return process, messages
 
 
@@ -168,40 +174,50 @@ def without_memory_limit() -> Iterator[None]:
 
 @contextmanager
 def orderly_end() -> Iterator[None]:
-    """Make SIGTERM act as Ctrl-C does inside the block, so that temporary files are removed.
+    """Make SIGTERM, and closing the terminal, act as Ctrl-C does inside the block, so that it can clean up.
 
-    Windows has no such signal: a process that is terminated there removes nothing.
+    Windows has no such signals: a process that is terminated there removes nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         # Only the main thread receives signals and may handle them.
         yield
         return
 
+    numbers = [signal.SIGTERM]
+    # `nohup` ignores the signal of a closed terminal, and so it stays.
+    if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        numbers.append(signal.SIGHUP)
+
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         # A second signal must not interrupt the cleaning up.
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        for number in numbers:
+            signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    previous = signal.signal(signal.SIGTERM, interrupt)
+    previous = {number: signal.signal(number, interrupt) for number in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL if previous is None else previous)
+        for number, handler in previous.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 @contextmanager
 def interrupts_blocked() -> Iterator[None]:
-    """Keep Ctrl-C, which reaches all processes of a terminal, from those started inside the block.
+    """Keep Ctrl-C, and the closing of a terminal, from processes started inside the block.
 
-    They inherit the blocked signal, and so do the threads that start their successors. Without it, a worker
-    that is still importing prints a traceback. The signal itself arrives after the block.
+    They inherit the blocked signals, and so do the threads that start their successors. Without it, a worker
+    that is still importing prints a traceback, and one that works seems to have crashed. The signals
+    themselves arrive after the block.
     """
     if sys.platform == "win32":
         yield
         return
-    # Starting this helper of multiprocessing unblocks the signal again, so it must run already.
+    # This helper of multiprocessing ignores only Ctrl-C by itself, and starting it unblocks that again, so it
+    # must run already.
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
     resource_tracker.ensure_running()
-    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
@@ -218,18 +234,30 @@ def block_broken_pipe_signal() -> None:
 
 
 def end_with_parent() -> None:
-    """End this process of `multiprocessing` when its parent has gone, possibly killed.
+    """End this process of `multiprocessing` when its parent has gone or asks it to, and what it has launched.
 
-    Nobody else would stop it if it hangs.
+    Nobody else would stop a program that hangs.
     """
 
     def watch() -> None:
         parent = multiprocessing.parent_process()
         if parent is not None:
             parent.join()
+            _kill_launched()
             os._exit(1)
 
+    def end(number: int, _frame: FrameType | None) -> None:
+        _kill_launched()
+        signal.signal(number, signal.SIG_DFL)
+        signal.raise_signal(number)
+
+    signal.signal(signal.SIGTERM, end)
     threading.Thread(target=watch, daemon=True).start()
+
+
+def _kill_launched() -> None:
+    for process in tuple(_launched):
+        process.kill()
 
 
 def limit_memory(megabytes: int) -> None:

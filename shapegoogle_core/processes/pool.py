@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -38,6 +39,8 @@ TASKS_PER_PROCESS = 1000
 TASKS_AHEAD = 3
 # Number of times in a row that all processes may die before a task is done; after that no task is to blame.
 MAX_RESTARTS = 2
+# Signals that ask a process to end; Windows has some of them.
+ASKING = {getattr(signal, name) for name in ("SIGHUP", "SIGINT", "SIGTERM") if hasattr(signal, name)}
 
 
 class TimeLimitError(Exception):
@@ -45,7 +48,22 @@ class TimeLimitError(Exception):
 
 
 class CrashError(Exception):
-    """A task ended its process; the message says how, such as "SIGSEGV" or "exit code 3"."""
+    """A task ended its process; the message says how, such as "SIGSEGV" or "exit code 3".
+
+    Parameters
+    ----------
+    exit_code : int
+        Negative for a signal.
+    """
+
+    def __init__(self, exit_code: int) -> None:
+        super().__init__(cause_of_death(exit_code))
+        self.exit_code = exit_code
+
+    @property
+    def asked(self) -> bool:
+        """Whether somebody asked the process to end: the task is not to blame."""
+        return -self.exit_code in ASKING
 
 
 @dataclass(frozen=True)
@@ -106,7 +124,7 @@ class PoolTask(Generic[R]):
         except TimeoutError as error:
             raise TimeLimitError("the time limit was exceeded") from error
         except ProcessExpired as error:
-            raise CrashError(cause_of_death(error.exitcode)) from error
+            raise CrashError(error.exitcode) from error
         return result
 
 
@@ -122,8 +140,8 @@ class Pool:
     ----------
     jobs : int
         Number of processes.
-    time_limit : float
-        Seconds that a task may take; its process is killed then, and replaced.
+    time_limit : float or None
+        Seconds that a task may take; its process is killed then, and replaced. None for no limit.
     memory_limit : int, optional
         Megabytes that a task may need beyond what an idle process holds. Enforced on Linux only: macOS and
         Windows have no such limit for a process.
@@ -148,7 +166,7 @@ class Pool:
     def __init__(
         self,
         jobs: int,
-        time_limit: float,
+        time_limit: float | None,
         *,
         memory_limit: int | None = None,
         folder: Path | None = None,
