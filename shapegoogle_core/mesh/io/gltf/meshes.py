@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.mesh.io.file import DamagedError
 from shapegoogle_core.mesh.io.gltf.accessors import accessor_count, read_accessor, read_floats
 from shapegoogle_core.mesh.io.gltf.container import Document
@@ -185,9 +186,7 @@ def _used(part: Part) -> Part:
     """Drop the vertices that no face uses: primitives often share the positions of the whole file."""
     if not len(part.faces):
         return part
-    used = np.zeros(len(part.vertices), bool)
-    used[part.faces] = True
-    if used.all():
-        return part
-    places = np.cumsum(used) - 1
-    return Part(part.vertices[used], places[part.faces], part.joints[used], part.weights[used], part.place)
+    used, faces = used_vertices(part.faces, len(part.vertices))
+    return Part(
+        part.vertices[used], faces.astype(np.int64), part.joints[used], part.weights[used], part.place
+    )
