@@ -213,6 +213,7 @@ def _from_core(context: Any, path: Path, object_name: str) -> None:
     except MeshError as error:
         raise PlacingError(str(error)) from error
     new_object(context, mesh, object_name or path.stem)
+    context.view_layer.update()  # until then the view layer does not list it
 
 
 def move_to(objects: list[Any], place: Vector) -> None:

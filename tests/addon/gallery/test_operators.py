@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 from tests.addon.shapes import open_source
+from tests.core.mesh.io.mesh_files import POINTS
+from tests.core.mesh.io.three_mf_files import item as built
+from tests.core.mesh.io.three_mf_files import mesh_object, model, moved, package
 
 
 def add(name: str, subdivisions: int = 3) -> Any:
@@ -185,3 +188,18 @@ class TestMark:
         choose("Query")
         assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
         assert bpy.context.selected_objects == [query]
+
+
+def test_append_an_object_of_a_plate(addon: ModuleType, blender: Any, tmp_path: Path) -> None:
+    """Of a 3MF only the object that was found, not the whole plate."""
+    placing = importlib.import_module(f"{addon.__name__}.gallery.placing")
+    finding = importlib.import_module(f"{addon.__name__}.scene.finding")
+    resources = mesh_object(1, more='name="Box"') + mesh_object(2, 2 * POINTS, 'name="Crate"')
+    path = tmp_path / "plate.3mf"
+    path.write_bytes(package(model(resources, built(1) + built(2, moved(50, 0, 0)))))
+    (crate,) = placing.bring_in(bpy.context, str(path), finding.Sought("Crate"))
+    assert crate.name == "Crate"
+    assert list(crate.dimensions) == pytest.approx([4, 2, 6])
+    with pytest.raises(placing.PlacingError, match="has no object 'Lid' any more"):
+        placing.bring_in(bpy.context, str(path), finding.Sought("Lid"))
+    placing.remove(bpy.context, [crate])
