@@ -16,12 +16,19 @@ from numpy.typing import NDArray
 from shapegoogle_core.mesh.io.file import DamagedError, FormatError, MeshFile, check_face_count
 from shapegoogle_core.mesh.io.numbers import parse_corners, parse_numbers
 from shapegoogle_core.mesh.io.polygons import Polygons
-from shapegoogle_core.mesh.io.text import Lines, plain_text, unexpected
+from shapegoogle_core.mesh.io.text import Lines, lines_of, plain_text, quoted, unexpected
 from shapegoogle_core.mesh.mesh import counted
 
 __all__ = ["read_obj"]
 
 _BLANKS = bytes.maketrans(b"\t\f\v", b"   ")
+# Words at the beginning of a line, also of what is not read: normals, materials, free-form surfaces.
+_WORDS = frozenset(
+    b"v vt vn vp f l p o g s mg usemtl mtllib usemap maplib shadow_obj trace_obj bevel c_interp d_interp lod "
+    b"ctech stech cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con res".split()
+) | {b""}
+_LETTERS = 3
+_BEGINNINGS = frozenset(word[:_LETTERS] for word in _WORDS if len(word) >= _LETTERS)
 _A_VERTEX = "a vertex (v and three coordinates)"
 _A_FACE = "a face (f and the vertices, counted from 1, or from the last one with -1)"
 _SOUND_FACE = re.compile(rb"f(?: [-+]?0*[1-9]\d*(?:\.0*)?(?:/\S*)?)+")
@@ -55,8 +62,8 @@ def read_obj(file: MeshFile) -> Polygons:
     if not len(vertex_lines):
         raise FormatError("has no vertex lines: it is empty, or not an OBJ file; export it again")
     vertices = parse_numbers(vertex_lines, (1, 2, 3), _A_VERTEX)
-    may_be_free_form = b"surf" in file.data or b"s\0u\0r\0f" in file.data  # the latter in UTF-16
-    surfaces = sum(line.startswith(b"surf ") for line in lines) if may_be_free_form else 0
+    others = len(vertex_lines) + len(face_lines) + lines.count(b"") < len(lines)
+    surfaces, unknown = _left_out(lines) if others else (0, ())
     if not len(face_lines):
         if surfaces:
             raise FormatError(
@@ -75,9 +82,29 @@ def read_obj(file: MeshFile) -> Polygons:
         raise DamagedError(
             f"names vertex {corners[missing[0]] + 1} in line {number:,}, but there are only {len(vertices):,}"
         )
-    free_form = counted(surfaces, "free-form surface", "free-form surfaces")
-    note = f"has {free_form} (surf), which cannot be read; convert them to polygons"
-    return Polygons(vertices, corners, sizes, (note,) if surfaces else ())
+    notes = list(unknown)
+    if surfaces:
+        free_form = counted(surfaces, "free-form surface", "free-form surfaces")
+        notes.append(f"has {free_form} (surf), which cannot be read; convert them to polygons")
+    return Polygons(vertices, corners, sizes, tuple(notes))
+
+
+def _left_out(lines: list[bytes]) -> tuple[int, tuple[str, ...]]:
+    """Count free-form surfaces, and note lines that begin with no word of the format.
+
+    Damage may hide vertices or faces in such a line.
+    """
+    # The first letters of a line are one of a few hundred strings; the words themselves would take long.
+    beginnings = {line[:_LETTERS] for line in lines}
+    surfaces = sum(line.startswith(b"surf ") for line in lines) if b"sur" in beginnings else 0
+    unknown = {each for each in beginnings - _BEGINNINGS if each.split(b" ")[0] not in _WORDS}
+    if not unknown:
+        return surfaces, ()
+    numbers = [number for number, line in enumerate(lines, 1) if line[:_LETTERS] in unknown]
+    first = f"{quoted(lines[numbers[0] - 1])} in line {numbers[0]:,}"
+    return surfaces, (
+        f"has {lines_of(len(numbers))} of an unknown kind (first: {first}); they were not read",
+    )
 
 
 def _plain_lines(data: bytes) -> list[bytes]:

@@ -56,11 +56,13 @@ def plain_text(data: bytes) -> bytes:
         An extension of ASCII without a byte order mark; lines end with ``\n``, and every spelling of what is
         not a number is "nan".
     """
-    # A search that finds nothing costs next to nothing; a regular expression does.
+    # A search for one byte costs next to nothing; one for several bytes or a regular expression does.
     text = without_mark(data).removesuffix(b"\x1a")  # the end of a file of DOS
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    if b".#" in text:
+    if b"\xef" in text:  # perhaps a mark where files were joined
+        text = text.replace(b"\n" + codecs.BOM_UTF8, b"\n")
+    if b"#" in text and b".#" in text:
         text = _INFINITE.sub(rb"\1inf", _NOT_A_NUMBER.sub(b"nan", text))
     return _NAN_OF_A_KIND.sub(b"nan", text) if b"(" in text else text
 
