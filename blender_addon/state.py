@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.service.requests import Answer
 
     from .duplicates.background import BackgroundSearch
+    from .duplicates.follow import Found
     from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
     from .jobs import BackgroundRun
     from .library.scene_source import SceneIndexing
@@ -184,10 +185,13 @@ class DuplicatesState:
         The search that runs in the worker process.
     linking : SHAPEGOOGLE_OT_link_duplicates or None
         The linking that runs in time slices.
+    found : list of Found
+        The groups that were found in the scene, as they were then.
     """
 
     search: BackgroundSearch | None = None
     linking: SHAPEGOOGLE_OT_link_duplicates | None = None
+    found: list[Found] = field(default_factory=list)
 
 
 @dataclass

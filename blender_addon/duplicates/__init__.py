@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Groups of the same and of similar shapes, to select and to link."""
 
-from . import link_operator, operators, panel, properties
+from . import follow, link_operator, operators, panel, properties
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (properties, operators, link_operator, panel)
+_MODULES = (properties, operators, link_operator, follow, panel)
 
 
 def register() -> None:

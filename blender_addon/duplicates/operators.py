@@ -232,6 +232,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
 def _forget(*_arguments: object) -> None:
     """Another file is opened: the groups are of the old one."""
     _cancel_running()
+    state.current().duplicates.found.clear()
     shown = bpy.context.window_manager.shape_google_duplicates
     shown.groups.clear()
     shown.status, shown.running = "", False

@@ -17,6 +17,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from .follow import remember
+
 if TYPE_CHECKING:
     from .groups import Group
 
@@ -112,7 +114,9 @@ class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
     progress: FloatProperty()
 
 
-def show_groups(shown: Any, groups: Sequence[Group], scope: str, *, add: bool = False) -> None:
+def show_groups(
+    shown: Any, groups: Sequence[Group], scope: str, *, add: bool = False, new: bool = True
+) -> None:
     """Put groups into the list.
 
     Parameters
@@ -123,7 +127,11 @@ def show_groups(shown: Any, groups: Sequence[Group], scope: str, *, add: bool = 
         Where they were found.
     add : bool, optional
         Keep those that are in it.
+    new : bool, optional
+        Whether they were found just now, and are to be remembered.
     """
+    if new:
+        remember(groups if scope == "SCENE" else (), add=add)
     if not add:
         shown.groups.clear()
         shown.index = 0

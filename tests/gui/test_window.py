@@ -52,7 +52,9 @@ def found(window: Any, indexed: Any, query: Any) -> dict[str, Any]:
     """The answer to a click on Find Similar, in a scene with nothing but the query."""
     window.clean_scene(query, NAME)
     window.open("Search")
-    window.run("bpy.context.window_manager.shape_google.matches.clear()")
+    window.run(
+        "session = bpy.context.window_manager.shape_google\nsession.collapse = False\nsession.matches.clear()"
+    )
     window.press("shape_google.find_similar")
     window.wait(
         lambda state: state["matches"] and not state["session"]["searching"], "an answer to the query"
@@ -112,6 +114,38 @@ def test_find_similar_fills_the_gallery(window: Any, found: Any) -> None:
     empty = window.picture((round(x) - 30, round(y) - 90, round(x) + 30, round(y) - 20))
     window.run("bpy.context.window_manager.shape_google.least_similarity = 0.0")
     assert np.asarray(empty, float).tobytes() != above.tobytes()
+
+
+def test_nothing_moves_under_the_pointer(window: Any, indexed: Any, query: Any) -> None:
+    """The buttons of a match are where they were before anything was found, also after a double click."""
+    window.clean_scene(query, NAME)
+    window.open("Search")
+    window.run("bpy.context.window_manager.shape_google.matches.clear()")
+    actions = ("find_similar", "append_match", "mark_match", "transfer_match", "mark_example", "turn_page")
+    places = {action: window.find(action, columns=(0.25, 0.75, 0.06)) for action in actions}
+
+    def moved() -> list[str]:
+        return [action for action, place in places.items() if action not in window._button_at(*place)]
+
+    window.click(*places["find_similar"])
+    state = window.wait(lambda state: state["matches"] and not state["session"]["searching"], "an answer")
+    assert not moved()
+    x, y = window.find("shape_google.choose_match", occurrence=1)
+    for _ in range(2):
+        window.tool("click", 1)
+    window.wait(lambda state: state["session"]["active_match"] > 0, "another match chosen")
+    window.settle()
+    assert "choose_match" in window._button_at(x, y)
+    assert not moved()
+    window.click(*places["mark_example"])
+    window.wait(
+        lambda _: window.run("result = len(bpy.context.window_manager.shape_google.examples)"), "an example"
+    )
+    assert not moved()
+    # A double click has chosen, and done nothing else.
+    assert set(window.ask("state")["objects"]) == {NAME}
+    assert state["matches"]
+    window.run("bpy.context.window_manager.shape_google.examples.clear()")
 
 
 def test_a_match_is_chosen_and_appended(window: Any, found: Any) -> None:
