@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import argparse
 import traceback
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -49,6 +50,7 @@ from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.storage.records import Root
 
 __all__ = ["COMMAND"]
 
@@ -125,6 +127,7 @@ def _run(options: argparse.Namespace) -> int:
 def _index(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.index_progress import IndexProgress
     from shapegoogle_core.indexing import index_files, plan_indexing
+    from shapegoogle_core.indexing.files import absolute
     from shapegoogle_core.library.library import Library
     from shapegoogle_core.model import load_model
 
@@ -140,8 +143,11 @@ def _index(options: argparse.Namespace) -> int:
         with Library.open(options.library, read_only=True) if known else nullcontext() as library:
             outcomes = plan_indexing(library, paths, settings, options.reader)
             gone = library.missing(_folders(options)) if library is not None and options.prune else []
+            away = [] if library is None else _roots_away(library)
         report_plan(outcomes, failed, excluded, gone, options)
         say_skipped(skipped)
+        if any(outcome.status == "added" for outcome in outcomes):
+            _say_away(away, options.library)
         return SOME_FAILED if failed or any(outcome.status == "failed" for outcome in outcomes) else DONE
     if not paths and not (options.prune and known):
         # A misspelt folder must not create a library.
@@ -158,9 +164,9 @@ def _index(options: argparse.Namespace) -> int:
         folders = _folders(options)
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
-        away = [root for root in library.roots() if not Path(root.path).is_dir()]
+        away = _roots_away(library)
         for name, folder in [*options.root, *(("", folder) for folder in options.inputs)]:
-            if folder.is_dir():
+            if folder.is_dir() and any(path.is_relative_to(absolute(folder)) for path in paths):
                 library.add_root(folder, name)
         progress = IndexProgress(len(paths), verbose=options.verbose, send=options.send)
         try:
@@ -185,11 +191,8 @@ def _index(options: argparse.Namespace) -> int:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
     if kept:
         say(f"{counted(kept, 'excluded file')} indexed before, which stay in the library")
-    for root in away:
-        say(
-            f"the folder '{root.path}' of the root {root.name!r} is not there; if it was moved, run "
-            f"`shapegoogle move '{root.path}' NEW --library {options.library}`"
-        )
+    if report.added:
+        _say_away(away, options.library)
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 
@@ -215,6 +218,19 @@ def _excluded_sources(library: Library, options: argparse.Namespace) -> int:
         )
         for source in sources
     )
+
+
+def _roots_away(library: Library) -> list[Root]:
+    return [root for root in library.roots() if not Path(root.path).is_dir()]
+
+
+def _say_away(roots: Sequence[Root], library: Path) -> None:
+    """Say what to do if the new files are in a folder that was moved: they would be there twice."""
+    for root in roots:
+        say(
+            f"the folder '{root.path}' of the root {root.name!r} is not there; if it was moved, run "
+            f"`shapegoogle move '{root.path}' NEW --library {library}`"
+        )
 
 
 def _folders(options: argparse.Namespace) -> list[Path]:
