@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -150,8 +151,8 @@ class _OpenObject:
     identity: str
     name: str
     kind: str
-    numbers: list[float] = field(default_factory=list)
-    corners: list[int] = field(default_factory=list)
+    numbers: array[float] = field(default_factory=lambda: array("d"))
+    corners: array[int] = field(default_factory=lambda: array("q"))
     components: list[Reference] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -214,13 +215,15 @@ class _ModelParser:
         self._inside().notes.append(sentence)
 
     def _vertex(self, attributes: dict[str, str]) -> None:
-        self._inside().numbers += (float(attributes["x"]), float(attributes["y"]), float(attributes["z"]))
+        x, y, z = float(attributes["x"]), float(attributes["y"]), float(attributes["z"])
+        self._inside().numbers.extend((x, y, z))
 
     def _triangle(self, attributes: dict[str, str]) -> None:
-        self._inside().corners += (int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"]))
+        a, b, c = int(attributes["v1"]), int(attributes["v2"]), int(attributes["v3"])
+        self._inside().corners.extend((a, b, c))
 
     def finish_object(self) -> None:
-        """Turn the lists of an object that ends into arrays."""
+        """Check an object that ends, and note it."""
         found, self._open = self._inside(), None
         self._face_count += len(found.corners) // 3
         check_face_count(self._face_count, self._max_faces)
