@@ -188,7 +188,7 @@ def print_similarities(kinds: Sequence[str], jobs: int) -> None:
                 library.add_signature(signature, name)
         for shapes, asked in described:
             for signature in asked:
-                (match,) = library.query(signature, top=1, explain=0)
+                (match,) = library.query(signature, top=1, explain=1)
                 found.append((match.similarity, match.name == shapes[0][0]))
     similarity, right = np.array(found).T
     print(f"{len(found)} queries\n\n| similarity of the first match | queries | right |\n|---|---|---|")

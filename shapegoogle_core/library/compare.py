@@ -9,7 +9,8 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.figures import PairFigures
+from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
@@ -102,11 +103,11 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        asked = Compared(signature.sample, signature, signature.measures)
-        explainer = Explainer(asked, signature.surface, settings.evidence)
-        distance = float(model.distances(signature.bags, bags)[0])
-        alignment = known_alignment(match, signature.sample)
-        evidence = explainer.explain(
-            Compared(sample, match, other.measures), match.similarity, distance, alignment
+        pair = PairFigures(model, settings, signature, signature.sample, settings.verification.certain)
+        similarity, evidence = pair.figures(
+            Compared(sample, match, other.measures),
+            float(distances[0]),
+            float(model.distances(signature.bags, bags)[0]),
+            known_alignment(match, signature.sample),
         )
-        return replace(match, evidence=evidence)
+        return replace(match, similarity=similarity, evidence=evidence)

@@ -19,7 +19,7 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.explain import explain_matches
+from shapegoogle_core.library.search.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
 from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
@@ -332,13 +332,12 @@ class Library(LibraryContents):
         ValueError
             If `count` is below 0, or one of the matches is of another type.
         """
-        settings = self._settings.evidence
-        count = settings.explained if count is None else count
+        count = self._settings.evidence.explained if count is None else count
         check_count("count", count, 0)
         matches = as_tuple("matches", matches, Match, "a Match, or several")
         examples = self._signatures(signatures, "signatures", keep_surface=True)
-        explained = explain_matches(self._store, self.model, examples, matches[:count], settings, where)
-        return [*explained, *matches[count:]]
+        explained = explain_matches(self._store, self.model, examples, matches[:count], self._settings, where)
+        return [*explained, *by_bags(self.model, matches[count:])]
 
     def _signatures(
         self, shapes: QueryShapes, argument: str, *, keep_surface: bool = False

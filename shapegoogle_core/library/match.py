@@ -36,8 +36,9 @@ class Match:
         What matches are sorted by: the distance of the bags of query and shape, as the model measures it,
         lowered where the two surfaces fit; 0 for the same bag.
     similarity : float
-        Confidence that it is the same shape, as the model derives it from the distance: 1 at distance 0,
-        towards 0 for shapes that have nothing in common.
+        Confidence that it is the same shape, from 0 to 1. With evidence it depends on the two shapes and the
+        model only: on their bags if these are certain, otherwise also on how well the surfaces fit. Without
+        evidence it is that of the bags alone.
     shape_id : int
         Number of the shape in its library; never given to another shape of that library.
     vertex_count, face_count : int
@@ -55,6 +56,8 @@ class Match:
         Their numbers, best first; see `Library.versions`.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
+    bag_distance : float or None
+        Distance of the bags; `distance` may have been lowered.
     alignment : Alignment or None
         From the query to the match, if the search has found one; `Library.explain` uses it again.
     aligned_sample : int
@@ -83,6 +86,7 @@ class Match:
     versions: int = 0
     version_ids: tuple[int, ...] = field(default=(), repr=False)
     evidence: Evidence | None = None
+    bag_distance: float | None = field(default=None, compare=False, repr=False)
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
     aligned_sample: int = field(default=0, compare=False, repr=False)
 

@@ -22,6 +22,7 @@ from shapegoogle_core.registration.same_mesh import handed_alike as handed_alike
 from shapegoogle_core.registration.same_mesh import is_same_mesh as is_same_mesh
 from shapegoogle_core.registration.same_mesh import is_same_place as is_same_place
 from shapegoogle_core.registration.same_mesh import is_same_size as is_same_size
+from shapegoogle_core.registration.same_mesh import may_be_bent as may_be_bent
 from shapegoogle_core.registration.same_mesh import principal_motions as principal_motions
 from shapegoogle_core.registration.same_mesh import surface_difference as surface_difference
 from shapegoogle_core.registration.sample import SampleSettings as SampleSettings

@@ -33,10 +33,12 @@ WAVELENGTHS = _LONGEST / 4.0 ** np.arange(_QUARTERS)
 
 # Edges with a smaller angle between their faces belong to a curved surface, others are meant to be sharp.
 _SHARPEST = np.radians(40)
+# ... and those with a smaller one to a flat side, but for rounding.
+_FLATTEST = 1e-3
 # Coordinates are rounded to single precision by most files.
 _ROUNDING = 2.0**-24
 _HEADER = struct.Struct("<QQQ")
-_COUNT = 29 + 2 * len(WAVELENGTHS)
+_COUNT = 30 + 2 * len(WAVELENGTHS)
 # Third moments below this vanish but for rounding, so that they have no direction.
 _LEAST_THIRD = 1e-3
 
@@ -57,6 +59,9 @@ class MeshMeasures:
     coarseness : float
         Rough share of the area that a smooth surface through the vertices would have more: the mean of θ²/24
         with θ the angle between two faces. 0 for a flat-sided part, infinite for a point cloud.
+    curved : float
+        Share of the area next to edges at which a curved surface bends, from 0 to 1: by more than a rounding
+        error, and by less than at a sharp edge. Small for a flat-sided part, 1 for a point cloud.
     center : (3,) array
         Centre of mass of the surface.
     second, normals : (6,) arrays
@@ -77,6 +82,7 @@ class MeshMeasures:
     area: float
     rounding: float
     coarseness: float
+    curved: float
     center: FloatArray
     second: FloatArray
     normals: FloatArray
@@ -153,7 +159,7 @@ class MeshMeasures:
         -------
         data : bytes
         """
-        numbers = [self.area, self.rounding, self.coarseness, self.fourth, self.support]
+        numbers = [self.area, self.rounding, self.coarseness, self.curved, self.fourth, self.support]
         arrays = [self.center, self.second, self.normals, self.third, self.twist, self.spectra]
         header = _HEADER.pack(self.vertex_count, self.face_count, self.hash)
         return header + np.concatenate([numbers, *arrays]).astype("<f8").tobytes()
@@ -179,8 +185,8 @@ class MeshMeasures:
         if len(data) != expected:
             raise ValueError(f"measures have {expected} bytes, not {len(data)}")
         values = np.frombuffer(data, "<f8", offset=_HEADER.size).astype(np.float64)
-        area, rounding, coarseness, fourth, support = values[:5].tolist()
-        parts = np.split(values[5:], [3, 9, 15, 18, 24])
+        area, rounding, coarseness, curved, fourth, support = values[:6].tolist()
+        parts = np.split(values[6:], [3, 9, 15, 18, 24])
         vertices, faces, hashed = _HEADER.unpack_from(data)
         counts = int(vertices), int(faces), int(hashed)
         center, second, normals, third, twist, spectra = parts
@@ -189,6 +195,7 @@ class MeshMeasures:
             area,
             rounding,
             coarseness,
+            curved,
             center,
             second,
             normals,
@@ -223,7 +230,7 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         lengths, _ = cKDTree(points).query(points, min(2, len(points)))
         lengths = np.asarray(lengths).reshape(len(points), -1)[:, -1]
         normals = np.zeros((len(corners), 3))
-        weights, coarseness = np.full(len(corners), area / len(corners)), np.inf
+        weights, coarseness, curved = np.full(len(corners), area / len(corners)), np.inf, 1.0
     else:
         sides = corners - np.roll(corners, -1, axis=1)
         lengths = np.sqrt((sides**2).sum(axis=2)).ravel()
@@ -232,7 +239,7 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         normals /= np.maximum(weights, np.finfo(float).tiny)[:, None]
         weights /= 2
         area = float(weights.sum())
-        coarseness = _coarseness(mesh, normals, weights) if area > 0 else 0.0
+        coarseness, curved = _bending(mesh, normals, weights) if area > 0 else (0.0, 0.0)
     if not area > 0:
         return None
     unit = np.sqrt(area)
@@ -248,7 +255,8 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         _hash(corners),
         area,
         float(np.abs(points).max() / unit * _ROUNDING),
-        float(coarseness),
+        coarseness,
+        curved,
         origin + unit * mean,
         second,
         _upper((weights / area * normals.T) @ normals),
@@ -299,7 +307,7 @@ def _quadrature() -> tuple[FloatArray, FloatArray]:
 _QUADRATURE = _quadrature()
 
 
-def _coarseness(mesh: Mesh, normals: FloatArray, weights: FloatArray) -> float:
+def _bending(mesh: Mesh, normals: FloatArray, weights: FloatArray) -> tuple[float, float]:
     vertices = _places(mesh.vertices)[mesh.faces]
     start, end = vertices.ravel(), np.roll(vertices, -1, axis=1).ravel()
     keys = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
@@ -308,9 +316,9 @@ def _coarseness(mesh: Mesh, normals: FloatArray, weights: FloatArray) -> float:
     one, other = order[same] // 3, order[same + 1] // 3
     cosines = np.abs((normals[one] * normals[other]).sum(axis=1))
     angles = np.arccos(np.minimum(cosines, 1))
-    curved = angles < _SHARPEST
-    errors = angles[curved] ** 2 / 24 * (weights[one[curved]] + weights[other[curved]])
-    return float(errors.sum() / weights.sum())
+    areas = (weights[one] + weights[other]) / weights.sum()
+    areas[angles >= _SHARPEST] = 0
+    return float((angles**2 / 24 * areas).sum()), float(areas[angles > _FLATTEST].sum() / 3)
 
 
 def _places(points: FloatArray) -> NDArray[np.int64]:

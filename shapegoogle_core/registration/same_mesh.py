@@ -13,6 +13,7 @@ __all__ = [
     "is_same_mesh",
     "is_same_place",
     "is_same_size",
+    "may_be_bent",
     "principal_motions",
     "surface_difference",
 ]
@@ -25,6 +26,12 @@ _NOISE = 4.0
 # Largest error of a moment, in units of both shapes' coarseness. Between other triangulations of one surface
 # it is up to 1.2, between poses 1.6 and more (docs/measurements/evidence.md).
 _COARSE = 1.6
+# Moments that differ by less are those of two rigid shapes of almost the same sizes.
+_NEARLY_EQUAL = 0.025
+# Largest share of curved surface of a flat-sided part.
+_FLAT_SIDED = 0.1
+# Share of edges that change their length at the joints of a flat-sided shape.
+_CHANGED_EDGES = 0.05
 # Least difference of the spread along two axes that can be told apart, relative to the largest spread.
 _LEAST_GAP = 1e-3
 
@@ -115,6 +122,33 @@ def handed_alike(first: MeshMeasures, second: MeshMeasures) -> bool | None:
         return None
     largest = certain[np.maximum(alike, unlike)[certain].argmax()]
     return bool(alike[largest] < unlike[largest])
+
+
+def may_be_bent(first: MeshMeasures, second: MeshMeasures) -> bool:
+    """Decide whether one shape may be the other in another pose.
+
+    Flat-sided parts do not bend. Those with joints keep most of their edges.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+        For which `is_same_mesh` does not hold.
+
+    Returns
+    -------
+    may : bool
+        False for two flat-sided parts of other sizes, and for surfaces whose moments are almost equal.
+    """
+    difference, tolerance = surface_difference(first, second)
+    if tolerance < difference < _NEARLY_EQUAL:
+        return False
+    if max(first.curved, second.curved) > _FLAT_SIDED:
+        return True
+    if (first.vertex_count, first.face_count) != (second.vertex_count, second.face_count):
+        return False
+    longest = [0, len(first.spectra) // 2]  # cosine and sine of the longest wavelength
+    away = np.abs(first.spectra - second.spectra)[longest].max()
+    return bool(away <= _CHANGED_EDGES * 3 * first.face_count)
 
 
 def principal_motions(

@@ -17,9 +17,10 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.figures import PairFigures
+from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.placements import best_placement, shown_at
-from shapegoogle_core.library.search.settings import EvidenceSettings
+from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
 from shapegoogle_core.library.storage.signatures import unpack_measures
@@ -28,7 +29,7 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import Alignment
 
-__all__ = ["explain_matches"]
+__all__ = ["by_bags", "explain_matches"]
 
 
 def explain_matches(
@@ -36,10 +37,10 @@ def explain_matches(
     model: ShapeModel,
     queries: Sequence[ShapeSignature],
     matches: Sequence[Match],
-    settings: EvidenceSettings,
+    settings: SearchSettings,
     where: Filter | None = None,
 ) -> list[Match]:
-    """Add evidence to matches.
+    """Add evidence to matches, and give them the similarity of the pair.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def explain_matches(
         sample are left out; those without their surface give coarser figures.
     matches : sequence of Match
         Alignments that verification found for them are used.
-    settings : EvidenceSettings
+    settings : SearchSettings
     where : Filter, optional
         Conditions of the search, which the chosen placements meet too.
 
@@ -63,7 +64,9 @@ def explain_matches(
     """
     usable = [(query, query.sample) for query in queries if query.sample is not None]
     if not usable or not matches:
-        return list(matches)
+        return by_bags(model, matches)
+    verification = settings.verification
+    certain = verification.certain if len(queries) == 1 else verification.certain_of_several
     shape_ids = [match.shape_id for match in matches]
     by_id = {match.shape_id: match for match in matches}
     found, bags = store.bags(shape_ids, model.bag_size)
@@ -71,7 +74,7 @@ def explain_matches(
     nearest = dict(zip(found, distances.argmin(axis=0).tolist(), strict=True))
     least = dict(zip(found, distances.min(axis=0).tolist(), strict=True))
     measures = unpack_measures(store, shape_ids)
-    explainers: dict[int, Explainer] = {}
+    pairs: dict[int, PairFigures] = {}
     explained: dict[int, Match] = {}
     several = [match.shape_id for match in matches if match.placement_count > 1]
     placements = store.placements(several) if several else {}
@@ -82,12 +85,12 @@ def explain_matches(
                 continue
             match, example = by_id[shape_id], nearest[shape_id]
             query, query_sample = usable[example]
-            if example not in explainers:
-                explainers[example] = Explainer(
-                    Compared(query_sample, query, query.measures), query.surface, settings
-                )
-            alignment = known_alignment(match, query_sample)
-            explain = partial(_explain, explainers[example], match.similarity, least[shape_id])
+            if example not in pairs:
+                pairs[example] = PairFigures(model, settings, query, query_sample, certain)
+            alignment, distance = known_alignment(match, query_sample), least[shape_id]
+            bag_distance = distance if match.bag_distance is None else match.bag_distance
+            similarities: list[float] = []
+            explain = partial(_explain, pairs[example], bag_distance, distance, similarities)
             if shape_id in placements:
                 match = shown_at(match, placements[shape_id], 0)
                 compared = Compared(sample, match, measures.get(shape_id))
@@ -97,15 +100,39 @@ def explain_matches(
                 match = shown_at(match, placements[shape_id], position)
             else:
                 evidence = explain(Compared(sample, match, measures.get(shape_id)), alignment)
-            explained[shape_id] = replace(match, evidence=evidence)
+            explained[shape_id] = replace(match, similarity=max(similarities), evidence=evidence)
     return [explained.get(match.shape_id) or replace(match, evidence=None) for match in matches]
 
 
 def _explain(
-    explainer: Explainer,
-    similarity: float,
+    pair: PairFigures,
+    bag_distance: float,
     distance: float,
+    similarities: list[float],
     compared: Compared,
     alignment: Alignment | None,
 ) -> Evidence:
-    return explainer.explain(compared, similarity, distance, alignment)
+    """Find the evidence at one placement, and note the similarity there."""
+    similarity, evidence = pair.figures(compared, bag_distance, distance, alignment)
+    similarities.append(similarity)
+    return evidence
+
+
+def by_bags(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
+    """Give matches that are not explained the similarity of their bags.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    matches : sequence of Match
+
+    Returns
+    -------
+    matches : list of Match
+    """
+    return [
+        match
+        if match.bag_distance is None
+        else replace(match, similarity=float(model.similarity(np.array(match.bag_distance))))
+        for match in matches
+    ]

@@ -38,6 +38,7 @@ from shapegoogle_core.registration import (
     functional_map,
     handed_alike,
     is_same_size,
+    may_be_bent,
     measured,
     mirrored,
     principal_motions,
@@ -121,12 +122,27 @@ class Explainer:
         -------
         evidence : Evidence
         """
-        sample = match.sample
-        if (copy := self.copy(match)) is not None:
-            return copy
-        if (other_mesh := self._other_mesh(match, alignment)) is not None:
-            return other_mesh
-        fitted = self._fitted(sample, similarity, alignment)
+        if (found := self.copy(match) or self.other_mesh(match)) is not None:
+            return found
+        return self.relate(match, similarity, distance, alignment)
+
+    def relate(
+        self, match: Compared, similarity: float, distance: float, alignment: Alignment | None = None
+    ) -> Evidence:
+        """Find the kind of a match that is another surface: a part, another pose, or none of these.
+
+        Parameters
+        ----------
+        match : Compared
+        similarity, distance : float
+        alignment : Alignment, optional
+            As for `explain`.
+
+        Returns
+        -------
+        evidence : Evidence
+        """
+        fitted = self._fitted(match.sample, similarity, alignment)
         if fitted is not None and (part := self._part(fitted, match)) is not None:
             return part
         return self._posed(match, distance)
@@ -186,8 +202,18 @@ class Explainer:
         frame = align(self._prepared, candidate).frame.inverse()
         return [fit_surface(self._surface, self._sample, sample, frame)]
 
-    def _other_mesh(self, match: Compared, alignment: Alignment | None) -> Evidence | None:
-        """Recognise the same surface with other triangles, by its moments and by a fit."""
+    def other_mesh(self, match: Compared) -> Evidence | None:
+        """Recognise the same surface with other triangles, by its moments and by a fit.
+
+        Parameters
+        ----------
+        match : Compared
+
+        Returns
+        -------
+        evidence : Evidence or None
+            "re-meshed" or "mirrored"; None for everything else.
+        """
         own, other = self._query.measures, match.measures
         if own is None or other is None:
             return None
@@ -198,9 +224,6 @@ class Explainer:
         # Of a curved surface that is almost its own mirror image only the fit can tell.
         for reflected in (False, True) if alike is None and not is_flat else (alike is False,):
             found = self._placed(match, own, other, reflected=reflected)
-            if not reflected and alignment is not None:
-                frame = alignment.frame.inverse()
-                found.append(fit_surface(self._surface, self._sample, match.sample, frame))
             best = min(found, key=lambda fitted: fitted.deviation)
             if best.deviation <= self._remeshed and best.query_covered >= self._settings.whole:
                 return self._congruent("mirrored" if reflected else "re-meshed", best, match)
@@ -260,9 +283,11 @@ class Explainer:
         )
 
     def _posed(self, match: Compared, distance: float) -> Evidence:
+        own, other = self._query.measures, match.measures
         difference = spectral_difference(self._sample, match.sample)
         factor = _digits(math.sqrt(match.shape.area / self._query.shape.area))
-        if difference > self._settings.other_spectrum:
+        is_rigid = own is not None and other is not None and not may_be_bent(own, other)
+        if is_rigid or difference > self._settings.other_spectrum:
             return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
         found = functional_map(self._sample, match.sample)
         features = pose_features(found.spectral_difference, found.orthogonality, distance)

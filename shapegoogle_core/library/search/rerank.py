@@ -122,6 +122,7 @@ class Reranker:
                 source=record.source,
                 object_name=record.object_name,
                 distance=float(distance),
+                bag_distance=float(distance),
                 similarity=float(similarity),
                 shape_id=record.shape_id,
                 vertex_count=record.vertex_count,

@@ -20,7 +20,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
-from shapegoogle_core.library.search.query import QuerySamples
+from shapegoogle_core.library.search.query import QuerySample, QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
 from shapegoogle_core.model import ShapeModel
@@ -36,7 +36,7 @@ from shapegoogle_core.registration import (
     rough_pose,
 )
 
-__all__ = ["Sharing", "Verifier", "known_alignment"]
+__all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair"]
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ class _Pair:
     prepared: PreparedSample | None
     alignment: Alignment | None
     exact: float = 0.0
+    is_full: bool = True  # from `align`, which does not depend on other shapes
 
 
 class Verifier:
@@ -209,17 +210,15 @@ class Verifier:
             if prepared is not None and frame is not None:
                 query = samples.of(match).shared
                 exact, frame = fit_exactly(query, prepared, frame)
-                pairs[match.shape_id] = _Pair(match, prepared, measure(query, prepared, frame), exact)
+                alignment = measure(query, prepared, frame)
+                pairs[match.shape_id] = _Pair(match, prepared, alignment, exact, is_full=False)
         return pairs
 
     def _distance(self, pair: _Pair) -> float:
         """Lower the distance of the bags by how well the surfaces fit."""
         if pair.alignment is None:
             return pair.match.distance
-        distance = self._model.verified_distance(pair.match.distance, pair.alignment.excess)
-        gain, start = self._settings.exact_gain, self._settings.exact_from
-        distance *= math.exp(-gain * max(0.0, pair.exact - start))
-        return round(distance, DISTANCE_DECIMALS)
+        return _lowered(self._model, self._settings, pair.match.distance, pair.alignment, pair.exact)
 
     def _verified(self, samples: QuerySamples, pair: _Pair) -> Match:
         if pair.alignment is None:
@@ -229,9 +228,61 @@ class Verifier:
             pair.match,
             distance=distance,
             similarity=float(self._model.similarity(np.array(distance), verified=True)),
-            alignment=pair.alignment,
+            alignment=pair.alignment if pair.is_full else None,
             aligned_sample=_sample_key(samples.of(pair.match).prepared.sample),
         )
+
+
+def verify_pair(
+    model: ShapeModel,
+    settings: VerificationSettings,
+    query: QuerySample,
+    candidate: PreparedSample,
+    distance: float,
+    known: Alignment | None = None,
+) -> tuple[float, Alignment]:
+    """Verify one pair, as thoroughly as a search would verify any of its candidates.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    settings : VerificationSettings
+    query : QuerySample
+    candidate : PreparedSample
+    distance : float
+        Distance of the bags.
+    known : Alignment, optional
+        From `align`, if it is known already.
+
+    Returns
+    -------
+    distance : float
+        Lowered by how well the surfaces fit.
+    alignment : Alignment
+        From the query to the candidate.
+    """
+    alignment = align(query.prepared, candidate) if known is None else known
+    exact, _ = fit_exactly(query.prepared, candidate, alignment.frame)
+    lowered = _lowered(model, settings, distance, alignment, exact)
+    if float(model.similarity(np.array(lowered), verified=True)) >= settings.likely:
+        return lowered, alignment
+    frame = rough_pose(query.shared, candidate).frame
+    if frame is not None:
+        exact, frame = fit_exactly(query.shared, candidate, frame)
+        other = measure(query.shared, candidate, frame)
+        again = _lowered(model, settings, distance, other, exact)
+        if again < lowered:
+            return again, other
+    return lowered, alignment
+
+
+def _lowered(
+    model: ShapeModel, settings: VerificationSettings, distance: float, alignment: Alignment, exact: float
+) -> float:
+    """Lower a distance of bags by how well the surfaces agree, and by the share that fits exactly."""
+    distance = model.verified_distance(distance, alignment.excess)
+    distance *= math.exp(-settings.exact_gain * max(0.0, exact - settings.exact_from))
+    return round(distance, DISTANCE_DECIMALS)
 
 
 def _sample_key(sample: SurfaceSample) -> int:

@@ -21,7 +21,6 @@ from shapegoogle_core.library.search.verify import known_alignment
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration import (
-    PART_SCALES,
     Alignment,
     Frame,
     LocalSettings,
@@ -35,7 +34,6 @@ from shapegoogle_core.registration import (
 )
 
 VERIFY = "shapegoogle_core.library.search.verify"
-CHECKS = "shapegoogle_core.library.search.kinds"
 
 
 def execute(library: Library, statement: str, *parameters: object) -> None:
@@ -215,12 +213,12 @@ def test_alignments_of_verification_are_not_computed_again(
     signature = library.model.describe(transform(shapes_in_it[5], "noise", 1, seed=0), keep_surface=True)
     matches = library.query(signature, top=3, explain=0)
     plain = [replace(match, alignment=None) for match in matches]
-    aligned = watch_alignments(CHECKS, monkeypatch)
+    aligned = watch_alignments(VERIFY, monkeypatch)
     anew = library.explain([signature], plain)
-    computed = sum(query.scales == PART_SCALES and query.sample is signature.sample for query, _ in aligned)
+    computed = sum(query.sample is signature.sample for query, _ in aligned)
     aligned.clear()
     passed_on = library.explain([signature], matches)
-    again = sum(query.scales == PART_SCALES and query.sample is signature.sample for query, _ in aligned)
+    again = sum(query.sample is signature.sample for query, _ in aligned)
     assert again == 0 < computed
     assert [kind_of(match) for match in passed_on] == [kind_of(match) for match in anew]
     assert library.query(signature, top=3) == passed_on

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""Similarity and evidence of a pair of shapes, which depend on the two and the model only.
+
+A search verifies candidates only where bags are uncertain, and how far it goes depends on the other shapes of
+the library. The figures that are reported do not: where the bags of a pair are uncertain, this pair is
+verified, whatever else was found.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.query import QuerySample
+from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.search.verify import verify_pair
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample
+
+__all__ = ["PairFigures"]
+
+# Least similarity of another triangulation of the same surface, which bags may find less alike.
+_SAME_SURFACE = 0.99
+
+
+class PairFigures:
+    """Compares one query with matches.
+
+    Parameters
+    ----------
+    model : ShapeModel
+        Model that described all shapes.
+    settings : SearchSettings
+    query : ShapeSignature
+    sample : SurfaceSample
+        Of the query.
+    certain : float
+        Similarity by bags from which a pair is not verified.
+    """
+
+    def __init__(
+        self,
+        model: ShapeModel,
+        settings: SearchSettings,
+        query: ShapeSignature,
+        sample: SurfaceSample,
+        certain: float,
+    ) -> None:
+        self._model, self._settings, self._certain = model, settings, certain
+        self._sample = QuerySample(sample)
+        self._explainer = Explainer(Compared(sample, query, query.measures), query.surface, settings.evidence)
+
+    def figures(
+        self, match: Compared, bag_distance: float, distance: float, alignment: Alignment | None
+    ) -> tuple[float, Evidence]:
+        """Find the similarity and the evidence of a match.
+
+        Parameters
+        ----------
+        match : Compared
+        bag_distance : float
+            Distance of the bags, that of all examples together if there are several.
+        distance : float
+            Distance of the bags of this query and the match.
+        alignment : Alignment, optional
+            From `align`, where the search has found one.
+
+        Returns
+        -------
+        similarity : float
+        evidence : Evidence
+        """
+        by_bags = float(self._model.similarity(np.array(bag_distance)))
+        if (copy := self._explainer.copy(match)) is not None:
+            return 1.0, copy
+        if (other := self._explainer.other_mesh(match)) is not None:
+            return max(by_bags, _SAME_SURFACE), other
+        if by_bags >= self._certain:
+            return by_bags, self._explainer.relate(match, by_bags, distance)
+        candidate = PreparedSample(match.sample)
+        verified, alignment = verify_pair(
+            self._model, self._settings.verification, self._sample, candidate, bag_distance, alignment
+        )
+        similarity = float(self._model.similarity(np.array(verified), verified=True))
+        return similarity, self._explainer.relate(match, similarity, distance, alignment)
