@@ -21,8 +21,12 @@ __all__ = ["RemainingTime", "working_order"]
 
 # Weight of a bin relative to the next one: with 2⁻⁴, a file 32 times as large counts a millionth.
 WEIGHT = 2.0**-4
-# Seconds of work of each process in which the assumption that all are busy counts as much as the measurement.
-ASSUMED_BUSY = 5.0
+# Seconds after which the speed of the machine counts half as much: others may use it, too.
+HALF_LIFE = 60.0
+# Seconds for which the assumed speed counts as much as the measured one.
+ASSUMED = 10.0
+# Seconds that may pass between two tasks of a process while there are others.
+LONGEST_PAUSE = 0.5
 # Part of the time without news by which the run is expected to go on.
 PATIENCE = 0.5
 
@@ -123,9 +127,9 @@ class RemainingTime:
             unread.bytes += size
         self._closed: set[Path] = set()
         self.shapes_done = 0
-        self._work = 0.0
-        self._idle = 0.0
         self._last: float | None = None
+        # Time of the processes, and what was expected for what they did in it, both fading.
+        self._passed = self._expected = ASSUMED * jobs
 
     @property
     def shapes_waiting(self) -> int:
@@ -146,11 +150,13 @@ class RemainingTime:
         now : float
             Time, in seconds.
         """
-        self._close(path, size, spent.seconds, len(meshes))
+        cost = _cost(spent)
+        usual = cost / self._slowness
+        self._close(path, size, usual, len(meshes))
         for kind in self._kinds_of(path):
             for mesh in meshes:
                 kind.waiting[_bin(mesh)] += 1
-        self._note_work(spent, now)
+        self._note_speed(cost, usual, now)
 
     def passed_over(self, path: Path, size: int) -> None:
         """Note that a file need not be read: its content is known, or it cannot be opened.
@@ -179,12 +185,14 @@ class RemainingTime:
             Time, in seconds.
         """
         self.shapes_done += 1
+        cost = _cost(spent)
         for kind in self._kinds_of(path):
             kind.waiting[_bin(mesh)] -= 1
             for entry in (kind.seen[_bin(size)], kind.meshes[_bin(mesh)]):
                 entry.described += 1
-                entry.describe_seconds += spent.seconds
-        self._note_work(spent, now)
+                entry.describe_seconds += cost / self._slowness
+        expected = _ratio(self._kinds[_kind(path)].meshes, _bin(mesh), "describe_seconds", "described")
+        self._note_speed(cost, expected or 0.0, now)
 
     def shapes_expected(self) -> int:
         """Estimate the number of shapes in the files that have not been read.
@@ -254,7 +262,7 @@ class RemainingTime:
             longest = max(longest, per_byte * entry.bytes / entry.files + (each or 0.0))
         if not tasks:
             return 0.0
-        left = max(work / (self._busy() * min(self._jobs, max(tasks, 1.0))), longest)
+        left = self._slowness * max(work / min(self._jobs, max(tasks, 1.0)), longest)
         silence = 0.0 if self._last is None else max(now - self._last, 0.0)
         return max(left - silence, PATIENCE * silence)
 
@@ -279,15 +287,17 @@ class RemainingTime:
             seen.read_seconds += seconds
             seen.shapes += shapes
 
-    def _note_work(self, spent: Spent, now: float) -> None:
-        self._work += spent.seconds
-        self._idle += spent.idle
-        self._last = now
+    @property
+    def _slowness(self) -> float:
+        """How many times as long as at the beginning the machine takes for the same work."""
+        return self._passed / self._expected
 
-    def _busy(self) -> float:
-        """Return the share of their time in which the processes work."""
-        work = self._work + ASSUMED_BUSY * self._jobs
-        return work / (work + self._idle)
+    def _note_speed(self, cost: float, expected: float, now: float) -> None:
+        """Compare what a task has cost with what similar ones would have at the beginning."""
+        fading = 1.0 if self._last is None else 0.5 ** ((now - self._last) / HALF_LIFE)
+        self._passed = fading * self._passed + cost
+        self._expected = fading * self._expected + expected
+        self._last = now
 
     def _shapes(self, name: str, size: int, unread: _Unread) -> float:
         """Estimate the number of shapes in unread files of one kind and size."""
@@ -312,6 +322,11 @@ def _ratio(bins: Mapping[int, _Bin], size: int, above: str, below: str) -> float
     if not divisor:
         return None
     return float(sum(weight * getattr(bins[other], above) for other, weight in weights.items()) / divisor)
+
+
+def _cost(spent: Spent) -> float:
+    """Seconds of a process for a task, with those between two tasks; not with those without any task."""
+    return spent.seconds + min(spent.idle, LONGEST_PAUSE)
 
 
 def _kind(path: Path) -> str:
