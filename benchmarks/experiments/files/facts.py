@@ -16,8 +16,9 @@ __all__ = ["Facts", "differences", "measure", "triangles_of_polygons"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Vertices nearer than this, relative to the largest coordinate, are one. Blender keeps seven digits.
-WELD = 2e-6
+# Vertices nearer than this, relative to the largest coordinate, are one: Blender keeps seven digits. But none
+# are that are farther apart than this share of the extent.
+WELD, FARTHEST = 2e-6, 1e-4
 # Relative differences above which two readers disagree.
 SAME_AREA, SAME_PLACE, SAME_COUNT = 1e-3, 1e-4, 1e-3
 
@@ -69,6 +70,9 @@ def measure(vertices: FloatArray, faces: IntArray, area: float | None = None) ->
     if area is None:
         a, b, c = vertices[faces].transpose(1, 0, 2)
         area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+    if not len(faces):
+        count = len(np.unique(vertices.astype(np.float32), axis=0))
+        return Facts(count, 0, 0.0, _triple(lower), _triple(upper))
     welded = _weld(vertices)
     triangles = np.sort(welded[faces], axis=1)
     whole = (triangles[:, 0] < triangles[:, 1]) & (triangles[:, 1] < triangles[:, 2])
@@ -131,7 +135,8 @@ def triangles_of_polygons(vertices: FloatArray, polygons: IntArray) -> tuple[Int
 
 def _weld(vertices: FloatArray) -> IntArray:
     """Give vertices at the same place the same number, from 0."""
-    distance = WELD * max(float(np.abs(vertices).max()), 1e-300)
+    largest, extent = float(np.abs(vertices).max()), float(np.ptp(vertices, axis=0).max())
+    distance = max(min(WELD * largest, FARTHEST * extent), 1e-300)
     places, first = np.unique(vertices, axis=0, return_inverse=True)
     pairs = KDTree(places).query_pairs(distance, output_type="ndarray")
     links = coo_array((np.ones(len(pairs), np.int8), tuple(pairs.T)), shape=(len(places),) * 2)
