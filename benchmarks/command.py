@@ -76,6 +76,12 @@ COMMANDS = (
         ("bpy",),
     ),
     Command(
+        "large-scene",
+        "benchmarks.experiments.large_scene",
+        "link and index scenes of many objects (needs bpy)",
+        ("bpy",),
+    ),
+    Command(
         "files",
         "benchmarks.experiments.files.command",
         "read model files with the product and other readers, and list where they differ",

@@ -27,9 +27,9 @@ __all__ = ["LinkRun", "Linked", "link_data"]
 
 HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
 # Objects are exchanged in about so many portions, so that a run can be cancelled in between.
-PORTIONS = 10
-# Fewer objects in a portion would take longer to update than to exchange.
-LEAST_PORTION = 50
+PORTIONS = 4
+# After a change of meshes Blender rebuilds the relations of all objects, however few have changed.
+LEAST_PORTION = 250
 
 
 @dataclass(frozen=True)
