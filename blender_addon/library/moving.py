@@ -330,7 +330,8 @@ def _follow(context: Any, old: str, new: str) -> None:
             item.path = joined(new, below)
             item.name = Path(item.path).name
             context.preferences.is_dirty = True
-    for match in session_of(context).matches:
+    session = session_of(context)
+    for match in (*session.matches, *session.versions, *session.examples):
         below = None if is_unsaved(match.source) else _below(match.source, old)
         if below is not None:
             match.source = joined(new, below)

@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
 from shapegoogle_core import Library
@@ -204,6 +205,34 @@ def test_select_goes_through_the_placements(new_file: Any, index: Any) -> None:
     assert seen == ["Bolt", "Screw", "Bolt 2", "Bolt 3", "Bolt"]
     assert bpy.ops.shape_google.select_match(all=True) == {"FINISHED"}
     assert selected() == ["Bolt", "Bolt 2", "Bolt 3", "Screw"]
+
+
+def test_evidence_and_append_are_of_the_placement_that_fits(
+    new_file: Any, index: Any, tmp_path: Path
+) -> None:
+    first = lumpy("Wing", 0)
+    for name, scale in (("Mirrored", (-1, 1, 1)), ("Large", (2, 2, 2))):
+        copy = first.copy()
+        copy.name, copy.scale, copy.location = name, scale, (9, 0, 0)
+        bpy.context.collection.objects.link(copy)
+    bpy.context.view_layer.update()
+    path = str(tmp_path / "wings.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    assert [name for _, name in index()] == ["Wing"]
+    for name in ("Wing", "Mirrored", "Large"):
+        match = find(name).matches[0]
+        assert (match.object_name, match.label) == (name, "Identical")
+        assert match.size == pytest.approx(1)
+    large = np.array(bpy.data.objects["Large"].dimensions)
+    new_file()
+    item = lumpy("Query", 0)
+    item.scale = 2, 2, 2
+    bpy.context.view_layer.update()
+    match = find("Query").matches[0]
+    assert match.object_name == "Large"
+    assert bpy.ops.shape_google.append_match() == {"FINISHED"}
+    assert bpy.context.active_object.name == "Large"
+    np.testing.assert_allclose(bpy.context.active_object.dimensions, large, rtol=1e-5)
 
 
 def test_a_scene_whose_file_is_closed_meanwhile_is_not_stored(
