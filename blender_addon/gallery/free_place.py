@@ -32,10 +32,14 @@ def query_parts(context: Any) -> list[Any]:
     parts : list of bpy.types.Object
         Those of the active object if none of them is left, or the query was no object.
     """
-    searched = state.current().search.searched
-    parts = [item for item in context.view_layer.objects if item.session_uid in searched]
+    search, placed = state.current().search, state.current().gallery.placed
+    parts = [item for item in context.view_layer.objects if item.session_uid in search.searched]
     active = context.active_object
-    return parts or ([] if active is None else meshes_of(active, context))
+    if not parts and active is not None and active.session_uid not in placed:
+        parts = meshes_of(active, context)
+        # The next match, when the one placed now is active, must not be put inside it either.
+        search.searched = frozenset(part.session_uid for part in parts)
+    return parts
 
 
 def put_at_cursor(context: Any, objects: Sequence[Any], parts: Sequence[Any]) -> None:
