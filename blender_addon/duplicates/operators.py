@@ -177,6 +177,11 @@ class SHAPEGOOGLE_OT_cancel_duplicates(bpy.types.Operator):
     bl_description = "End the search for duplicates; the groups found stay listed"
     bl_options: ClassVar = {"INTERNAL"}
 
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that a search or a linking runs."""
+        return bool(context.window_manager.shape_google_duplicates.running)
+
     def execute(self, _context: Any) -> set[str]:
         """End it."""
         _cancel_running()

@@ -145,7 +145,7 @@ def _draw_errors(layout: Any, session: Any, context: Any) -> None:
     header, body = layout.panel_prop(session, "show_errors")
     count = len(session.errors)
     header.label(text=f"Not Indexed: {count:,}", icon="ERROR" if count else "NONE")
-    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN", emboss=False)
+    header.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
     if body is None:
         return
     body.template_list(

@@ -67,7 +67,7 @@ class SHAPEGOOGLE_PG_painting(bpy.types.PropertyGroup):
         name="Color", description="Also write the color attribute sg_color and show it", default=True
     )
     keep: BoolProperty(
-        name="Keep Other Attributes",
+        name="Keep Others",
         description="Keep what was painted of other kinds; else painting removes it",
         default=False,
     )
