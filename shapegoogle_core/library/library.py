@@ -19,6 +19,7 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.copies import copies_first
 from shapegoogle_core.library.search.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
 from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
@@ -183,7 +184,7 @@ class Library(LibraryContents):
         Returns
         -------
         matches : list of Match
-            Best first; equal distances in the order of name and source.
+            Best first; of those at the least distance identical ones, then other copies, then by name.
 
         Raises
         ------
@@ -225,7 +226,7 @@ class Library(LibraryContents):
         search = self._search.among_all if exact else self._search.among_nearest_codes
         kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
         least = 0.0 if where is None or where.min_similarity is None else where.min_similarity
-        matches = search(query, kept, among)
+        matches = copies_first(self._store, examples, search(query, kept, among))
         if families:
             found = collect_families(
                 Families(self._store, self.model, self._settings.families),

@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import trimesh
 
 import shapegoogle_core as sg
 from benchmarks.experiments.evidence_pairs import EvidencePair
@@ -56,3 +57,15 @@ def test_verification_does_not_change_the_order_of_a_conclusive_search(
     plain = library.query(asked, top=20, explain=0)
     assert [match.name for match in explained] == [match.name for match in plain]
     assert [match.distance for match in explained] == [match.distance for match in plain]
+
+
+def test_of_equally_near_copies_the_identical_one_comes_first(tmp_path: Path) -> None:
+    box = trimesh.creation.box((1, 2, 3))
+    with sg.Library.open(tmp_path / "boxes.sglib") as library:
+        for name, shift in (("a", 5.0), ("b", 0.0), ("c", 7.0)):
+            library.add((box.vertices + shift, box.faces), name)
+        matches = library.query((box.vertices, box.faces))
+        (first,) = library.query((box.vertices, box.faces), top=1)
+    assert [match.distance for match in matches] == [0, 0, 0]
+    assert [match.name for match in matches] == ["b", "a", "c"]
+    assert (first.name, first.evidence.kind if first.evidence else "") == ("b", "identical")
