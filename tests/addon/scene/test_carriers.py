@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import MeshError
+from tests.addon.shapes import open_source
 
 CARRIERS = ("rig", "lattice", "empty", "instance")
 
@@ -102,7 +103,7 @@ def test_its_meshes_are_painted_and_marked() -> None:
     assert all("sg_hks" in bpy.data.objects[name].data.attributes for name in ("Body", "Hat"))
     match = bpy.context.window_manager.shape_google.matches.add()
     match.name = match.object_name = "Hat"
-    match.source = "Unsaved"
+    match.source = open_source()
     bpy.context.window_manager.shape_google.active_match = 0
     bpy.context.view_layer.objects.active = carrier
     assert bpy.ops.shape_google.mark_match() == {"FINISHED"}
