@@ -367,7 +367,7 @@ def test_one_of_many_fails_and_none_goes_in(
             # A picture that sqlite3 cannot take: the error comes in the middle of the transaction.
             NewShape(make_signature(2), "newer", thumbnail=PNG.hex),  # type: ignore[arg-type]
         ]
-        with pytest.raises(LibraryError, match="cannot take this value"):
+        with pytest.raises(LibraryError, match="cannot store this value"):
             library.replace_source("a", size=2, mtime_ns=2, sha256="cd", shapes=shapes)
         assert names(library) == ["old"]
         assert library.sources()["a"].sha256 == "ab"

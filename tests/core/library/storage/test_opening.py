@@ -209,7 +209,10 @@ def test_names_that_are_no_text_and_tables_that_are_gone(filled: Path) -> None:
     ):
         list(library.shapes())
     change(filled, "DROP TABLE codes")
-    with Library.open(filled) as library, pytest.raises(LibraryError, match=r"is damaged .*no such table"):
+    with (
+        Library.open(filled) as library,
+        pytest.raises(LibraryError, match=r"is damaged .*contradict each other"),
+    ):
         len(library)
 
 
@@ -297,7 +300,7 @@ def test_files_and_folders_that_may_not_be_read(unprivileged_folder: Path, model
     with pytest.raises(LibraryError, match="you may not read the file"):
         Library.open(path)
     unprivileged_folder.chmod(0)
-    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be reached .*ermission"):
+    with pytest.raises(LibraryError, match=r"shapes\.sglib' cannot be reached: .*ermission"):
         Library.open(path)
 
 
