@@ -90,7 +90,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> int:
     options.inputs += [folder for _, folder in options.root if folder not in options.inputs]
     if not options.inputs:
-        say("shapegoogle: name the folders or files to index")
+        say("usage: shapegoogle index FOLDER... --library FILE")
+        say("shapegoogle index: error: name the folders or files to index, or a --root")
         return UNUSABLE
     if options.log is None:
         return _index(options)

@@ -175,7 +175,8 @@ def test_query_as_json(
     for record in (records[0], records[2]):
         assert set(record) == {"query", "matches"}
         best = record["matches"][0]
-        assert set(best) == {"name", "source", "object_name", "similarity", "distance", "evidence"}
+        named = {"name", "source", "object_name"}
+        assert set(best) == {*named, "similarity", "distance", "evidence", "placements"}
         assert (best["source"], best["similarity"], best["distance"]) == (record["query"], 1.0, 0.0)
         assert best["name"] == Path(record["query"]).name
         distances = [match["distance"] for match in record["matches"]]
