@@ -8,10 +8,13 @@ import os
 import re
 from dataclasses import dataclass
 from numbers import Real
+from typing import TYPE_CHECKING
 
 from shapegoogle_core.api.arguments import as_tuple, check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
-from shapegoogle_core.library.placement import Placement
+
+if TYPE_CHECKING:
+    from shapegoogle_core.library.placement import Placement
 
 __all__ = ["Filter"]
 
@@ -23,8 +26,8 @@ class Filter:
     """Conditions that every match of a search must meet.
 
     Kind and similarity are known after the search, all else before it: only shapes that meet these
-    conditions are compared. Objects that share a mesh are one shape
-    with several placements; it meets a name or a size if one of its placements does.
+    conditions are compared. Objects that share a mesh are one shape with several placements; it meets a name
+    or a size if one of its placements does.
 
     Attributes
     ----------

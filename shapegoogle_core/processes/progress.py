@@ -8,8 +8,6 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
-from tqdm import tqdm
-
 __all__ = ["SECONDS_BETWEEN_LINES", "progress_bar"]
 
 T = TypeVar("T")
@@ -36,6 +34,8 @@ def progress_bar(iterable: Iterable[T], description: str, total: int | None = No
     """
     if not sys.stderr.isatty():
         return _lines(iterable, description, total)
+    from tqdm import tqdm
+
     wrapped: Iterable[T] = tqdm(iterable, description, total, dynamic_ncols=True)
     return wrapped
 

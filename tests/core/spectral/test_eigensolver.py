@@ -191,10 +191,9 @@ def test_the_same_input_gives_the_same_output(bumpy: Mesh) -> None:
 def test_a_count_that_never_agrees_is_an_error(monkeypatch: pytest.MonkeyPatch, shapes: type[Shapes]) -> None:
     bumpy = shapes.bumpy()
     monkeypatch.setattr(eigensolver, "_gap", lambda values, *_: (values[-1] * 1.0001, len(values) + 1))
-    with pytest.raises(
-        MeshError, match=r"'Ada': the eigenproblem could not be solved \(found 31 eigenvalues"
-    ):
+    with pytest.raises(MeshError, match="'Ada': its eigenpairs cannot be computed") as error:
         compute_spectrum(Mesh(bumpy.vertices, bumpy.faces, name="Ada"), 30)
+    assert str(error.value.__cause__).startswith("found 31 eigenvalues")
 
 
 def test_says_what_k_may_be(bumpy: Mesh) -> None:

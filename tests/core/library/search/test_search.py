@@ -315,5 +315,6 @@ def test_a_match_says_what_the_shape_is_and_turns_into_json(
         "object_name": "Horse",
         "similarity": 1.0,
         "distance": 0.0,
+        "placements": 1,
         "evidence": None,
     }
