@@ -18,7 +18,7 @@ from shapegoogle_core.library.duplicates.groups import (
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.evidence import Evidence
-from shapegoogle_core.library.search.copies import copy_kind
+from shapegoogle_core.library.search.copies import placed_copy_kind
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.storage.records import ShapeRecord
@@ -78,10 +78,17 @@ def _split(
     """Split a group, and count the members that were aligned to the first one."""
     first = group.members[0]
     measures = unpack_measures(store, [member.shape_id for member in group.members])
+    placements = store.placements([member.shape_id for member in group.members])
     copies = {
         member.shape_id: found
         for member in group.members[1:]
-        if (found := copy_kind(measures.get(first.shape_id), measures.get(member.shape_id))) is not None
+        if (
+            found := placed_copy_kind(
+                *(measures.get(shape_id) for shape_id in (first.shape_id, member.shape_id)),
+                *(placements.get(shape_id, ()) for shape_id in (first.shape_id, member.shape_id)),
+            )
+        )
+        is not None
     }
     others = [member.shape_id for member in group.members[1:] if member.shape_id not in copies]
     explained = _explained(store, model, group, records, measures, others[:left])

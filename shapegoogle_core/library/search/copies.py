@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from shapegoogle_core.library.evidence import EvidenceKind
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model.signature import ShapeSignature
@@ -18,7 +22,10 @@ from shapegoogle_core.registration import (
     is_same_size,
 )
 
-__all__ = ["copies_first", "copy_kind"]
+__all__ = ["copies_first", "copy_kind", "placed_copy_kind"]
+
+# Digits of the logarithm of a scale by which placements of one size are recognised.
+_SCALE_DIGITS = 5
 
 
 def copy_kind(query: MeshMeasures | None, match: MeshMeasures | None) -> tuple[EvidenceKind, float] | None:
@@ -43,6 +50,60 @@ def copy_kind(query: MeshMeasures | None, match: MeshMeasures | None) -> tuple[E
     if handed_alike(query, match) is False:
         return "mirrored", factor
     return "moved" if factor == 1 else "scaled", factor
+
+
+def placed_copy_kind(
+    query: MeshMeasures | None,
+    match: MeshMeasures | None,
+    query_placements: Sequence[Placement] = (),
+    match_placements: Sequence[Placement] = (),
+) -> tuple[EvidenceKind, float] | None:
+    """Decide how a mesh is a copy of the query's, at the placements of both that agree best.
+
+    Parameters
+    ----------
+    query, match : MeshMeasures or None
+        At the first placements.
+    query_placements, match_placements : sequence of Placement, optional
+        All placements of each; one of each size and handedness is compared.
+
+    Returns
+    -------
+    kind, factor : str, float
+        See `copy_kind`.
+    """
+    found = copy_kind(query, match)
+    if (
+        found is None
+        or query is None
+        or match is None
+        or max(map(len, (query_placements, match_placements))) < 2
+    ):
+        return found
+    kinds = [
+        copy_kind(one, other)
+        for one in _at_placements(query, query_placements)
+        for other in _at_placements(match, match_placements)
+    ]
+    return min((found, *(kind for kind in kinds if kind is not None)), key=_closeness)
+
+
+def _at_placements(measures: MeshMeasures, placements: Sequence[Placement]) -> list[MeshMeasures]:
+    """Carry the measures at the first placement to one placement of each size and handedness."""
+    chosen: dict[tuple[float, bool], Placement] = {}
+    for placement in placements:
+        size = round(math.log(placement.scale), _SCALE_DIGITS)
+        chosen.setdefault((size, placement.is_mirrored), placement)
+    if not chosen:
+        return [measures]
+    back = np.linalg.inv(placements[0].matrix)
+    others = [placement for placement in chosen.values() if placement is not placements[0]]
+    return [measures, *(measures.moved(placement.matrix @ back) for placement in others)]
+
+
+def _closeness(kind: tuple[EvidenceKind, float]) -> tuple[int, float]:
+    rank = {"identical": 0, "mirrored": 2}.get(kind[0], 1)
+    return rank, abs(math.log(kind[1]))
 
 
 def copies_first(store: Store, queries: Sequence[ShapeSignature], matches: Sequence[Match]) -> list[Match]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -52,11 +53,14 @@ def data() -> Mesh:
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory, data: Mesh) -> Iterator[sg.Library]:
     with sg.Library.open(tmp_path_factory.mktemp("placed") / "shapes.sglib") as opened:
-        mesh = placed(data, OBJECTS["First"])
-        shape = NewShape(mesh, "First", "First", placements=placements_of(mesh, list(OBJECTS.items())))
-        described = describe_shape(shape, opened.model)
-        opened.replace_source("zoo.blend", size=None, mtime_ns=None, sha256=None, shapes=[described])
+        opened.replace_source("zoo.blend", size=None, mtime_ns=None, sha256=None, shapes=[zoo(opened, data)])
         yield opened
+
+
+def zoo(library: sg.Library, data: Mesh) -> NewShape[sg.ShapeSignature]:
+    mesh = placed(data, OBJECTS["First"])
+    shape = NewShape(mesh, "First", "First", placements=placements_of(mesh, list(OBJECTS.items())))
+    return describe_shape(shape, library.model)
 
 
 def best(library: sg.Library, mesh: Mesh) -> Match:
@@ -196,3 +200,19 @@ def test_placements_are_no_duplicates(library: sg.Library) -> None:
     members = group.to_json()["members"]
     assert isinstance(members, list)
     assert set(members[0]) >= {"name", "source", "scale", "placements"}
+
+
+def test_duplicates_compare_the_placements_that_agree_best(tmp_path: Path, data: Mesh) -> None:
+    others = {
+        "of the size of Twice": ("moved", 1.0, moved(70, 7)),
+        "mirrored like Far": ("moved", 1.0, moved(0, 7, (3, -3, 3))),
+        "larger than all": ("scaled", 2.0, moved(0, 7, (2, 2, 2))),
+        "in the place of First": ("identical", 1.0, OBJECTS["First"]),
+    }
+    for name, (kind, factor, matrix) in others.items():
+        with sg.Library.open(tmp_path / f"{name}.sglib") as both:
+            both.replace_source("zoo.blend", size=None, mtime_ns=None, sha256=None, shapes=[zoo(both, data)])
+            both.add(placed(data, matrix), name=name)
+            (group,) = both.duplicates()
+        assert (group.kind, len(group.members)) == (kind, 2), name
+        assert group.members[1].scale == pytest.approx(factor, rel=1e-4), name
