@@ -113,6 +113,10 @@ def report_summary(summary: IndexSummary, options: argparse.Namespace, *, printe
         put(f"nothing to do: {summary.sentence()}; {library}")
 
 
+# What a dry run says of files, by what a run would report of them.
+_TO_DO = {"added": "add", "updated": "update", "removed": "remove", "excluded": "leave out"}
+
+
 def report_plan(
     outcomes: Sequence[FileOutcome],
     failed: Failures,
@@ -146,10 +150,14 @@ def report_plan(
         failures = [{"source": source, "error": reason} for source, reason in texts(failed)]
         put(json.dumps({"dry_run": True, **groups, "failed": failures}))
     else:
-        for status in ("added", "updated", "removed", "excluded"):
+        for status, verb in _TO_DO.items():
             for path in groups[status]:
-                put(f"{status:<8}  {one_line(path)}")
-        parts = [f"{counted(len(paths), 'file')} {status}" for status, paths in groups.items() if paths]
+                put(f"{verb:<9}  {one_line(path)}")
+        parts = [
+            f"{counted(len(paths), 'file')} {f'to {_TO_DO[status]}' if status in _TO_DO else status}"
+            for status, paths in groups.items()
+            if paths
+        ]
         if failed:
             parts.append(f"{counted(len(failed), 'input')} skipped")
         put(f"dry run, nothing was changed: {', '.join(parts) or 'no files found'}")

@@ -78,10 +78,10 @@ def test_a_dry_run_of_a_new_library(
     code, stdout, stderr = run(folder, folder / "gone.obj", "--exclude", "more", "--dry-run")
     assert code == 1
     assert stdout.splitlines() == [
-        f"added     {folder / 'apple.off'}",
-        f"added     {folder / 'pear.obj'}",
-        f"excluded  {folder / 'more'}",
-        "dry run, nothing was changed: 2 files added, 1 file excluded, 1 input skipped",
+        f"add        {folder / 'apple.off'}",
+        f"add        {folder / 'pear.obj'}",
+        f"leave out  {folder / 'more'}",
+        "dry run, nothing was changed: 2 files to add, 1 file to leave out, 1 input skipped",
     ]
     assert stderr.endswith("'gone.obj' does not exist; check the spelling\n")
     assert not library_file.exists()
