@@ -79,17 +79,17 @@ def _split(
     first = group.members[0]
     measures = unpack_measures(store, [member.shape_id for member in group.members])
     placements = store.placements([member.shape_id for member in group.members])
-    copies = {
-        member.shape_id: found
-        for member in group.members[1:]
-        if (
-            found := placed_copy_kind(
-                *(measures.get(shape_id) for shape_id in (first.shape_id, member.shape_id)),
-                *(placements.get(shape_id, ()) for shape_id in (first.shape_id, member.shape_id)),
-            )
+    copies = {}
+    for member in group.members[1:]:
+        pair = first.shape_id, member.shape_id
+        found = placed_copy_kind(
+            measures.get(pair[0]),
+            measures.get(pair[1]),
+            placements.get(pair[0], ()),
+            placements.get(pair[1], ()),
         )
-        is not None
-    }
+        if found is not None:
+            copies[member.shape_id] = found
     others = [member.shape_id for member in group.members[1:] if member.shape_id not in copies]
     explained = _explained(store, model, group, records, measures, others[:left])
     kinds: defaultdict[str, list[DuplicateMember]] = defaultdict(list)
