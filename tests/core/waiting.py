@@ -6,8 +6,10 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -33,7 +35,14 @@ def wait_until_gone(group: int) -> None:
 
 @pytest.fixture
 def interruptible() -> Iterator[None]:
-    """Let processes receive Ctrl-C: shells start background jobs with the signal ignored, as it stays."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Let processes receive Ctrl-C and the end of the terminal.
+
+    Shells start background jobs with the first ignored, nohup with the second, and programs inherit that.
+    """
+    handlers: dict[signal.Signals, Any] = {signal.SIGINT: signal.default_int_handler}
+    if sys.platform != "win32":
+        handlers[signal.SIGHUP] = signal.SIG_DFL
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
