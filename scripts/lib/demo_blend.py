@@ -129,6 +129,7 @@ def find_similar(item: Any) -> list[Found]:
     """Let the add-on search with an object."""
     session = bpy.context.window_manager.shape_google
     session.top = MATCHES
+    session.collapse = False  # the picture shows all poses of the same horse
     select_only([item])
     with quiet():
         bpy.ops.shape_google.find_similar()
