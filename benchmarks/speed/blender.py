@@ -215,10 +215,12 @@ def use_library(path: Path) -> None:
     """Set the library in the preferences and let the worker open it, as drawing the panel does."""
     import bpy
 
-    from shapegoogle_core.service.requests import warm_up
+    from shapegoogle_core.service.requests import library_state, warm_up
 
     bpy.context.preferences.addons["blender_addon"].preferences.library = str(path)
-    module("jobs").worker().submit(warm_up, path).result()
+    worker = module("jobs").worker()
+    worker.submit(warm_up)
+    worker.submit(library_state, path).result()
 
 
 def select_creature(size: int) -> None:

@@ -69,7 +69,7 @@ def test_index_and_query(folder: Path, tmp_path: Path) -> None:
     library_file = tmp_path / "studio.sglib"
     code, stdout, stderr = run("index_library", folder, "--library", library_file, "--jobs", "1")
     assert code == 1
-    assert "3 added, 0 updated, 0 unchanged, 1 failed" in stdout
+    assert "4 shapes added from 3 files, 1 input failed" in stdout
     assert stderr.splitlines()[-2] == "1 input failed:"
     assert "'cut.blend' cannot be opened by Blender" in stderr.splitlines()[-1]
     with Library.open(library_file) as library:
@@ -79,7 +79,7 @@ def test_index_and_query(folder: Path, tmp_path: Path) -> None:
     (folder / "cut.blend").unlink()
     del before[folder / "cut.blend"]
     code, stdout, _ = run("index_library", folder, "--library", library_file)
-    assert (code, stdout.strip()) == (0, "nothing to do: 3 files unchanged, 4 shapes")
+    assert (code, stdout.strip()) == (0, "nothing to do: 3 files unchanged; the library has 4 shapes")
 
     query = folder / "props" / "two.blend"
     code, stdout, stderr = run(
@@ -131,7 +131,7 @@ def test_interrupted_and_resumed(folder: Path, tmp_path: Path, number: int) -> N
     assert 2 <= stored < 33
     code, stdout, _ = run("index_library", folder, "--library", library_file)
     assert code == 0
-    assert f"{33 - stored} added, 0 updated, {stored} unchanged" in stdout
+    assert f" added from {33 - stored} files, {stored} files unchanged" in stdout
 
 
 def _source_count(library_file: Path) -> int:

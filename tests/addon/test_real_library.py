@@ -27,7 +27,7 @@ def test_index_and_find_the_same_person(tmp_path: Path, capsys: pytest.CaptureFi
     blend_library.poses(FOLDER, "posed_characters", library)
     printed = capsys.readouterr().out
     assert "index: exit code 0" in printed
-    assert "164 added, 0 updated, 0 unchanged" in printed
+    assert " shapes added from 164 files" in printed
     assert "nothing to do: 164 files unchanged" in printed
     right, total = (int(word) for word in printed.split("poses: exit code 0, ")[1].split()[:3:2])
     assert total == 180

@@ -71,12 +71,12 @@ def test_the_whole_way(blender: Any, extension: Any, tmp_path: Path) -> None:
     index = ("-b", "-P", SCRIPTS / "index_library.py", "--", folder, "--library", library, "--jobs", "1")
     first = blender(*index)
     assert first.returncode == 1
-    assert "1 added, 0 updated, 0 unchanged, 1 failed" in first.stdout
+    assert "2 shapes added from 1 file, 1 input failed" in first.stdout
     assert "'broken.blend' cannot be opened by Blender" in first.stderr
     (folder / "broken.blend").unlink()
     second = blender(*index)
     assert second.returncode == 0
-    assert "nothing to do: 1 file unchanged, 2 shapes" in second.stdout
+    assert "nothing to do: 1 file unchanged; the library has 2 shapes" in second.stdout
 
     query = (folder / "two shapes.blend", "--library", library, "--json", "--top", "1")
     by_script = blender("-b", "-P", SCRIPTS / "query_library.py", "--", *query)
