@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
+from shapegoogle_core.registration.fit.surface_fit import Surface, fit_surface, frame_between, mirrored
 from shapegoogle_core.registration.frames import Frame
-from shapegoogle_core.registration.surface_fit import Surface, fit_surface, frame_between, mirrored
 from tests.core.conftest import Shapes
 
 

@@ -13,13 +13,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.registration.fit.nearest import TriangleTree
 from shapegoogle_core.registration.frames import (
     Frame,
     height_derivatives,
     similarity_frame,
     stepped,
 )
-from shapegoogle_core.registration.nearest import TriangleTree
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = [

@@ -11,7 +11,7 @@ import shapegoogle_core as sg
 from benchmarks.flat_parts import make_parts
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration import Surface
-from shapegoogle_core.registration.nearest import TriangleTree, nearest_on_triangles
+from shapegoogle_core.registration.fit.nearest import TriangleTree, nearest_on_triangles
 
 
 def compared_with_all(triangles: FloatArray, points: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.measures import WAVELENGTHS, MeshMeasures, full
+from shapegoogle_core.registration.measures.mesh_measures import WAVELENGTHS, MeshMeasures, full
 
 __all__ = [
     "handed_alike",
