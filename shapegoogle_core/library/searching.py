@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: MIT
+"""`LibrarySearch`: the part of a library that finds shapes and explains matches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shapegoogle_core.api.arguments import as_tuple, check_count, check_type
+from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.contents import LibraryContents
+from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.copies import copies_first
+from shapegoogle_core.library.search.explain import by_bags, explain_matches
+from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
+from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
+from shapegoogle_core.library.search.search import Search
+from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.storage.signatures import check_signature
+from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.mesh import as_mesh
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.signature import ShapeSignature
+
+__all__ = ["LibrarySearch"]
+
+# Matches that are explained at once to find those of a kind.
+KIND_PORTION = 10
+
+
+class LibrarySearch(LibraryContents):
+    """The shapes of a library and the search in them; see `Library`.
+
+    Parameters
+    ----------
+    store : Store
+        The open file.
+    model : ShapeModel
+        The model of the library.
+    search : SearchSettings, optional
+        Settings of all searches; the default values if left out.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel, search: SearchSettings | None = None) -> None:
+        super().__init__(store, model)
+        self._settings = SearchSettings() if search is None else search
+        self._search = Search(store, model, self._settings)
+
+    def query(
+        self,
+        shapes: QueryShapes,
+        *,
+        top: int = 10,
+        explain: int = 10,
+        exact: bool = False,
+        unlike: QueryShapes = (),
+        where: Filter | None = None,
+        families: bool = False,
+    ) -> list[Match]:
+        """Find the shapes of the library that are most similar to a shape, or to several examples of one.
+
+        The binary codes of all shapes are compared first (algorithm 2 of the paper), the nearest then by
+        their full bags, and the best of these are aligned with the query, if the model takes samples of
+        surfaces. `SearchSettings` holds the numbers of candidates; `shapegoogle_core.library.search.query`
+        explains the distance to several examples.
+
+        Parameters
+        ----------
+        shapes : MeshLike, ShapeSignature, or sequence of them
+            In any pose, at any size. Several are examples of one thing: shapes near to all of them come
+            first. A signature is one of this library's model; described with ``keep_surface=True`` its
+            evidence is exact.
+        top : int, optional
+            Number of matches; fewer are returned if the library has fewer shapes, or fewer pass the filter.
+        explain : int, optional
+            Number of best matches that get evidence, see `explain`.
+        exact : bool, optional
+            Compare the full bags of all shapes: no shape can be missed, but the time grows with the library.
+        unlike : MeshLike, ShapeSignature, or sequence of them, optional
+            Negative examples: shapes near to one of them are ranked lower, copies last.
+        where : Filter, optional
+            Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
+            matches that meet the other conditions are explained, until `top` have the kind.
+        families : bool, optional
+            Find `top` different shapes instead of `top` shapes: of all copies and versions of a shape only
+            the best is returned, with the number of the others, see `Match.versions`.
+
+        Returns
+        -------
+        matches : list of Match
+            Best first; of those at the least distance identical ones, then other copies, then by name.
+
+        Raises
+        ------
+        MeshError
+            If one of the shapes is not a mesh, or the model cannot describe it.
+        LibraryError
+            If another model made one of the signatures, or if a kind of evidence is requested and the model
+            takes no samples of surfaces.
+        ValueError
+            If there is no shape, if `top` is below 1 or `explain` below 0, or if an argument is of a wrong
+            type.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         _ = library.add(trimesh.creation.box(), name="box")
+        ...         _ = library.add(trimesh.creation.icosphere(2), name="ball")
+        ...         [match.name for match in library.query(trimesh.creation.box(), top=1)]
+        ['box']
+        """
+        check_count("top", top, 1)
+        check_count("explain", explain, 0)
+        check_type("where", where, (Filter, type(None)), "a shapegoogle_core.Filter")
+        kind = None if where is None else where.kind
+        if kind is not None and self.model.settings.sample is None:
+            raise LibraryError(
+                f"'{self._store.name}' keeps no samples of surfaces to find the kind {kind!r} with, because "
+                f"its model {self.model.name!r} takes none; leave the kind out"
+            )
+        examples = self._signatures(shapes, "query", keep_surface=explain > 0 or kind is not None)
+        if not examples:
+            raise ValueError("there is nothing to search for: give at least one mesh or signature")
+        unlike_weight = self._settings.rerank.unlike_weight
+        query = Query(self.model, examples, self._signatures(unlike, "unlike"), unlike_weight)
+        among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
+        search = self._search.among_all if exact else self._search.among_nearest_codes
+        kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
+        least = 0.0 if where is None or where.min_similarity is None else where.min_similarity
+        matches = copies_first(self._store, examples, search(query, kept, among))
+        if families:
+            found = collect_families(
+                Families(self._store, self.model, self._settings.families),
+                kept,
+                matches,
+                lambda count: self._search.among_more(query, count, matches, among, exact=exact),
+                len(self) if among is None else len(among),
+                lambda match: match.similarity >= least,
+            )
+            if kind is None:
+                return self.explain(examples, [family.best for family in found], explain, where=where)
+            return families_of_kind(
+                found, kind, lambda some: self.explain(examples, some, len(some), where=where), top, kept
+            )
+        matches = [match for match in matches if match.similarity >= least]
+        if kind is not None:
+            return self._of_kind(kind, examples, matches[:kept], top, where)
+        return self.explain(examples, matches[:top], explain, where=where)
+
+    def versions(self, shapes: QueryShapes, match: Match, *, explain: int = 10) -> list[Match]:
+        """List the family of a match: the shapes that it stands for in a search with ``families=True``.
+
+        Parameters
+        ----------
+        shapes : MeshLike, ShapeSignature, or sequence of them
+            What was searched for.
+        match : Match
+            From that search.
+        explain : int, optional
+            Number of best matches that get evidence, see `explain`.
+
+        Returns
+        -------
+        matches : list of Match
+            The match and its versions, as far as they are still in the library; best first.
+
+        Raises
+        ------
+        MeshError, LibraryError
+            As for `query`.
+        ValueError
+            If `match` is of another type, or `explain` is below 0.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         for size in (1, 2, 3):
+        ...             _ = library.add(trimesh.creation.box((size, size, size)), name=f"box {size}")
+        ...         _ = library.add(trimesh.creation.torus(2, 0.5), name="ring")
+        ...         signature = library.signature(2)
+        ...         boxes, ring = library.query(signature, families=True)
+        ...         [match.name for match in library.versions(signature, boxes)], boxes.versions
+        (['box 1', 'box 2', 'box 3'], 2)
+        """
+        check_type("match", match, Match, "a Match")
+        check_count("explain", explain, 0)
+        examples = self._signatures(shapes, "shapes", keep_surface=explain > 0)
+        if not examples:
+            raise ValueError("there is nothing to compare with: give at least one mesh or signature")
+        family = np.array(sorted({match.shape_id, *match.version_ids}), np.int64)
+        matches = self._search.among_all(Query(self.model, examples), len(family), family)
+        return self.explain(examples, matches, explain)
+
+    def explain(
+        self,
+        signatures: QueryShapes,
+        matches: Match | Sequence[Match],
+        count: int | None = None,
+        *,
+        where: Filter | None = None,
+    ) -> list[Match]:
+        """Find the kind of the best matches by comparing surfaces.
+
+        Alignments that the search has found are used again.
+
+        Parameters
+        ----------
+        signatures : MeshLike, ShapeSignature, or sequence of them
+            The examples that were searched for. Signatures without their surface, which
+            ``keep_surface=True`` keeps, give coarser figures.
+        matches : Match or sequence of Match
+            From `query`, best first.
+        count : int, optional
+            Number of matches to explain; `EvidenceSettings.explained` by default.
+        where : Filter, optional
+            Conditions of the search. Of several objects that share a mesh, one whose name and size meet them
+            is chosen.
+
+        Returns
+        -------
+        matches : list of Match
+            All of them; the first `count` with `Match.evidence`. Shapes that were removed meanwhile, and all
+            shapes of a library whose model keeps no samples, have none.
+
+        Raises
+        ------
+        MeshError
+            If one of the examples is not a mesh, or the model cannot describe it.
+        LibraryError
+            If another model made one of the signatures.
+        ValueError
+            If `count` is below 0, or one of the matches is of another type.
+        """
+        count = self._settings.evidence.explained if count is None else count
+        check_count("count", count, 0)
+        matches = as_tuple("matches", matches, Match, "a Match, or several")
+        examples = self._signatures(signatures, "signatures", keep_surface=True)
+        explained = explain_matches(self._store, self.model, examples, matches[:count], self._settings, where)
+        return [*explained, *by_bags(self.model, matches[count:])]
+
+    def _signatures(
+        self, shapes: QueryShapes, argument: str, *, keep_surface: bool = False
+    ) -> list[ShapeSignature]:
+        """Describe a mesh or several; signatures are checked and kept."""
+        signatures = []
+        listed = as_query_shapes(shapes)
+        for number, shape in enumerate(listed, start=1):
+            name = argument if len(listed) == 1 else f"{argument} {number} of {len(listed)}"
+            if isinstance(shape, ShapeSignature):
+                check_signature(shape, name, self.model, self._store.name)
+                signatures.append(shape)
+            else:
+                mesh = as_mesh(shape, name)
+                signatures.append(self.model.describe(mesh, keep_surface=keep_surface))
+        return signatures
+
+    def _of_kind(
+        self,
+        kind: str,
+        examples: Sequence[ShapeSignature],
+        matches: Sequence[Match],
+        top: int,
+        where: Filter | None,
+    ) -> list[Match]:
+        """Explain matches in portions until enough are of a kind."""
+        found: list[Match] = []
+        for start in range(0, len(matches), KIND_PORTION):
+            portion = matches[start : start + KIND_PORTION]
+            explained = self.explain(examples, portion, len(portion), where=where)
+            found += [
+                match for match in explained if match.evidence is not None and match.evidence.kind == kind
+            ]
+            if len(found) >= top:
+                break
+        return found[:top]
