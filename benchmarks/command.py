@@ -56,6 +56,12 @@ COMMANDS = (
         "find the null shape of transformed and re-posed queries, as in the paper; writes a report",
         ("jinja2", "joblib", "matplotlib", "platformdirs", "skimage"),
     ),
+    Command(
+        "kinds",
+        "benchmarks.kinds.command",
+        "find more of the same kind, with and without each part of the search",
+        ("joblib", "platformdirs", "skimage"),
+    ),
     Command("evidence", "benchmarks.experiments.evidence", "how often the evidence of a match is right"),
     Command("parts", "benchmarks.experiments.parts", "find whole shapes by parts of them"),
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),

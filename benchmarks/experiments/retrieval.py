@@ -54,11 +54,12 @@ from shapegoogle_core.cli.command import DONE, SOME_FAILED
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.processes.launching import default_jobs
 
-__all__ = ["add_options", "run"]
+__all__ = ["EVALUATION_DATA", "add_options", "default_cache", "run"]
 
 PARTS = ("retrieval", "categories", "remeshed")
 
-_EVALUATION_DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+EVALUATION_DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+"""Folder of the evaluation data, next to the repository."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -84,7 +85,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     data.add_argument(
         "--data",
         type=Path,
-        default=Path(os.environ.get("SHAPEGOOGLE_DATA", _EVALUATION_DATA)),
+        default=Path(os.environ.get("SHAPEGOOGLE_DATA", EVALUATION_DATA)),
         metavar="FOLDER",
         help="folder with labels.csv (%(default)s)",
     )
@@ -205,7 +206,7 @@ def _measure(
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BenchmarkError(f"cannot make the folder '{output}': {error.strerror}") from error
-    cache = BenchmarkCache(Path(options.cache) if options.cache else _default_cache())
+    cache = BenchmarkCache(Path(options.cache) if options.cache else default_cache())
     jobs = options.jobs or default_jobs()
     variants = choose_variants(options.variants, options.model, train=options.train, seed=options.seed)
     result = run_benchmark(collection, labelled, variants, cache, jobs=jobs, seed=options.seed)
@@ -218,7 +219,7 @@ def _measure(
     return SOME_FAILED if any(problem.kind == "failed" for problem in result.problems) else DONE
 
 
-def _default_cache() -> Path:
+def default_cache() -> Path:
     """Return the folder for intermediate results, in the user's cache folder."""
     import platformdirs
 

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""Signatures of labelled sets, kept on disk for each mesh and model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.kinds.sets import KindSet, KindShape
+from benchmarks.parallel import map_in_processes
+from benchmarks.protocol.cache import SIGNATURE_CODE, Arrays, BenchmarkCache, code_digest, digest
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.processes.progress import progress_bar
+
+__all__ = ["DescribedSet", "describe_set"]
+
+_KIND = "kind signatures"
+
+
+@dataclass(frozen=True, eq=False)
+class DescribedSet:
+    """A labelled set with its signatures.
+
+    Attributes
+    ----------
+    name, use : str
+        As in `KindSet`.
+    names, labels : list of str
+        Of the shapes that could be described.
+    signatures : list of ShapeSignature
+    failures : dict of str to str
+        Reasons for the others, by name.
+    """
+
+    name: str
+    use: str
+    names: list[str]
+    labels: list[str]
+    signatures: list[ShapeSignature]
+    failures: dict[str, str]
+
+
+def describe_set(
+    shapes: KindSet,
+    model: ShapeModel,
+    model_file: Path | str,
+    cache: BenchmarkCache,
+    *,
+    jobs: int = 0,
+    any_code: bool = False,
+) -> DescribedSet:
+    """Describe all shapes of a set, unless that was done before.
+
+    Parameters
+    ----------
+    shapes : KindSet
+    model : ShapeModel
+    model_file : Path or str
+        Its name or path, for worker processes.
+    cache : BenchmarkCache
+    jobs : int, optional
+        Worker processes; 0 describes in this process.
+    any_code : bool, optional
+        Take signatures that were kept with this option before, even if the code has changed since.
+
+    Returns
+    -------
+    described : DescribedSet
+    """
+    code = "" if any_code else code_digest(SIGNATURE_CODE)
+    keys = [digest(shape.key, model.identifier, code) for shape in shapes.shapes]
+    missing = [
+        (shape, key) for shape, key in zip(shapes.shapes, keys, strict=True) if cache.load(_KIND, key) is None
+    ]
+    if missing and jobs > 1:
+        work = partial(_describe_in_worker, cache.folder, model_file)
+        outcomes: Sequence[str] = map_in_processes(work, missing, jobs, shapes.name)
+    else:
+        outcomes = [
+            _describe(cache, model, *item) for item in progress_bar(missing, shapes.name, len(missing))
+        ]
+    failures = {shape.name: reason for (shape, _), reason in zip(missing, outcomes, strict=True) if reason}
+    found = [
+        (shape, arrays["signature"].item())
+        for shape, key in zip(shapes.shapes, keys, strict=True)
+        if (arrays := cache.load(_KIND, key)) is not None
+    ]
+    return DescribedSet(
+        shapes.name,
+        shapes.use,
+        [shape.name for shape, _ in found],
+        [shape.label for shape, _ in found],
+        [signature for _, signature in found],
+        failures,
+    )
+
+
+def _describe(cache: BenchmarkCache, model: ShapeModel, shape: KindShape, key: str) -> str:
+    """Describe a shape and keep its signature; return the reason if that is impossible."""
+
+    def compute() -> Arrays:
+        signature = np.empty((), object)
+        signature[()] = model.describe(shape.mesh())
+        return {"signature": signature}
+
+    try:
+        cache.remembered(_KIND, key, compute)
+    except MeshError as error:
+        return str(error)
+    return ""
+
+
+def _describe_in_worker(folder: Path, model_file: Path | str, item: tuple[KindShape, str]) -> str:
+    from shapegoogle_core.model import load_model
+
+    return _describe(BenchmarkCache(folder), load_model(model_file), *item)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Distances within a labelled set by each part of the search alone, and by the whole search."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.kinds.describing import DescribedSet
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.processes.progress import progress_bar
+
+__all__ = ["PARTS", "Part", "bag_distances", "search_distances"]
+
+Part = Callable[[DescribedSet, ShapeModel], FloatArray | None]
+"""Computes the distances (n, n) of a set; None where the model lacks the part."""
+
+
+def bag_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
+    """Compute the distances of the bags, as `ShapeModel.distances`."""
+    bags = np.stack([signature.bags for signature in described.signatures])
+    return np.stack([model.distances(own, bags) for own in bags])
+
+
+def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
+    """Rank all shapes by the product's own search in a library of the set.
+
+    Returns
+    -------
+    places : (n, n) array
+        Place of each shape in the list of matches; 0 for the query itself.
+    """
+    count = len(described.signatures)
+    places = np.zeros((count, count))
+    with tempfile.TemporaryDirectory() as folder, Library.open(Path(folder, "set.sglib"), model) as library:
+        rows = {
+            library.add_signature(signature, name): row
+            for row, (signature, name) in enumerate(zip(described.signatures, described.names, strict=True))
+        }
+        for row, signature in enumerate(progress_bar(described.signatures, "searching", count)):
+            matches = library.query(signature, top=count, explain=0)
+            order = [rows[match.shape_id] for match in matches if rows[match.shape_id] != row]
+            places[row, order] = np.arange(1, count)
+    return places
+
+
+PARTS: dict[str, Part] = {
+    "bags": bag_distances,
+    "search": search_distances,
+}
+"""By name, in the order of the table. The query's own row and column do not matter."""
