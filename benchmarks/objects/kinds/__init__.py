@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The kinds of procedural things, by what they are for."""
