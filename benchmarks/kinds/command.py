@@ -8,7 +8,7 @@ second tier and discounted cumulative gain in percent, as the Princeton Shape Be
 
 development sets   creatures (by kind), poses (individuals in several poses), people (persons in several
                    poses), and the CC0 packs to learn from, labelled by the words of their names
-held out           the other CC0 packs
+held out           the other CC0 packs; everyday things by kind, upright and turned
 measuring          the labelled models of the evaluation data; nothing may be chosen by them
 parts              bags: bags of words only; search: the product's own list of matches
 

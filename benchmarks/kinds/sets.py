@@ -2,14 +2,15 @@
 """Labelled sets of shapes: every shape queries for the others of its label.
 
 Three uses are kept apart. *Development* sets are there to choose by: procedural shapes, and those CC0 packs
-that may be learnt from. *Held out* are the other CC0 packs: they check a choice. *Measuring* are the
-evaluation data, which nothing is ever chosen by.
+that may be learnt from. *Held out* are the other CC0 packs and the procedural things: they check a choice.
+*Measuring* are the evaluation data, which nothing is ever chosen by.
 """
 
 from __future__ import annotations
 
 import csv
 import re
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.errors import BenchmarkError
 from benchmarks.protocol.cache import code_digest, content_digest, digest
 from benchmarks.protocol.evaluation_data import posed_characters, read_labels
+from benchmarks.things import THING_KINDS, make_thing
 from shapegoogle_core.mesh import Mesh, read_mesh
 
 __all__ = [
@@ -51,6 +53,7 @@ _ONE_KIND = {"animated_women": "woman", "farm_animals": "quadruped", "potions": 
 # Seeds below 300 belong to the shipped models and to other development sets.
 _FIRST_SEED = 300
 _INDIVIDUALS, _POSES = 4, 6
+_THINGS_OF_A_KIND = 4
 _PEOPLE, _POSES_OF_A_PERSON = 10, 6
 
 
@@ -237,6 +240,8 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
         "creatures": individuals of every kind, each in a pose of its own, labelled by kind.
         "poses": one individual of every kind in several poses, as in SHREC'11.
         "people": people in several poses, labelled by the person, as in FAUST.
+        "things": everyday things of every kind, upright, held out.
+        "turned things": the same with axes in any direction.
     """
     code = code_digest(("benchmarks/creatures",))
 
@@ -263,7 +268,25 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
         KindSet("creatures", DEVELOPMENT, shapes(kinds)),
         KindSet("poses", DEVELOPMENT, shapes(poses)),
         KindSet("people", DEVELOPMENT, shapes(people)),
+        KindSet("things", HELD_OUT, _things(turned=False)),
+        KindSet("turned things", HELD_OUT, _things(turned=True)),
     ]
+
+
+def _things(turned: bool) -> tuple[KindShape, ...]:
+    code = code_digest(("benchmarks/things",))
+    make = _turned_thing if turned else make_thing
+    return tuple(
+        KindShape(f"{kind}-{seed}", kind, digest(code, kind, seed, turned), partial(make, kind, seed))
+        for kind in THING_KINDS
+        for seed in range(_THINGS_OF_A_KIND)
+    )
+
+
+def _turned_thing(kind: str, seed: int) -> Mesh:
+    mesh = make_thing(kind, seed)
+    turn = Rotation.random(random_state=np.random.default_rng([zlib.crc32(kind.encode()), seed])).as_matrix()
+    return Mesh(mesh.vertices @ turn.T, mesh.faces, mesh.name)
 
 
 def _of_file(path: Path, label: str) -> KindShape:

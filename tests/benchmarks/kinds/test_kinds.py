@@ -119,7 +119,7 @@ def test_evaluation_data_are_for_measuring_only(tmp_path: Path) -> None:
 
 
 def test_procedural_sets_are_the_same_each_time() -> None:
-    creatures, poses, people = procedural_sets(1_000)
+    creatures, poses, people, *_ = procedural_sets(1_000)
     assert min(map(creatures.labels.count, creatures.labels)) > 1
     assert len({shape.label for shape in people.shapes}) > 5
     everything = [shape.key for made in (creatures, poses, people) for shape in made.shapes]

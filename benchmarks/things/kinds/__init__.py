@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Kinds of objects, one function each, by what they are used for."""
