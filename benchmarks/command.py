@@ -104,6 +104,7 @@ COMMANDS = (
         "draw a figure of the documentation",
     ),
     Command("train", "benchmarks.training.models", "train the shipped models"),
+    Command("train-views", "benchmarks.training.views", "learn to describe pictures for the shipped model"),
     Command("development-set", "benchmarks.training.development_set", "write shapes to develop on"),
     Command(
         "blend-meshes",

@@ -184,10 +184,13 @@ def _index(options: argparse.Namespace) -> int:
             say(f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; {INTERRUPTION}")
             return INTERRUPTED
         shapes = len(library)
+        advice = library.reindexing_advice()
         kept = _excluded_sources(library, options) if excluded else 0
     failed += report.failed
     report_summary(summary_of(report, failed, removed, excluded, skipped, shapes), options)
     say_skipped(skipped)
+    if advice:
+        say(advice)
     if gone:
         say(f"{counted(len(gone), 'indexed file')} no longer there; remove with --prune")
     if kept:

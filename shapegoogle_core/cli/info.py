@@ -10,7 +10,7 @@ from pathlib import Path
 from shapegoogle_core.api.text import counted, one_line
 from shapegoogle_core.cli.arguments import add_flag, add_library
 from shapegoogle_core.cli.command import DONE, Command
-from shapegoogle_core.cli.text import put
+from shapegoogle_core.cli.text import put, say
 
 __all__ = ["COMMAND"]
 
@@ -26,6 +26,7 @@ def _run(options: argparse.Namespace) -> int:
     with Library.open(options.library, read_only=True) as library:
         info = library.info()
         roots = library.roots()
+        advice = library.reindexing_advice()
         failures = {path: source.error for path, source in library.sources().items() if source.error}
     if options.json:
         put(json.dumps({**info, "failures": failures}))
@@ -40,6 +41,8 @@ def _run(options: argparse.Namespace) -> int:
         there = "" if Path(root.path).is_dir() else "; not there"
         line = f"{root.name}: {root.path} ({counted(root.source_count, 'source')}{there})"
         put(f"{'root':<{width}}  {one_line(line)}")
+    if advice:
+        say(advice)
     for path, error in failures.items():
         put(f"  {one_line(f'{path}: {error}')}")
     return DONE

@@ -92,6 +92,8 @@ def _run(options: argparse.Namespace) -> int:
 
     failed: Failures = []
     with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:
+        if advice := library.reindexing_advice():
+            say(advice)
         queries = _Queries(options, library, reader, failed)
         answered = queries.run_together() if options.together else queries.run_each()
     if answered and not options.json:

@@ -55,7 +55,8 @@ def index_files(
     """Bring a library up to date with mesh files.
 
     A file of known size and time is not opened; a file of known content is not described again, even under
-    another name, unless the reader's options have changed. All others are described by worker processes and
+    another name, unless the reader's options have changed or an earlier version of Shape Google described it
+    without views. All others are described by worker processes and
     stored one by one, each in a transaction: whatever ends the run, files already stored are kept. If a file
     fails whose content gave shapes before, these shapes are kept. In a script, call it under
     ``if __name__ == "__main__":``, since it starts processes.
@@ -184,6 +185,7 @@ class _Run:
         self._reader = reader
         self._progress = progress
         self._known = library.sources()
+        self._lacking = library.sources_without_views()
         self._failures: dict[ContentKey, tuple[Path, Failure]] = {}
         # Files in work by their content; the first file of each content is read.
         self._waiting: dict[ContentKey, list[FileState]] = {}
@@ -197,11 +199,14 @@ class _Run:
         return {
             content_key(Path(source.path), source.sha256): shapes[source.path]
             for source in self._known.values()
-            if source.sha256 is not None and source.error is None and source.path in shapes
+            if source.sha256 is not None
+            and source.error is None
+            and source.path in shapes
+            and source.path not in self._lacking
         }
 
     def _again(self, source: SourceRecord) -> bool:
-        return is_read_again(source, self._settings, self._reader)
+        return is_read_again(source, self._lacking, self._settings, self._reader)
 
     def _choices(self, path: Path) -> str:
         return "" if self._reader is None else self._reader.choices_for(path)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from pathlib import Path
 
 from shapegoogle_core.indexing.events import FileOutcome
@@ -41,16 +41,21 @@ def plan_indexing(
     settings = settings or IndexSettings()
     listed = list(paths)
     known = {} if library is None else library.sources()
+    lacking = frozenset() if library is None else library.sources_without_views()
     named = map(absolute, listed) if library is None else map(Path, library.source_paths(listed))
-    return [_outcome(path, known.get(str(path)), settings, reader) for path in dict.fromkeys(named)]
+    return [_outcome(path, known.get(str(path)), lacking, settings, reader) for path in dict.fromkeys(named)]
 
 
-def is_read_again(source: SourceRecord, settings: IndexSettings, reader: ExternalReader | None) -> bool:
+def is_read_again(
+    source: SourceRecord, lacking: Container[str], settings: IndexSettings, reader: ExternalReader | None
+) -> bool:
     """Whether a file is read again though it has not changed.
 
     Parameters
     ----------
     source : SourceRecord
+    lacking : container of str
+        Paths of sources that an earlier version has described without views.
     settings : IndexSettings
     reader : ExternalReader or None
 
@@ -59,6 +64,8 @@ def is_read_again(source: SourceRecord, settings: IndexSettings, reader: Externa
     again : bool
     """
     if settings.reread or (settings.retry and source.error is not None):
+        return True
+    if source.path in lacking and source.error is None:
         return True
     choices = "" if reader is None else reader.choices_for(Path(source.path))
     return source.sha256 is not None and choices_of(source.sha256) != choices
@@ -80,11 +87,15 @@ def failed_before(source: SourceRecord) -> str:
 
 
 def _outcome(
-    path: Path, source: SourceRecord | None, settings: IndexSettings, reader: ExternalReader | None
+    path: Path,
+    source: SourceRecord | None,
+    lacking: Container[str],
+    settings: IndexSettings,
+    reader: ExternalReader | None,
 ) -> FileOutcome:
     try:
         size, mtime_ns = stamp(path)
-        if source is not None and not is_read_again(source, settings, reader):
+        if source is not None and not is_read_again(source, lacking, settings, reader):
             same = (source.size, source.mtime_ns) == (size, mtime_ns)
             if not same and source.size == size:  # possibly only touched, or copied to its place again
                 choices = "" if reader is None else reader.choices_for(path)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from shapegoogle_core.api.arguments import as_tuple, check_type, path_text
+from shapegoogle_core.api.text import counted
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.sources import LibrarySources, PathLike
@@ -162,8 +163,9 @@ class LibraryContents(LibrarySources):
         -------
         info : dict
             ``path``, ``shapes``, ``sources``, ``failed`` (sources with an error), ``model`` (its identifier),
-            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``, ``roots`` (a
-            list of objects with ``name``, ``path`` and ``sources``).
+            ``model_name``, ``code_bits``, ``bag_size``, ``bytes`` (of the file), ``schema``,
+            ``without_views`` (shapes that an earlier version described), ``roots`` (a list of objects with
+            ``name``, ``path`` and ``sources``).
         """
         summary = self._store.summary()
         return {
@@ -177,10 +179,37 @@ class LibraryContents(LibrarySources):
             "bag_size": self.model.bag_size,
             "bytes": summary.bytes,
             "schema": summary.format,
+            "without_views": self.count_without_views(),
             "roots": [
                 {"name": root.name, "path": root.path, "sources": root.source_count} for root in self.roots()
             ],
         }
+
+    def count_without_views(self) -> int:
+        """Count the shapes that an earlier version of Shape Google described, without views.
+
+        Returns
+        -------
+        count : int
+            0 if the library's model does not describe views.
+        """
+        return 0 if self.model.views is None else self._store.count_without_views()
+
+    def reindexing_advice(self) -> str:
+        """Say what to do if shapes have no views.
+
+        Returns
+        -------
+        sentence : str
+            Empty if there is nothing to do.
+        """
+        count = self.count_without_views()
+        if count == 0:
+            return ""
+        return (
+            f"views are missing for {count:,} of {counted(self._store.count(), 'shape')}, described by an "
+            "earlier version of Shape Google; index their folders again to find more of the same kind"
+        )
 
     def shapes(self) -> Iterator[ShapeRecord]:
         """Iterate over the records of all shapes, oldest first.

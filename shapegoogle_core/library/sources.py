@@ -144,6 +144,19 @@ class LibrarySources(LibraryFolders):
         """
         return {source.path: source for source in self._store.sources()}
 
+    def sources_without_views(self) -> frozenset[str]:
+        """Return the sources of shapes without views, which an earlier version of Shape Google described.
+
+        Returns
+        -------
+        paths : frozenset of str
+            Keys of `sources`. None if the library's model does not describe views either.
+        """
+        if self.model.views is None or self._store.count_without_views() == 0:
+            return frozenset()
+        lacking = set(self._store.sources_without_views())
+        return frozenset(source.path for source in self._store.sources() if source.key in lacking)
+
     def _known(self, source: str) -> SourceKey | None:
         """Return the key of a source, None if it is unknown."""
         return next(iter(self._store.known_sources(source_keys(source, self._store.roots()))), None)

@@ -10,6 +10,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
@@ -22,11 +24,20 @@ from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
+from shapegoogle_core.views import ViewModel
 
 if TYPE_CHECKING:
     from shapegoogle_core.model.shape_model import ShapeModel
 
-__all__ = ["arrays_of", "check_learnt", "damage_refused", "identifier_of", "pack", "unpack"]
+__all__ = [
+    "arrays_of",
+    "check_learnt",
+    "damage_refused",
+    "identifier_of",
+    "pack",
+    "unpack",
+    "views_identifier",
+]
 
 FORMAT = 1
 """Version of the model file; files of higher versions are refused."""
@@ -67,6 +78,15 @@ def arrays_of(model: Fields) -> Arrays:
             f"local_{entry.name}": getattr(model["local_words"], entry.name) for entry in fields(LocalWords)
         }
     return arrays
+
+
+def _part_arrays(model: Fields) -> Arrays:
+    """Return the arrays of parts that say nothing about the bags, and so do not count for the identifier."""
+    views = model["views"]
+    if views is None:
+        return {}
+    projections = {f"views_projection_{index}": part for index, part in enumerate(views.projections)}
+    return {"views_mean": views.mean, "views_code": views.code_components, **projections}
 
 
 def identifier_of(settings: Mapping[str, Any], arrays: Arrays, agreement_gain: float) -> str:
@@ -110,9 +130,11 @@ def pack(model: Fields, identifier: str) -> bytes:
     """
     header = {"format": FORMAT, "settings": model["settings"].to_dict(), "identifier": identifier}
     header |= {name: model[name] for name in _NUMBERS_AND_TEXT}
+    if model["views"] is not None:
+        header["views"] = model["views"].identifier
     text = np.array(json.dumps(header, sort_keys=True))
     buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, header=text, **arrays_of(model))
+    np.savez_compressed(buffer, allow_pickle=False, header=text, **arrays_of(model), **_part_arrays(model))
     return buffer.getvalue()
 
 
@@ -163,13 +185,46 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
         "verified_half": float(header.get("verified_half", 1.0)),
         "verified_slope": float(header.get("verified_slope", 1.0)),
         "local_words": None if settings.local is None else _local_words(arrays),
+        "views": _views(arrays) if "views_mean" in arrays else None,
     }
     return model, header.get("identifier") or _earlier_identifier(model, header["settings"], arrays)
+
+
+def views_identifier(data: bytes) -> str | None:
+    """Return the identifier of a model's views without reading the rest.
+
+    Parameters
+    ----------
+    data : bytes
+        Result of `pack`.
+
+    Returns
+    -------
+    identifier : str or None
+        None for a model without views, and for a damaged one.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            header = json.loads(str(archive["header"]))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, zlib.error):
+        return None
+    identifier = header.get("views")
+    return identifier if isinstance(identifier, str) else None
 
 
 def _local_words(arrays: Arrays) -> LocalWords:
     return LocalWords(
         centers=arrays["local_centers"].astype(np.float32), weights=arrays["local_weights"].astype(np.float32)
+    )
+
+
+def _views(arrays: Arrays) -> ViewModel:
+    return ViewModel(
+        mean=arrays["views_mean"].astype(np.float32),
+        projections=tuple(
+            arrays[name].astype(np.float16) for name in sorted(arrays) if name.startswith("views_projection_")
+        ),
+        code_components=arrays["views_code"].astype(np.int64),
     )
 
 

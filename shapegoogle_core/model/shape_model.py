@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bag
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import LocalWords, measure_mesh, sample_surface
+from shapegoogle_core.views import ViewModel
 
 __all__ = ["ShapeModel"]
 
@@ -65,6 +66,8 @@ class ShapeModel:
         Calibration of the similarity of verified distances.
     local_words : LocalWords or None
         The index of parts, if `settings.local` asks for one.
+    views : ViewModel or None
+        What describes pictures of shapes. It has its own identifier, since it has nothing to do with bags.
 
     Raises
     ------
@@ -100,6 +103,7 @@ class ShapeModel:
     verified_half: float = 1.0
     verified_slope: float = 1.0
     local_words: LocalWords | None = None
+    views: ViewModel | None = None
 
     def __post_init__(self) -> None:
         check_learnt(self)
@@ -124,7 +128,7 @@ class ShapeModel:
 
     @cached_property
     def identifier(self) -> str:
-        """16 hexadecimal digits, equal only for models whose signatures can be compared."""
+        """16 hexadecimal digits, equal only for models whose bags can be compared; `views` has its own."""
         return identifier_of(self.settings.to_dict(), arrays_of(self._fields()), self.agreement_gain)
 
     def describe(self, mesh: MeshLike, *, keep_surface: bool = False) -> ShapeSignature:
@@ -171,6 +175,7 @@ class ShapeModel:
                 sample = sample.moved_back(shape.placement.origin, shape.placement.scale)
             if sample is not None and self.local_words is not None:
                 local_code = self.local_words.code(sample)
+            views = None if self.views is None else self.views.describe(mesh)
         cloud = mesh.is_point_cloud
         return ShapeSignature(
             bags=bags,
@@ -183,6 +188,8 @@ class ShapeModel:
             extents=mesh.extents,
             measures=measure_mesh(mesh),
             surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
+            views=views,
+            view_code=None if self.views is None or views is None else self.views.code(views),
         )
 
     def embed(self, bags: FloatBags) -> FloatBags:
@@ -328,6 +335,22 @@ class ShapeModel:
             half, slope = self.verified_half, self.verified_slope
         ratio = np.asarray(distances, np.float64) / half
         return np.asarray(1 / (1 + ratio**slope), dtype=np.float64)
+
+    def with_parts(self, *, views: ViewModel | None) -> ShapeModel:
+        """Exchange parts of the model that say nothing about bags; its identifier stays.
+
+        Parameters
+        ----------
+        views : ViewModel or None
+
+        Returns
+        -------
+        model : ShapeModel
+        """
+        changed = replace(self, views=views)
+        # In the place of the cached property: the file of an early model states another than it has by now.
+        vars(changed)["identifier"] = self.identifier
+        return changed
 
     @cached_property
     def _projection(self) -> FloatBags:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import MeshMeasures, SurfaceSample
+from shapegoogle_core.views import ShapeViews
 
 __all__ = ["ShapeSignature"]
 
@@ -40,6 +41,12 @@ class ShapeSignature:
         Side lengths of the axis-aligned bounding box of the mesh as given; zeros if they are not known.
     measures : MeshMeasures or None
         Of the mesh as given: what tells copies and other triangulations of a surface from other shapes.
+    views : ShapeViews or None
+        Pictures of the mesh as given, described, if the model has learnt to; for `ViewModel.distances`.
+    view_code : (64,) array of uint8 or None
+        Binary code of the views, see `ViewModel.code`.
+    background_distance : float or None
+        Distance of the bags to the nearest of the unlike shapes that belong to the model, if it has any.
 
     Examples
     --------
@@ -60,3 +67,6 @@ class ShapeSignature:
     surface: Mesh | None = None
     extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
     measures: MeshMeasures | None = None
+    views: ShapeViews | None = None
+    view_code: NDArray[np.uint8] | None = None
+    background_distance: float | None = None

@@ -27,6 +27,7 @@ LAYERS = (
     "words",
     "registration",
     "correspondence",
+    "views",
     "model",
     "library",
     "rendering",

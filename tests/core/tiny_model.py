@@ -13,6 +13,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.views import ViewModel, learn_views
 from tests.core.conftest import make_bumpy
 
 SignatureMaker = Callable[..., ShapeSignature]
@@ -83,6 +84,12 @@ def meshes() -> list[Mesh]:
         Mesh(mesh.vertices * [1, 1, length], mesh.faces, mesh.name)
         for mesh, length in zip(bumpy, [0.2, 0.5, 1, 2, 4], strict=True)
     ]
+
+
+@pytest.fixture(scope="session")
+def view_model(meshes: list[Mesh]) -> ViewModel:
+    """Learnt from five shapes, with few components; any shape can be described with it."""
+    return learn_views(meshes, components=24)
 
 
 @pytest.fixture

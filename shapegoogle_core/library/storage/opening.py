@@ -10,7 +10,8 @@ from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.loading import as_model
+from shapegoogle_core.model.loading import SHIPPED, as_model
+from shapegoogle_core.model.model_file import views_identifier
 
 __all__ = ["open_store"]
 
@@ -49,7 +50,7 @@ def open_store(
             given = given or as_model(None)
             store.initialise(given.identifier, given.to_bytes())
         store.check_format()
-        return store, _matching_model(store, given)
+        return store, _matching_model(store, given, read_only=read_only)
     except BaseException:
         store.close()
         raise
@@ -80,18 +81,33 @@ def _check_place(path: Path, *, read_only: bool) -> None:
         raise LibraryError(f"'{path}' cannot be created: there is no folder '{path.parent}'; create it first")
 
 
-def _matching_model(store: Store, model: ShapeModel | None) -> ShapeModel:
-    """Return the given model if it is the library's own; without one, load the library's model."""
+def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) -> ShapeModel:
+    """Return the library's own model, completed by views if an earlier version made it."""
     identifier, content = store.model()
-    if model is None:
-        try:
-            model = ShapeModel.from_bytes(content, origin=f"the model in '{store.name}'")
-        except ModelError as error:
-            raise LibraryError(str(error)) from error
+    if given is not None:
+        _check_identifier(store, identifier, given)
+        if views_identifier(content) == (None if given.views is None else given.views.identifier):
+            return given
+    try:
+        model = ShapeModel.from_bytes(content, origin=f"the model in '{store.name}'")
+    except ModelError as error:
+        raise LibraryError(str(error)) from error
+    _check_identifier(store, identifier, model)
+    if model.views is not None:
+        return model
+    later = as_model(model.name) if given is None and model.name in SHIPPED else given
+    if later is None or later.identifier != identifier or later.views is None:
+        return model
+    complete = model.with_parts(views=later.views)
+    if not read_only:
+        store.extend_model(identifier, complete.to_bytes())
+    return complete
+
+
+def _check_identifier(store: Store, identifier: str, model: ShapeModel) -> None:
     if model.identifier != identifier:
         raise LibraryError(
             f"'{store.name}' was made with model {identifier}, not with {model.identifier} ({model.name}): "
             "their signatures cannot be compared; leave the model out to use the library's own, or index "
             "your folders into a new library"
         )
-    return model

@@ -13,12 +13,14 @@ from shapegoogle_core.library.storage.store import Store, damaged
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import MeshMeasures, SurfaceSample
+from shapegoogle_core.views import CODE_BYTES, ShapeViews
 
 __all__ = [
     "BAG_TYPE",
     "check_signature",
     "read_signature",
     "round_bags",
+    "stored_views",
     "unpack_measures",
     "unpack_sample",
 ]
@@ -85,6 +87,11 @@ def _difference(model: ShapeModel, signature: ShapeSignature) -> str:
     local_bytes = 0 if local is None else local.words // 8
     if signature.local_code is not None and signature.local_code.size != local_bytes:
         return "its local code does not fit"
+    if signature.views is not None and (
+        model.views is None or signature.views.made_by != model.views.identifier
+    ):
+        own = "none" if model.views is None else f"those of {model.views.identifier}"
+        return f"its views are those of {signature.views.made_by}, and the model's {own}"
     return ""
 
 
@@ -116,6 +123,10 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
         local = model.settings.local
         local_bytes = 0 if local is None else local.words // 8
         _, local_codes = store.codes("local_words", [shape_id] if local_bytes else [], local_bytes)
+        seen, made_by = ([], "") if model.views is None else ([shape_id], model.views.identifier)
+        _, view_codes = store.codes("view_codes", seen, CODE_BYTES)
+        _, views = stored_views(store, model, seen)
+        background = store.background_distances([shape_id])
     if not records:
         return None
     (record,) = records
@@ -134,7 +145,34 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
         local_code=local_codes[0] if len(local_codes) else None,
         extents=record.extents,
         measures=unpack_measures(store, [shape_id]).get(shape_id),
+        views=ShapeViews(views[0], made_by) if len(views) else None,
+        view_code=view_codes[0] if len(view_codes) else None,
+        background_distance=background.get(shape_id),
     )
+
+
+def stored_views(
+    store: Store, model: ShapeModel, shape_ids: Sequence[int]
+) -> tuple[NDArray[np.int64], NDArray[np.int8]]:
+    """Read the views of shapes, for `ViewModel.distances`.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Model that described the shapes.
+    shape_ids : sequence of int
+
+    Returns
+    -------
+    shape_ids : (n,) array of int64
+        Of those that have views, sorted; none if the model has not learnt about pictures.
+    views : (n, 2, 12, d) array of int8
+    """
+    if model.views is None:
+        return np.empty(0, np.int64), np.empty((0, 2, 0, 0), np.int8)
+    found, views = store.views(shape_ids, int(np.prod(model.views.shape)))
+    return np.array(found, np.int64), views.reshape(len(found), *model.views.shape)
 
 
 def unpack_measures(store: Store, shape_ids: Sequence[int]) -> dict[int, MeshMeasures]:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Literal, Protocol
 
@@ -24,10 +24,13 @@ from shapegoogle_core.library.storage.records import (
 )
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["CodeKind", "CodePage", "Store", "all_codes", "damaged"]
+__all__ = ["CodeKind", "CodePage", "Neighbours", "Store", "all_codes", "damaged"]
 
-CodeKind = Literal["codes", "local_words"]
-"""The binary codes of bags, or the local words of each shape as bits."""
+CodeKind = Literal["codes", "local_words", "view_codes"]
+"""The binary codes of bags, the local words of each shape as bits, or the binary codes of views."""
+
+Neighbours = tuple[NDArray[np.int64], NDArray[np.float32]]
+"""Ids of shapes (k,) and their distances (k,), nearest first."""
 
 CodePage = tuple[NDArray[np.int64], NDArray[np.uint8]]
 """Ids of shapes (n,), in ascending order, and their codes (n, code_bytes)."""
@@ -58,6 +61,17 @@ class Store(Protocol):
 
     def model(self) -> tuple[str, bytes]:
         """Return identifier and file content of the model that described the shapes."""
+
+    def extend_model(self, identifier: str, content: bytes) -> None:
+        """Store the content of a model that has more parts than the stored one, with the next change.
+
+        Parameters
+        ----------
+        identifier : str
+            That of the stored model.
+        content : bytes
+            Result of `ShapeModel.to_bytes`.
+        """
 
     def summary(self) -> StoreSummary:
         """Return numbers about the whole library."""
@@ -163,7 +177,7 @@ class Store(Protocol):
 
         Parameters
         ----------
-        kind : {"codes", "local_words"}
+        kind : {"codes", "local_words", "view_codes"}
         last_id : int
             0 for all shapes; the last id seen, for those that were added since.
         code_bytes : int
@@ -193,6 +207,35 @@ class Store(Protocol):
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of a shape as PNG, or None if it has none."""
 
+    # -- shapes of the same kind ----------------------------------------------------------------------------
+
+    def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], NDArray[np.int8]]:
+        """Return ids (sorted) and views (n, size) of those of some shapes that have views."""
+
+    def views_after(self, last_id: int, limit: int, size: int) -> tuple[list[int], NDArray[np.int8]]:
+        """Return ids and views (n, size) of the next shapes with views; start with `last_id` 0."""
+
+    def background_distances(self, shape_ids: Sequence[int]) -> dict[int, float]:
+        """Return `ShapeSignature.background_distance` of those of some shapes that have it, by id."""
+
+    def count_without_views(self) -> int:
+        """Return the number of shapes without views, such as those that an earlier version has described."""
+
+    def sources_without_views(self) -> list[SourceKey]:
+        """Return the sources that shapes without views come from."""
+
+    def neighbours(self, shape_ids: Sequence[int]) -> dict[int, Neighbours]:
+        """Return the nearest shapes of those of some shapes that have them, by id.
+
+        Some of them may have been removed since they were stored.
+        """
+
+    def put_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
+        """Store the nearest shapes of some shapes by id; shapes that are gone are left out."""
+
+    def without_neighbours(self, last_id: int, limit: int) -> list[int]:
+        """Return the next ids of shapes without neighbours, in order; start with `last_id` 0."""
+
 
 def all_codes(store: Store, kind: CodeKind, code_bytes: int) -> CodePage:
     """Read the codes of all shapes at once.
@@ -200,7 +243,7 @@ def all_codes(store: Store, kind: CodeKind, code_bytes: int) -> CodePage:
     Parameters
     ----------
     store : Store
-    kind : {"codes", "local_words"}
+    kind : {"codes", "local_words", "view_codes"}
     code_bytes : int
         Length of each code.
 

@@ -2,6 +2,16 @@
 """The tiny model, its signatures, and a library with evidence, for all tests of this folder."""
 
 from tests.core.library.explained_pairs import answers, pairs
-from tests.core.tiny_model import make_model, make_signature, meshes, model, other_model, path
+from tests.core.tiny_model import make_model, make_signature, meshes, model, other_model, path, view_model
 
-__all__ = ["answers", "make_model", "make_signature", "meshes", "model", "other_model", "pairs", "path"]
+__all__ = [
+    "answers",
+    "make_model",
+    "make_signature",
+    "meshes",
+    "model",
+    "other_model",
+    "pairs",
+    "path",
+    "view_model",
+]

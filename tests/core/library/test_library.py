@@ -44,7 +44,8 @@ def test_a_new_library_is_empty_and_knows_its_model(path: Path, model: ShapeMode
             "code_bits": 72,
             "bag_size": model.bag_size,
             "bytes": path.stat().st_size,
-            "schema": 7,
+            "schema": 8,
+            "without_views": 0,
             "roots": [],
         }
 

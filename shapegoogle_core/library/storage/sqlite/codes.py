@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""SQL of the tables `codes` and `local_words`: binary codes of shapes, and copies of them packed in blocks.
+"""SQL of the tables `codes`, `local_words` and `view_codes`: binary codes, and copies packed in blocks.
 
-The rows of the tables `codes` and `local_words` lie scattered between bags and samples: reading a million of
+The rows of these tables lie scattered between bags and samples: reading a million of
 them takes most of a second, and from a cold disk one seek for each page. So the codes of every 4,096
 consecutive ids are also stored together in one row, as soon as all these ids are in use; ids are never given
 twice and codes never change. Only codes added since the last full block are read row by row.
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.storage.sqlite.database import Database
+from shapegoogle_core.library.storage.sqlite.kinds import KindTables
 from shapegoogle_core.library.storage.store import CodeKind, CodePage
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -33,7 +33,11 @@ ROWS_AT_ONCE = 50_000
 # Place of an id within its block.
 OFFSET_TYPE = np.dtype("<u2")
 
-BLOCK_TABLES: dict[CodeKind, str] = {"codes": "code_blocks", "local_words": "local_word_blocks"}
+BLOCK_TABLES: dict[CodeKind, str] = {
+    "codes": "code_blocks",
+    "local_words": "local_word_blocks",
+    "view_codes": "view_code_blocks",
+}
 
 CodeRows = tuple[NDArray[np.int64], list[bytes]]
 """Ids of shapes, and their codes: one string of bytes for each, or one for all."""
@@ -47,7 +51,7 @@ class CodeBlocks:
     ----------
     connection : sqlite3.Connection
         Its errors are not translated here.
-    kind : {"codes", "local_words"}
+    kind : {"codes", "local_words", "view_codes"}
         Also the name of the table of single rows.
     block_ids : int
         Number of ids in a block, as in the schema.
@@ -152,7 +156,7 @@ class CodeBlocks:
             last_id = rows[-1][0]
 
 
-class CodeTables(Database):
+class CodeTables(KindTables):
     """Codes of a library file.
 
     Parameters
@@ -181,7 +185,11 @@ class CodeTables(Database):
 
     def insert_codes(self, shape_id: int, signature: ShapeSignature) -> None:
         """Insert the codes of a new shape, inside `writing`."""
-        for table, code in (("codes", signature.code), ("local_words", signature.local_code)):
+        for table, code in (
+            ("codes", signature.code),
+            ("local_words", signature.local_code),
+            ("view_codes", signature.view_code),
+        ):
             if code is not None:
                 self.connection.execute(f"INSERT INTO {table} VALUES (?, ?)", (shape_id, code.tobytes()))
         for kind in BLOCK_TABLES:
@@ -194,6 +202,8 @@ class CodeTables(Database):
 
     def code_pages(self, kind: CodeKind, last_id: int, code_bytes: int) -> Iterator[CodePage]:
         """Read the codes of all shapes after an id, see `Store.code_pages`."""
+        if not self._has_table(kind):
+            return
         with self.explained():
             for shape_ids, blobs in self._blocks(kind).pages(last_id):
                 content = b"".join(blobs)
@@ -203,13 +213,17 @@ class CodeTables(Database):
 
     def codes(self, kind: CodeKind, shape_ids: Sequence[int], code_bytes: int) -> CodePage:
         """Return ids and codes of some shapes, see `Store.codes`."""
-        rows = self.rows_with_ids(f"SELECT shape_id, code FROM {kind} WHERE shape_id", shape_ids)
+        known = shape_ids if self._has_table(kind) else []
+        rows = self.rows_with_ids(f"SELECT shape_id, code FROM {kind} WHERE shape_id", known)
         codes = self.matrix([row[1] for row in rows], np.dtype(np.uint8), code_bytes)
         return np.array([row[0] for row in rows], np.int64), codes
 
     def count(self) -> int:
         """Return the number of shapes, from the smallest table with a row for each of them."""
         return int(self.value("SELECT count(*) FROM codes"))
+
+    def _has_table(self, kind: CodeKind) -> bool:
+        return kind != "view_codes" or self.has_kind_tables()
 
     def _blocks(self, kind: CodeKind) -> CodeBlocks:
         return CodeBlocks(self.connection, kind, self.block_ids, self.rows_at_once)

@@ -5,12 +5,15 @@ A shape's row is spread over several tables, so that reading all codes touches a
 and neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
-__all__ = ["APPLICATION_ID", "FORMAT", "SCHEMA"]
+__all__ = ["APPLICATION_ID", "EARLIER_FORMAT", "FORMAT", "SCHEMA", "SCHEMA_OF_KINDS"]
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
-FORMAT = 7
-"""Version of the library format; a library of another one is refused."""
+FORMAT = 8
+"""Version of the library format."""
+
+EARLIER_FORMAT = 7
+"""Version without the tables of `SCHEMA_OF_KINDS`, which the first change adds; all others are refused."""
 
 # Key of the tables with one row for each shape.
 _OF_SHAPE = "shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE"
@@ -74,3 +77,14 @@ CREATE TABLE measures ({_OF_SHAPE}, content BLOB NOT NULL);
 CREATE TABLE thumbnails ({_OF_SHAPE}, png BLOB NOT NULL);
 """
 """Statements, each ending a line; `block_ids` is the number of ids in a block of codes, see `CodeBlocks`."""
+
+SCHEMA_OF_KINDS = f"""
+CREATE TABLE views ({_OF_SHAPE}, descriptors BLOB NOT NULL);
+CREATE TABLE view_codes ({_OF_SHAPE}, code BLOB NOT NULL);
+CREATE TABLE view_code_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
+CREATE TRIGGER view_code_removed AFTER DELETE ON view_codes
+    BEGIN DELETE FROM view_code_blocks WHERE block = (old.shape_id - 1) / {{block_ids}}; END;
+CREATE TABLE background_distances ({_OF_SHAPE}, distance REAL NOT NULL);
+CREATE TABLE neighbours ({_OF_SHAPE}, ids BLOB NOT NULL, distances BLOB NOT NULL);
+"""
+"""Statements for what finds shapes of the same kind, new in format 8; written as `SCHEMA`."""

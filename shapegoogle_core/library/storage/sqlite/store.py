@@ -16,7 +16,13 @@ from shapegoogle_core.library.storage.records import (
 from shapegoogle_core.library.storage.sqlite.bags import BagTable
 from shapegoogle_core.library.storage.sqlite.codes import CodeTables
 from shapegoogle_core.library.storage.sqlite.database import encoded
-from shapegoogle_core.library.storage.sqlite.schema import APPLICATION_ID, FORMAT, SCHEMA
+from shapegoogle_core.library.storage.sqlite.schema import (
+    APPLICATION_ID,
+    EARLIER_FORMAT,
+    FORMAT,
+    SCHEMA,
+    SCHEMA_OF_KINDS,
+)
 from shapegoogle_core.library.storage.sqlite.shapes import ShapeTable
 from shapegoogle_core.library.storage.sqlite.sources import IS_SOURCE
 from shapegoogle_core.model.signature import ShapeSignature
@@ -47,18 +53,18 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
             if not self.is_empty():
                 return
             self.connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-            for statement in SCHEMA.format(block_ids=self.block_ids).split(";\n"):
+            for statement in (SCHEMA + SCHEMA_OF_KINDS).format(block_ids=self.block_ids).split(";\n"):
                 self.connection.execute(statement)
             self.connection.execute("INSERT INTO meta VALUES ('schema', ?)", (str(FORMAT),))
             self.connection.execute("INSERT INTO model VALUES (?, ?)", (model_identifier, model_content))
 
     def check_format(self) -> None:
-        """Make sure that the file is a library of the current format.
+        """Make sure that the file is a library of the current format, or of the one before.
 
         Raises
         ------
         LibraryError
-            If the file is something else, damaged, or of another format.
+            If the file is something else, damaged, or of any other format.
         """
         if self.value("PRAGMA application_id") != APPLICATION_ID:
             raise LibraryError(
@@ -68,11 +74,11 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
         version = self.value("SELECT value FROM meta WHERE key = 'schema'")
         if not isinstance(version, str) or not version.isdecimal():
             raise self.damaged("it does not say which format it has")
-        if int(version) != FORMAT:
+        if int(version) not in (EARLIER_FORMAT, FORMAT):
             newer = int(version) > FORMAT
             raise LibraryError(
                 f"'{self.path}' was made by {'a newer' if newer else 'an older'} version of Shape Google "
-                f"(format {version}; this one reads format {FORMAT}); "
+                f"(format {version}; this one reads formats {EARLIER_FORMAT} and {FORMAT}); "
                 f"{'update Shape Google, or ' if newer else ''}index your folders into a new library"
             )
 
@@ -148,6 +154,7 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
         shape_id = self.insert_record(source_id, shape)
         self.insert_bags(shape_id, shape.signature.bags)
         self.insert_codes(shape_id, shape.signature)
+        self.insert_kind(shape_id, shape.signature)
         return shape_id
 
     def _remove(self, where: str, parameters: tuple[object, ...]) -> int:

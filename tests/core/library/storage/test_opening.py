@@ -119,14 +119,14 @@ def test_an_empty_file_becomes_a_library_but_is_none_to_read(path: Path, model: 
         assert len(library) == 0
 
 
-@pytest.mark.parametrize(("version", "made_by"), [(1, "an older"), (6, "an older"), (8, "a newer")])
+@pytest.mark.parametrize(("version", "made_by"), [(1, "an older"), (6, "an older"), (9, "a newer")])
 def test_another_format(filled: Path, model: ShapeModel, version: int, made_by: str) -> None:
     change(filled, f"UPDATE meta SET value = '{version}' WHERE key = 'schema'")
     before = filled.read_bytes()
     for read_only in (False, True):
         with pytest.raises(
             LibraryError,
-            match=rf"{made_by} version of Shape Google \(format {version}; .* 7\); .*index your folders",
+            match=rf"{made_by} version of .* \(format {version}; .* 7 and 8\); .*index your folders",
         ):
             Library.open(filled, model, read_only=read_only)
     assert filled.read_bytes() == before

@@ -98,7 +98,7 @@ def test_sources_and_numbers(store: Store, make_signature: SignatureMaker) -> No
         SourceRecord("b", 5, 6, "ab", None, 1),
     ]
     summary = store.summary()
-    assert summary == StoreSummary(shapes=1, sources=2, failed=1, bytes=summary.bytes, format=7)
+    assert summary == StoreSummary(shapes=1, sources=2, failed=1, bytes=summary.bytes, format=8)
     assert store.update_source(SourceKey("", "b"), 7, 8)
     assert not store.update_source(SourceKey("", "c"), 7, 8)
     assert store.sources()[1] == SourceRecord("b", 7, 8, "ab", None, 1)
