@@ -8,8 +8,9 @@
 (`extension`), and in a real window (`window`). The environment variable BLENDER names the real Blender;
 without it, one on PATH is used. Sessions that cannot run on a machine are skipped with the reason.
 
-Tests in `tests/extension` and `tests/gui` find in the environment: SHAPEGOOGLE_EXTENSION, the built zip;
-BLENDER; SHAPEGOOGLE_BLENDER_MODULES, a folder of Python packages for tests inside that Blender.
+Tests in `tests/extension` and `tests/gui` find in the environment: SHAPEGOOGLE_EXTENSION, the built zip
+(`tests/extension`: one for each Python, separated as in PATH); BLENDER; SHAPEGOOGLE_BLENDER_MODULES, a folder
+of Python packages for tests inside that Blender.
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ def add_bpy_session(series: str, python: str) -> None:
 
 @nox.session(python=False)
 def build(session: nox.Session) -> None:
-    """Build the zip of the extension for this machine."""
+    """Build the zips of the extension for this machine."""
     session.run(sys.executable, "scripts/build_extension.py", external=True)
 
 
@@ -122,7 +123,14 @@ def blender(session: nox.Session) -> None:
         Path(folder, "scripts").mkdir()
         Path(folder, "scripts", "modules").symlink_to(modules, target_is_directory=True)
         environment = {**ENVIRONMENT, "BLENDER_USER_RESOURCES": folder}
-        install = ["extension", "install-file", "--repo", "user_default", "--enable", built_zip(session)]
+        install = [
+            "extension",
+            "install-file",
+            "--repo",
+            "user_default",
+            "--enable",
+            built_zip(session, real.python),
+        ]
         session.run(real.command, "--command", *install, env=environment, external=True, silent=True)
         command = [real.command, "--background", "--python-exit-code", "1"]
         command += [
@@ -136,8 +144,10 @@ def blender(session: nox.Session) -> None:
 
 @nox.session(python=False)
 def extension(session: nox.Session) -> None:
-    """Test the built zip; the tests that need a real Blender are skipped without one."""
-    environment = {**ENVIRONMENT, "SHAPEGOOGLE_EXTENSION": built_zip(session)}
+    """Test the built zips; the tests that need a real Blender are skipped without one."""
+    pythons = sorted({known["python"] for known in BLENDERS.values()})
+    zips = [built_zip(session, python) for python in pythons]
+    environment = {**ENVIRONMENT, "SHAPEGOOGLE_EXTENSION": os.pathsep.join(zips)}
     try:
         environment |= variables_of(session, find_real_blender())
     except BlenderMissingError as error:
@@ -152,7 +162,7 @@ def window(session: nox.Session) -> None:
     if not shutil.which("Xvfb"):
         session.skip("the window tests need Xvfb (Debian: sudo apt install xvfb xdotool imagemagick)")
     real = real_blender_or_skip(session)
-    zip_file = {"SHAPEGOOGLE_EXTENSION": built_zip(session)}
+    zip_file = {"SHAPEGOOGLE_EXTENSION": built_zip(session, real.python)}
     command = [sys.executable, "-m", "pytest", *pytest_options(session.posargs, "tests/gui")]
     session.run(*command, env=ENVIRONMENT | zip_file | variables_of(session, real), external=True)
 
@@ -293,9 +303,10 @@ def variables_of(session: nox.Session, real: RealBlender) -> dict[str, str]:
     return {"BLENDER": real.command, "SHAPEGOOGLE_BLENDER_MODULES": str(install_modules(session, real))}
 
 
-def built_zip(session: nox.Session) -> str:
-    """Path of the extension for this machine, built if its sources have changed."""
-    output = session.run(sys.executable, "scripts/build_extension.py", external=True, silent=True)
+def built_zip(session: nox.Session, python: str) -> str:
+    """Path of the extension for this machine and a Python, built if its sources have changed."""
+    command = [sys.executable, "scripts/build_extension.py", "--python", python]
+    output = session.run(*command, external=True, silent=True)
     # The last line: the path, then size and time.
     return str(ROOT / str(output).strip().splitlines()[-1].partition(":")[0])
 

@@ -23,23 +23,25 @@ BUNDLED = (
 def sentence() -> str:
     """Say which package is missing and what to do about it, without importing any.
 
+    A zip for another Python does not get this far: Blender refuses to switch it on, and names both Pythons.
+
     Returns
     -------
     sentence : str
         Empty if all are there.
     """
-    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    major, minor = sys.version_info[:2]
     if importlib.util.find_spec("numpy") is None:
         return (
             "Shape Google needs numpy, which this Blender does not have: use a Blender from blender.org, or "
-            f"install numpy for its {python} (on Debian and Ubuntu the package python3-numpy), and start "
-            "Blender again"
+            f"install numpy for its Python {major}.{minor} (on Debian and Ubuntu the package python3-numpy), "
+            "and start Blender again"
         )
     missing = [name for name in BUNDLED if importlib.util.find_spec(name) is None]
     if missing:
         return (
-            f"Shape Google cannot find {' and '.join(missing)}, which its zip contains: install the zip for "
-            f"the {python} of this Blender, and start Blender again"
+            f"Shape Google cannot find {' and '.join(missing)}, which its zip contains: install the zip "
+            f"whose name ends in cp{major}{minor}.zip again, and start Blender again"
         )
     return ""
 

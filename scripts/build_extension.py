@@ -2,14 +2,17 @@
 """Build the Blender extension: zips in `dist` for "Install from Disk", with all packages they need inside.
 
     python3 scripts/build_extension.py [--platform linux-x64|windows-x64|macos-arm64 … | --all]
+                                       [--python 3.11|3.13 …]
 
-For the platform of this machine if none is named. Blender's own extension tool checks and packs them.
+One zip for each platform and Python: Blender 4.2 to 5.0 has Python 3.11, later ones 3.13. For the platform of
+this machine if none is named, and for both Pythons. Blender's own extension tool checks and packs them.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
+import itertools
 import os
 import re
 import shutil
@@ -39,30 +42,29 @@ PACKED = ("*.py", "*.png", "*.svg", "LICENSE", "README.md")
 ZIP_DATE = (2020, 1, 1, 0, 0, 0)  # any, but always the same
 
 
-def build(platform: str) -> Path:
-    """Build and check the zip for one platform, unless it is there and nothing has changed.
+def build(platform: str, python: str) -> Path:
+    """Build and check the zip for one platform and Python, unless it is there and nothing has changed.
 
     Parameters
     ----------
     platform : str
         A key of `wheels.TAGS`.
+    python : str
+        Such as "3.11".
 
     Returns
     -------
     path : Path
-        `dist/shape_google-VERSION-PLATFORM.zip`.
+        See `zip_path`.
 
     Raises
     ------
     SetupError
         If a wheel cannot be had, Blender's tool is nowhere, or it finds a fault.
     """
-    import tomllib
-
-    manifest = tomllib.loads((ADDON / MANIFEST).read_text(encoding="utf-8"))
-    path = DIST / f"{manifest['id']}-{manifest['version']}-{platform.replace('-', '_')}.zip"
-    stage = STAGES / platform / "contents"
-    fill(stage, platform)
+    path = zip_path(platform, python)
+    stage = STAGES / f"{platform}-{wheels.python_tag(python)}" / "contents"
+    fill(stage, platform, python)
     stamp = {"contents": digest(stage), "path": str(path)}
     if path.exists() and bootstrap.read_stamp(stage.parent) == {**stamp, "zip": digest(path)}:
         return path
@@ -78,9 +80,31 @@ def build(platform: str) -> Path:
     return path
 
 
-def fill(stage: Path, platform: str) -> None:
+def zip_path(platform: str, python: str) -> Path:
+    """Path of the zip for one platform and Python.
+
+    Parameters
+    ----------
+    platform : str
+    python : str
+
+    Returns
+    -------
+    path : Path
+        `dist/shape_google-VERSION-PLATFORM-cpNNN.zip`.
+    """
+    import tomllib  # here, since an older Python must get as far as reporting that it is too old
+
+    manifest = tomllib.loads((ADDON / MANIFEST).read_text(encoding="utf-8"))
+    name = (
+        f"{manifest['id']}-{manifest['version']}-{platform.replace('-', '_')}-{wheels.python_tag(python)}.zip"
+    )
+    return DIST / name
+
+
+def fill(stage: Path, platform: str, python: str) -> None:
     """Lay out the extension as it will be packed: the add-on, its wheels, and the manifest naming both."""
-    wheel_files = {path.name: path for python in pythons() for path in downloaded(platform, python)}
+    wheel_files = {path.name: path for path in downloaded(platform, python)}
     core = core_wheel()
     wheel_files[core.name] = core
     shutil.rmtree(stage, ignore_errors=True)
@@ -135,7 +159,7 @@ def downloaded(platform: str, python: str) -> list[Path]:
     They are those that pyproject.toml pins, each by itself: what they ask for beyond that is numpy, which
     is Blender's.
     """
-    folder = WHEELS / f"{platform}-cp{python.replace('.', '')}"
+    folder = WHEELS / f"{platform}-{wheels.python_tag(python)}"
     pins = pyproject()["dependency-groups"]["extension"]
     if bootstrap.read_stamp(folder) != {"pins": pins}:
         shutil.rmtree(folder, ignore_errors=True)
@@ -231,26 +255,31 @@ def _tool_of_bpy() -> list[str]:
     return [sys.executable, "-I", str(found[-1])] if found else []
 
 
-def parse_arguments(arguments: Sequence[str] | None) -> list[str]:
+def parse_arguments(arguments: Sequence[str] | None) -> list[tuple[str, str]]:
+    """List the platforms and Pythons to build for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0], allow_abbrev=False)
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
         "--platform", nargs="+", choices=list(wheels.TAGS), help="this machine's when left out"
     )
     which.add_argument("--all", action="store_true", help="all platforms")
+    parser.add_argument(
+        "--python", nargs="+", choices=pythons(), help="Python of the Blenders; both when left out"
+    )
     options = parser.parse_args(arguments)
-    return list(wheels.TAGS) if options.all else options.platform or [wheels.this_platform()]
+    platforms = list(wheels.TAGS) if options.all else options.platform or [wheels.this_platform()]
+    return list(itertools.product(platforms, options.python or pythons()))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    platforms = parse_arguments(arguments)
+    targets = parse_arguments(arguments)
     bootstrap.enter([])
-    for platform in platforms:
+    for platform, python in targets:
         started = time.monotonic()
         try:
-            path = build(platform)
+            path = build(platform, python)
         except bootstrap.SetupError as error:
-            print(f"The extension for {platform} cannot be built: {error}", file=sys.stderr)
+            print(f"The extension for {platform}, Python {python}, cannot be built: {error}", file=sys.stderr)
             return 1
         size = path.stat().st_size / 1e6
         print(f"{path.relative_to(bootstrap.ROOT)}: {size:.1f} MB, {time.monotonic() - started:.1f} s")

@@ -7,7 +7,7 @@ import platform
 
 from lib.bootstrap import SetupError
 
-__all__ = ["TAGS", "pip_options", "this_platform"]
+__all__ = ["TAGS", "pip_options", "python_tag", "this_platform"]
 
 # Platform tags of wheels that run wherever Blender does: it wants glibc 2.28 on Linux; scipy wants macOS 12.
 TAGS = {
@@ -23,6 +23,22 @@ TAGS = {
     "windows-x64": ("win_amd64",),
     "macos-arm64": ("macosx_12_0_arm64",),
 }
+
+
+def python_tag(python: str) -> str:
+    """Return the tag of wheels for a Python.
+
+    Parameters
+    ----------
+    python : str
+        Such as "3.11".
+
+    Returns
+    -------
+    tag : str
+        Such as "cp311".
+    """
+    return f"cp{python.replace('.', '')}"
 
 
 def pip_options(target: str, python: str) -> list[str]:

@@ -116,7 +116,10 @@ def test_registering_and_polling_import_nothing_heavy(addon: ModuleType) -> None
             "numpy",
             "Shape Google needs numpy, which this Blender does not have: use a Blender from blender.org",
         ),
-        ("scipy", "Shape Google cannot find scipy, which its zip contains: install the zip for the Python 3"),
+        (
+            "scipy",
+            "Shape Google cannot find scipy, which its zip contains: install the zip whose name ends in cp3",
+        ),
     ],
 )
 def test_a_missing_package_is_said_in_one_sentence(addon: ModuleType, package: str, sentence: str) -> None:

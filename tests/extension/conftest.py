@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The built zip, and the Blenders to install it in: `scripts/test.py` makes both, and says where they are."""
+"""The built zips, and the Blenders to install them in: `scripts/test.py` makes both and names them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from lib.wheels import python_tag
 
 ROOT = Path(__file__).resolve().parents[2]
 MARK = "shape-google-report "
@@ -43,6 +44,7 @@ class Host:
     command: tuple[str, ...]
     variables: dict[str, str]
     user_folder: Path
+    python_tag: str
 
     @property
     def is_real(self) -> bool:
@@ -82,7 +84,9 @@ def real_blender(user_folder: Path) -> Host:
     for package in Path(os.environ["SHAPEGOOGLE_BLENDER_MODULES"]).glob("numpy*"):
         (modules / package.name).symlink_to(package)
     command = (os.environ["BLENDER"], "--background", "--python-exit-code", "1", "--python")
-    return Host(command, {}, user_folder)
+    # The folder's name ends in Blender's Python, see `install_modules` in noxfile.py.
+    python = Path(os.environ["SHAPEGOOGLE_BLENDER_MODULES"]).name.rpartition("-")[2]
+    return Host(command, {}, user_folder, python_tag(python))
 
 
 def bpy_module(name: str, folder: Path) -> Host:
@@ -96,7 +100,8 @@ def bpy_module(name: str, folder: Path) -> Host:
             (packages / package).symlink_to(site_packages / package)
     python = environment / "bin" / "python"
     # -S: without the environment's own packages, which include the core and those that the extension brings.
-    return Host((str(python), "-S"), {"PYTHONPATH": str(packages)}, folder / "user")
+    version = site_packages.parent.name.removeprefix("python")
+    return Host((str(python), "-S"), {"PYTHONPATH": str(packages)}, folder / "user", python_tag(version))
 
 
 def host_names() -> list[str]:
@@ -113,9 +118,15 @@ def host(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 
 @pytest.fixture(scope="session")
-def extension() -> Path:
-    """The built zip."""
-    path = os.environ.get("SHAPEGOOGLE_EXTENSION")
-    if not path:
-        pytest.skip("SHAPEGOOGLE_EXTENSION does not name a built zip; run scripts/test.py tests/extension")
-    return Path(path)
+def extensions() -> dict[str, Path]:
+    """The built zips by the tags of their Pythons, such as cp311."""
+    paths = os.environ.get("SHAPEGOOGLE_EXTENSION")
+    if not paths:
+        pytest.skip("SHAPEGOOGLE_EXTENSION does not name built zips; run scripts/test.py tests/extension")
+    return {path.stem.rpartition("-")[2]: path for path in map(Path, paths.split(os.pathsep))}
+
+
+@pytest.fixture(scope="module")
+def extension(host: Host, extensions: dict[str, Path]) -> Path:
+    """The zip for the Python of a Blender."""
+    return extensions[host.python_tag]

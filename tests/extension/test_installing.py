@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -61,3 +63,24 @@ def test_it_is_there_after_a_restart_as_a_command(report: Any, host: Any) -> Non
     output = host.run("--help", command=command)
     assert "usage: " in output
     assert "index" in output
+
+
+def test_the_zip_for_another_python_is_refused_with_both_pythons(
+    host: Any, extensions: Any, tmp_path: Path
+) -> None:
+    if not host.is_real:
+        pytest.skip("Blender as a Python module has no command line")
+    (other,) = (tag for tag in extensions if tag != host.python_tag)
+    install = ("--command", "extension", "install-file", "--repo", "user_default", "--enable")
+    result = subprocess.run(
+        [host.command[0], *install, extensions[other]],
+        env={**os.environ, **host.variables, "BLENDER_USER_RESOURCES": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=300,
+        check=False,
+    )
+    pythons = [f"3.{tag.removeprefix('cp3')}" for tag in (host.python_tag, other)]
+    sentence = "This Python version ({}) isn't compatible with ({})".format(*pythons)
+    assert sentence in result.stdout + result.stderr

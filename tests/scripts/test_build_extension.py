@@ -52,10 +52,23 @@ def test_the_hash_of_a_folder_sees_names_and_contents(tmp_path: Path) -> None:
     assert len({first, second, build_extension.digest(tmp_path)}) == 3
 
 
-def test_platforms_are_chosen_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert build_extension.parse_arguments([]) == [wheels.this_platform()]
-    assert build_extension.parse_arguments(["--all"]) == ["linux-x64", "windows-x64", "macos-arm64"]
-    assert build_extension.parse_arguments(["--platform", "macos-arm64"]) == ["macos-arm64"]
-    with pytest.raises(SystemExit):
-        build_extension.parse_arguments(["--platform", "amiga"])
-    assert "invalid choice: 'amiga'" in capsys.readouterr().err
+def test_platforms_and_pythons_are_chosen_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    def chosen(*arguments: str) -> list[tuple[str, str]]:
+        return build_extension.parse_arguments(arguments)
+
+    here = wheels.this_platform()
+    assert chosen() == [(here, "3.11"), (here, "3.13")]
+    assert chosen("--python", "3.13") == [(here, "3.13")]
+    assert chosen("--platform", "macos-arm64", "--python", "3.11") == [("macos-arm64", "3.11")]
+    assert [platform for platform, _ in chosen("--all")][::2] == ["linux-x64", "windows-x64", "macos-arm64"]
+    for wrong in (["--platform", "amiga"], ["--python", "2.7"]):
+        with pytest.raises(SystemExit):
+            chosen(*wrong)
+        assert f"invalid choice: '{wrong[1]}'" in capsys.readouterr().err
+
+
+def test_a_zip_is_named_after_its_platform_and_python() -> None:
+    path = build_extension.zip_path("linux-x64", "3.11")
+    assert path.parent.name == "dist"
+    assert path.name.startswith("shape_google-")
+    assert path.name.endswith("-linux_x64-cp311.zip")
