@@ -58,8 +58,10 @@ __all__ = ["EVALUATION_DATA", "add_options", "default_cache", "run"]
 
 PARTS = ("retrieval", "categories", "remeshed")
 
-EVALUATION_DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
-"""Folder of the evaluation data, next to the repository."""
+EVALUATION_DATA = Path(
+    os.environ.get("SHAPEGOOGLE_DATA", Path(__file__).resolve().parents[3] / "shared" / "data")
+)
+"""Folder of the evaluation data: that of the environment variable, or next to the repository."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +87,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     data.add_argument(
         "--data",
         type=Path,
-        default=Path(os.environ.get("SHAPEGOOGLE_DATA", EVALUATION_DATA)),
+        default=EVALUATION_DATA,
         metavar="FOLDER",
         help="folder with labels.csv (%(default)s)",
     )

@@ -6,8 +6,8 @@
 Every shape of a labelled set queries for the others of its label. Printed are nearest neighbour, first tier,
 second tier and discounted cumulative gain in percent, as the Princeton Shape Benchmark defines them.
 
-development sets   creatures (by kind), poses (individuals in several poses), people (persons in several
-                   poses), and the CC0 packs to learn from, labelled by the words of their names
+development sets   objects and creatures (by kind), poses (individuals in several poses), people (persons in
+                   several poses), and the CC0 packs to learn from, labelled by the words of their names
 held out           the other CC0 packs; everyday things by kind, upright and turned
 measuring          the labelled models of the evaluation data; nothing may be chosen by them
 parts              bags: bags of words only; search: the product's own list of matches
@@ -36,10 +36,11 @@ from shapegoogle_core.model import load_model
 
 __all__ = ["add_options", "run"]
 
-PROCEDURAL = ("creatures", "poses", "people")
+PROCEDURAL = ("objects", "creatures", "poses", "people")
+THINGS = ("things", "turned things")
 PACKS = ("packs to learn from", "packs held out")
 EVALUATION = ("Princeton", "TOSCA", "TOSCA remeshed", "posed characters")
-SETS = (*PROCEDURAL, *PACKS, *EVALUATION)
+SETS = (*PROCEDURAL, *THINGS, *PACKS, *EVALUATION)
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         choices=SETS,
         default=PROCEDURAL,
         metavar="NAME",
-        help=f"some of {', '.join(SETS)} (the first three)",
+        help=f"some of {', '.join(SETS)} (the first four)",
     )
     parser.add_argument(
         "--parts",
@@ -148,7 +149,7 @@ def _chosen_sets(options: argparse.Namespace) -> list[KindSet]:
     if folder is None and wanted & {*PACKS, "posed characters"}:
         raise BenchmarkError("the packs and posed characters need --blend-meshes, the folder of their meshes")
     sets: list[KindSet] = []
-    if wanted.intersection(PROCEDURAL):
+    if wanted.intersection((*PROCEDURAL, *THINGS)):
         sets += procedural_sets()
     if wanted.intersection(PACKS):
         sets += pack_sets(folder)

@@ -17,10 +17,11 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.progress import progress_bar
+from shapegoogle_core.registration import MeshMeasures, SurfaceSample
 
 __all__ = ["DescribedSet", "describe_set"]
 
-_KIND = "kind signatures"
+_KIND = "signatures of kinds"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,7 @@ def describe_set(
         ]
     failures = {shape.name: reason for (shape, _), reason in zip(missing, outcomes, strict=True) if reason}
     found = [
-        (shape, arrays["signature"].item())
+        (shape, _from_arrays(arrays))
         for shape, key in zip(shapes.shapes, keys, strict=True)
         if (arrays := cache.load(_KIND, key)) is not None
     ]
@@ -105,15 +106,46 @@ def _describe(cache: BenchmarkCache, model: ShapeModel, shape: KindShape, key: s
     """Describe a shape and keep its signature; return the reason if that is impossible."""
 
     def compute() -> Arrays:
-        signature = np.empty((), object)
-        signature[()] = model.describe(shape.mesh())
-        return {"signature": signature}
+        return _to_arrays(model.describe(shape.mesh()))
 
     try:
         cache.remembered(_KIND, key, compute)
     except MeshError as error:
         return str(error)
     return ""
+
+
+def _to_arrays(signature: ShapeSignature) -> Arrays:
+    """Convert to arrays, which later versions of the code can read too."""
+    arrays: Arrays = {
+        "bags": signature.bags,
+        "code": signature.code,
+        "numbers": np.array([signature.vertex_count, signature.face_count]),
+        "lengths": np.array([signature.area, *signature.extents]),
+    }
+    if signature.sample is not None:
+        arrays["sample"] = np.frombuffer(signature.sample.to_bytes(), np.uint8)
+    if signature.local_code is not None:
+        arrays["local_code"] = signature.local_code
+    if signature.measures is not None:
+        arrays["measures"] = np.frombuffer(signature.measures.to_bytes(), np.uint8)
+    return arrays
+
+
+def _from_arrays(arrays: Arrays) -> ShapeSignature:
+    area, *extents = arrays["lengths"].tolist()
+    vertices, faces = arrays["numbers"].tolist()
+    return ShapeSignature(
+        bags=arrays["bags"],
+        code=arrays["code"],
+        area=area,
+        vertex_count=vertices,
+        face_count=faces,
+        sample=SurfaceSample.from_bytes(arrays["sample"].tobytes()) if "sample" in arrays else None,
+        local_code=arrays.get("local_code"),
+        extents=(extents[0], extents[1], extents[2]),
+        measures=MeshMeasures.from_bytes(arrays["measures"].tobytes()) if "measures" in arrays else None,
+    )
 
 
 def _describe_in_worker(folder: Path, model_file: Path | str, item: tuple[KindShape, str]) -> str:

@@ -22,10 +22,12 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.errors import BenchmarkError
+from benchmarks.objects import OBJECT_KINDS, make_object
 from benchmarks.protocol.cache import code_digest, content_digest, digest
 from benchmarks.protocol.evaluation_data import posed_characters, read_labels
 from benchmarks.things import THING_KINDS, make_thing
 from shapegoogle_core.mesh import Mesh, read_mesh
+from shapegoogle_core.model.augmentation import transform
 
 __all__ = [
     "DEVELOPMENT",
@@ -52,9 +54,12 @@ _ONE_KIND = {"animated_women": "woman", "farm_animals": "quadruped", "potions": 
 
 # Seeds below 300 belong to the shipped models and to other development sets.
 _FIRST_SEED = 300
-_INDIVIDUALS, _POSES = 4, 6
+_INDIVIDUALS, _POSES, _OBJECTS = 8, 6, 5
 _THINGS_OF_A_KIND = 4
 _PEOPLE, _POSES_OF_A_PERSON = 10, 6
+# Without these, poses are too easily found to choose anything by.
+_DAMAGES = ("local_scale", "noise", "holes", "sampling", "shot_noise")
+_STRENGTH = 4
 
 
 @dataclass(frozen=True)
@@ -227,7 +232,7 @@ def name_words(name: str) -> list[str]:
 
 
 def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
-    """Make sets of procedural creatures, all turned at random.
+    """Make sets of procedural shapes.
 
     Parameters
     ----------
@@ -237,23 +242,27 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
     Returns
     -------
     sets : list of KindSet
+        "objects": things of every kind, upright, labelled by kind.
         "creatures": individuals of every kind, each in a pose of its own, labelled by kind.
         "poses": one individual of every kind in several poses, as in SHREC'11.
         "people": people in several poses, labelled by the person, as in FAUST.
         "things": everyday things of every kind, upright, held out.
         "turned things": the same with axes in any direction.
+        All creatures are turned at random; poses and people are also damaged in ways of the robustness
+        benchmark.
     """
     code = code_digest(("benchmarks/creatures",))
 
-    def shapes(draws: Iterator[tuple[str, str, int, int]]) -> tuple[KindShape, ...]:
+    def shapes(draws: Iterator[tuple[str, str, int, int]], damages: Sequence[str]) -> tuple[KindShape, ...]:
         return tuple(
             KindShape(
                 f"{kind}-{seed}-{pose}",
                 label,
-                digest(code, kind, seed, pose, vertices),
-                partial(_turned_creature, kind, seed, pose, vertices),
+                digest(code, kind, seed, pose, vertices, *([damage, _STRENGTH] if damage else [])),
+                partial(_turned_creature, kind, seed, pose, vertices, damage),
             )
-            for label, kind, seed, pose in draws
+            for number, (label, kind, seed, pose) in enumerate(draws)
+            for damage in [damages[number % len(damages)]]
         )
 
     seeds = range(_FIRST_SEED, _FIRST_SEED + _INDIVIDUALS)
@@ -264,10 +273,17 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
         for seed in range(_PEOPLE)
         for pose in range(_POSES_OF_A_PERSON)
     )
+    object_code = code_digest(("benchmarks/objects",))
+    objects = tuple(
+        KindShape(f"{kind}-{seed}", kind, digest(object_code, kind, seed), partial(make_object, kind, seed))
+        for kind in OBJECT_KINDS
+        for seed in range(_FIRST_SEED, _FIRST_SEED + _OBJECTS)
+    )
     return [
-        KindSet("creatures", DEVELOPMENT, shapes(kinds)),
-        KindSet("poses", DEVELOPMENT, shapes(poses)),
-        KindSet("people", DEVELOPMENT, shapes(people)),
+        KindSet("objects", DEVELOPMENT, objects),
+        KindSet("creatures", DEVELOPMENT, shapes(kinds, [""])),
+        KindSet("poses", DEVELOPMENT, shapes(poses, _DAMAGES)),
+        KindSet("people", DEVELOPMENT, shapes(people, _DAMAGES)),
         KindSet("things", HELD_OUT, _things(turned=False)),
         KindSet("turned things", HELD_OUT, _things(turned=True)),
     ]
@@ -294,7 +310,8 @@ def _of_file(path: Path, label: str) -> KindShape:
     return KindShape(path.stem, label, key, partial(read_mesh, path))
 
 
-def _turned_creature(kind: str, seed: int, pose: int, vertices: int) -> Mesh:
+def _turned_creature(kind: str, seed: int, pose: int, vertices: int, damage: str) -> Mesh:
     mesh = make_creature(kind, seed, vertices).pose(pose)
     turn = Rotation.random(random_state=np.random.default_rng([seed, pose])).as_matrix()
-    return Mesh(mesh.vertices @ turn.T, mesh.faces, mesh.name)
+    turned = Mesh(mesh.vertices @ turn.T, mesh.faces, mesh.name)
+    return transform(turned, damage, _STRENGTH, 100 * seed + pose) if damage else turned
