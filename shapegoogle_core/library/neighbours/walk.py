@@ -177,7 +177,8 @@ def walked_order(distances: ArrayLike, visited: ArrayLike, settings: WalkSetting
     order = np.arange(len(away))
     first = max(settings.first, int((away <= COPY_DISTANCE).sum()))
     moving = slice(first, max(first, settings.candidates))
-    most, spread = visited[moving].max(initial=0), away[: settings.candidates].std()
+    most = visited[moving].max(initial=0)
+    spread = away[: settings.candidates].std() if len(away) else 0.0
     if most > 0 and spread > 0:
         score = settings.distance_weight * away[moving] / spread - visited[moving] / most
         order[moving] = order[moving][np.argsort(score, kind="stable")]
