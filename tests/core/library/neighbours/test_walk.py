@@ -24,7 +24,7 @@ SETTINGS = WalkSettings()
 
 
 def distances_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.linalg.norm(points[:, None] - points[None], axis=-1)
+    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=-1))
 
 
 def graph(distances: NDArray[np.float64], settings: WalkSettings = SETTINGS) -> sparse.csr_array:
