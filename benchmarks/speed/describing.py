@@ -35,6 +35,7 @@ from shapegoogle_core.model.settings import DESCRIPTORS
 from shapegoogle_core.preprocessing import steps
 from shapegoogle_core.processes.launching import single_threaded
 from shapegoogle_core.registration import LocalWords
+from shapegoogle_core.views import ViewModel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,6 +53,7 @@ STAGES = (
     "bags",
     "sample",
     "codes",
+    "views",
 )
 """In order of execution. "bags" is the rest of `shape_bags`, without descriptors and words."""
 
@@ -67,6 +69,8 @@ WATCHED: tuple[tuple[Any, str, str], ...] = (
     (model, "sample_surface", "sample"),
     (sg.ShapeModel, "codes", "codes"),
     (LocalWords, "code", "codes"),
+    (ViewModel, "describe", "views"),
+    (ViewModel, "code", "codes"),
 )
 
 FORMATS = (".ply", ".obj")

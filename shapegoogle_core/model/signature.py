@@ -45,8 +45,6 @@ class ShapeSignature:
         Pictures of the mesh as given, described, if the model has learnt to; for `ViewModel.distances`.
     view_code : (64,) array of uint8 or None
         Binary code of the views, see `ViewModel.code`.
-    background_distance : float or None
-        Distance of the bags to the nearest of the unlike shapes that belong to the model, if it has any.
 
     Examples
     --------
@@ -69,4 +67,3 @@ class ShapeSignature:
     measures: MeshMeasures | None = None
     views: ShapeViews | None = None
     view_code: NDArray[np.uint8] | None = None
-    background_distance: float | None = None

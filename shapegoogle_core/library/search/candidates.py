@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -11,14 +12,16 @@ from numpy.typing import NDArray
 from shapegoogle_core.library.search.codes.code_index import CodeIndex
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.library.search.codes.shape_index import StoredIndex
+from shapegoogle_core.library.search.codes.view_index import ViewIndex
 from shapegoogle_core.library.search.codes.word_index import WordIndex
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import CandidateSettings
 from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, stored_samples
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.views import CODE_BYTES
 
-__all__ = ["NearestCodes", "SharedWords"]
+__all__ = ["NearestCodes", "NearestViews", "SharedWords"]
 
 ShapeIds = NDArray[np.int64]
 
@@ -77,6 +80,56 @@ class NearestCodes:
             nearest += shape_ids[order].tolist()
             nearest += set(rough).difference(shape_ids.tolist())  # gone; reading their bags shows it
         return list(dict.fromkeys(nearest))
+
+
+class NearestViews:
+    """Candidates that look like the query: those whose views have the nearest binary codes.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Model that described the shapes.
+    settings : CandidateSettings
+
+    Attributes
+    ----------
+    index : StoredIndex or None
+        The codes in memory; None for a model without views.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel, settings: CandidateSettings) -> None:
+        self._settings = settings
+        self._views = model.views
+        self.index: StoredIndex[ViewIndex] | None = None
+        if model.views is not None:
+            self.index = StoredIndex(store, "view_codes", CODE_BYTES, ViewIndex, settings.max_removed)
+
+    def find(self, codes: Sequence[NDArray[np.uint8]], top: int, among: ShapeIds | None = None) -> list[int]:
+        """Find the shapes that look most like one of the examples, turned and mirrored in any way.
+
+        Parameters
+        ----------
+        codes : sequence of (64,) array of uint8
+            `ShapeSignature.view_code` of the examples that have one.
+        top : int
+            Number of matches requested.
+        among : (m,) array of int64, optional
+            Ids of the shapes to choose from; all shapes by default.
+
+        Returns
+        -------
+        shape_ids : list of int
+            Each once, nearest first. Some may be of shapes that are gone.
+        """
+        if self._views is None or self.index is None or not codes:
+            return []
+        known = self.index.current()
+        count = max(self._settings.count, self._settings.per_match * top)
+        nearest = [
+            known.nearest(self._views.code_alternatives(code), count, among).tolist() for code in codes
+        ]
+        return list(dict.fromkeys(shape_id for found in nearest for shape_id in found))
 
 
 class SharedWords:

@@ -126,7 +126,6 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
         seen, made_by = ([], "") if model.views is None else ([shape_id], model.views.identifier)
         _, view_codes = store.codes("view_codes", seen, CODE_BYTES)
         _, views = stored_views(store, model, seen)
-        background = store.background_distances([shape_id])
     if not records:
         return None
     (record,) = records
@@ -147,7 +146,6 @@ def read_signature(store: Store, model: ShapeModel, shape_id: int) -> ShapeSigna
         measures=unpack_measures(store, [shape_id]).get(shape_id),
         views=ShapeViews(views[0], made_by) if len(views) else None,
         view_code=view_codes[0] if len(view_codes) else None,
-        background_distance=background.get(shape_id),
     )
 
 

@@ -215,9 +215,6 @@ class Store(Protocol):
     def views_after(self, last_id: int, limit: int, size: int) -> tuple[list[int], NDArray[np.int8]]:
         """Return ids and views (n, size) of the next shapes with views; start with `last_id` 0."""
 
-    def background_distances(self, shape_ids: Sequence[int]) -> dict[int, float]:
-        """Return `ShapeSignature.background_distance` of those of some shapes that have it, by id."""
-
     def count_without_views(self) -> int:
         """Return the number of shapes without views, such as those that an earlier version has described."""
 

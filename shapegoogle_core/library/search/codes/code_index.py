@@ -60,18 +60,7 @@ class CodeIndex(ShapeIndex):
         if among is not None:
             chosen = self._positions(among)
             return self._shape_ids[chosen[nearest_codes(self._at(chosen), query, count, self._counter)]]
-        # Of the last block only the filled part.
-        filled = (block[:, : self._count - self._block * index] for index, block in enumerate(self._blocks))
-        positions = nearest_in_blocks(filled, query, count + len(self._gone), self._counter)
+        positions = nearest_in_blocks(self._filled(), query, count + len(self._gone), self._counter)
         if len(self._gone):
             positions = positions[~np.isin(positions, self._gone)][:count]
         return self._shape_ids[positions]
-
-    def _at(self, positions: NDArray[np.intp]) -> Words:
-        """Collect the codes (words, n) at positions in ascending order."""
-        cuts = np.searchsorted(positions, self._block * np.arange(1, len(self._blocks)))
-        portions = np.split(positions, cuts) if self._blocks else []
-        columns = [
-            block[:, portion % self._block] for block, portion in zip(self._blocks, portions, strict=True)
-        ]
-        return np.concatenate(columns, axis=1) if columns else np.empty((1, 0), np.uint64)

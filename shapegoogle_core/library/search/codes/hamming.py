@@ -19,6 +19,7 @@ __all__ = [
     "count_bits",
     "count_bits_portable",
     "hamming_distances",
+    "nearest_by_distance",
     "nearest_codes",
     "nearest_in_blocks",
     "pack_words",
@@ -183,15 +184,31 @@ def nearest_in_blocks(
     positions : (min(count, Σ n_i),) array of int
         As those of `nearest_codes`.
     """
+    return nearest_by_distance((hamming_distances(block, query, counter) for block in blocks), count)
+
+
+def nearest_by_distance(blocks: Iterable[NDArray[np.uint16]], count: int) -> NDArray[np.intp]:
+    """Find the least of many distances that come in several arrays.
+
+    Parameters
+    ----------
+    blocks : iterable of (n_i,) array of uint16
+    count : int
+        Number of distances to find; fewer are returned if there are fewer.
+
+    Returns
+    -------
+    positions : (min(count, Σ n_i),) array of int
+        Counted through all arrays; least first, among equals the one that comes first.
+    """
     best = np.empty(0, np.intp)
     best_distances = np.empty(0, np.uint16)
     start = 0
-    for block in blocks:
-        distances = hamming_distances(block, query, counter)
+    for distances in blocks:
         if len(best) == count:
             # A later code of the same distance stands behind. Few pass: of random codes the first block's
             # `count`, then half as many, a third as many, and so on.
-            near = np.flatnonzero(distances < best_distances[-1])
+            near = np.flatnonzero(distances < best_distances[-1]) if count else np.empty(0, np.intp)
         elif len(distances) > count:
             near = np.flatnonzero(distances <= np.partition(distances, count - 1)[count - 1])
         else:
@@ -201,5 +218,5 @@ def nearest_in_blocks(
             best_distances = np.concatenate([best_distances, distances[near]])
             order = np.argsort(best_distances, kind="stable")[:count]
             best, best_distances = best[order], best_distances[order]
-        start += block.shape[1]
+        start += len(distances)
     return best

@@ -8,7 +8,7 @@ and discards it then.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -87,6 +87,20 @@ class ShapeIndex(ABC):
         known = np.flatnonzero(np.isin(self._shape_ids, among))
         return np.asarray(np.setdiff1d(known, self._gone, assume_unique=True), np.intp)
 
+    def _at(self, positions: NDArray[np.intp]) -> NDArray[Any]:
+        """Collect the columns at positions in ascending order."""
+        cuts = np.searchsorted(positions, self._block * np.arange(1, len(self._blocks)))
+        portions = np.split(positions, cuts) if self._blocks else []
+        columns = [
+            block[:, portion % self._block] for block, portion in zip(self._blocks, portions, strict=True)
+        ]
+        return np.concatenate(columns, axis=1) if columns else np.empty((1, 0), np.uint64)
+
+    def _filled(self) -> Iterator[NDArray[Any]]:
+        """Iterate over the blocks; of the last one only the part that is used."""
+        for index, block in enumerate(self._blocks):
+            yield block[:, : self._count - self._block * index]
+
     @abstractmethod
     def _columns(self, codes: NDArray[np.uint8]) -> NDArray[Any]:
         """Convert codes (n, code_bytes) to columns (rows, n) of a block."""
@@ -101,7 +115,7 @@ class StoredIndex(Generic[Index]):
     Parameters
     ----------
     store : Store
-    kind : {"codes", "local_words"}
+    kind : {"codes", "local_words", "view_codes"}
     code_bytes : int
         Length of each code.
     empty : callable

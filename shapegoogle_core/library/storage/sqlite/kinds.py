@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""SQL of what finds shapes of the same kind: views, distances to the background, and nearest neighbours.
+"""SQL of what finds shapes of the same kind: views, and nearest neighbours.
 
 Libraries of format 7 have none of these tables. They are read as if the tables were empty, and the first
 change adds them.
@@ -29,7 +29,7 @@ Descriptors = NDArray[np.int8]
 
 
 class KindTables(Database):
-    """Views, distances to the background, and neighbours of the shapes of a library file.
+    """Views and neighbours of the shapes of a library file.
 
     Attributes
     ----------
@@ -75,12 +75,9 @@ class KindTables(Database):
         self.connection.execute("UPDATE meta SET value = ? WHERE key = 'schema'", (str(FORMAT),))
 
     def insert_kind(self, shape_id: int, signature: ShapeSignature) -> None:
-        """Insert views and distance to the background of a new shape, inside `writing`."""
+        """Insert the views of a new shape, inside `writing`."""
         if signature.views is not None:
             self.connection.execute("INSERT INTO views VALUES (?, ?)", (shape_id, signature.views.to_bytes()))
-        if signature.background_distance is not None:
-            row = (shape_id, float(signature.background_distance))
-            self.connection.execute("INSERT INTO background_distances VALUES (?, ?)", row)
 
     def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], Descriptors]:
         """Return ids and views of some shapes, see `Store.views`."""
@@ -96,12 +93,6 @@ class KindTables(Database):
             limit,
         )
         return [row[0] for row in rows], self.matrix([row[1] for row in rows], np.dtype(np.int8), size)
-
-    def background_distances(self, shape_ids: Sequence[int]) -> dict[int, float]:
-        """Return the distances of some shapes to the background, see `Store.background_distances`."""
-        known = shape_ids if self.has_kind_tables() else []
-        statement = "SELECT shape_id, distance FROM background_distances WHERE shape_id"
-        return dict(self.rows_with_ids(statement, known))
 
     def neighbours(self, shape_ids: Sequence[int]) -> dict[int, Neighbours]:
         """Return the nearest shapes of some shapes, see `Store.neighbours`."""

@@ -84,7 +84,6 @@ CREATE TABLE view_codes ({_OF_SHAPE}, code BLOB NOT NULL);
 CREATE TABLE view_code_blocks (block INTEGER PRIMARY KEY, offsets BLOB NOT NULL, codes BLOB NOT NULL);
 CREATE TRIGGER view_code_removed AFTER DELETE ON view_codes
     BEGIN DELETE FROM view_code_blocks WHERE block = (old.shape_id - 1) / {{block_ids}}; END;
-CREATE TABLE background_distances ({_OF_SHAPE}, distance REAL NOT NULL);
 CREATE TABLE neighbours ({_OF_SHAPE}, ids BLOB NOT NULL, distances BLOB NOT NULL);
 """
 """Statements for what finds shapes of the same kind, new in format 8; written as `SCHEMA`."""

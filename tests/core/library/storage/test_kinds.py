@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Views, distances to the background and neighbours in a library, and libraries from before they existed."""
+"""Views and neighbours in a library, and libraries from before they existed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def seeing_model(model: ShapeModel, view_model: ViewModel) -> ShapeModel:
 
 def downgrade(path: Path, model: ShapeModel) -> None:
     """Turn a library into one of format 7, with the model that it had."""
-    tables = ("views", "view_codes", "view_code_blocks", "background_distances", "neighbours")
+    tables = ("views", "view_codes", "view_code_blocks", "neighbours")
     with closing(sqlite3.connect(path)) as connection, connection:
         for table in tables:
             connection.execute(f"DROP TABLE {table}")
@@ -45,7 +45,7 @@ def opened(path: Path) -> closing[SqliteStore]:
 
 
 def test_views_come_back(path: Path, seeing_model: ShapeModel, meshes: list[Mesh]) -> None:
-    signatures = [replace(seeing_model.describe(mesh), background_distance=0.25) for mesh in meshes]
+    signatures = [seeing_model.describe(mesh) for mesh in meshes]
     with Library.open(path, seeing_model) as library:
         for signature in signatures:
             library.add_signature(signature, "shape")
@@ -57,18 +57,15 @@ def test_views_come_back(path: Path, seeing_model: ShapeModel, meshes: list[Mesh
     assert again.views.made_by == signatures[1].views.made_by  # type: ignore[union-attr]
     np.testing.assert_array_equal(again.views.descriptors, signatures[1].views.descriptors)  # type: ignore[union-attr]
     assert again.view_code.tolist() == signatures[1].view_code.tolist()  # type: ignore[union-attr]
-    assert again.background_distance == 0.25
     with opened(path) as store:
         ids, views = stored_views(store, seeing_model, [5, 9, 1])
         assert ids.tolist() == [1, 5]
         np.testing.assert_array_equal(views[1], signatures[4].views.descriptors)  # type: ignore[union-attr]
         codes = all_codes(store, "view_codes", CODE_BYTES)[1]
         np.testing.assert_array_equal(codes, [signature.view_code for signature in signatures])
-        assert store.background_distances([1, 2, 9]) == {1: 0.25, 2: 0.25}
         assert store.views_after(3, 1, views[0].size)[0] == [4]
         store.remove_shapes([1])
         assert stored_views(store, seeing_model, [1, 5])[0].tolist() == [5]
-        assert store.background_distances([1]) == {}
 
 
 def test_views_of_another_model_are_refused(
@@ -159,7 +156,7 @@ def test_an_interrupted_first_write_leaves_the_earlier_library(
         with pytest.raises(LibraryError):
             store.add(SourceKey("", "a"), NewShape(bad, "bad"))
         assert path.read_bytes() == before
-        assert store.background_distances([1]) == {}
+        assert store.neighbours([1]) == {}
         store.add(SourceKey("", "a"), NewShape(make_signature(3), "good"))
-        assert store.background_distances([1]) == {}
+        assert store.neighbours([1]) == {}
         assert store.summary().format == 8
