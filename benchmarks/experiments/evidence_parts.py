@@ -76,7 +76,7 @@ def _explain(family: str) -> list[_Outcome]:
         stored = Compared(SurfaceSample.from_bytes(found.sample.to_bytes()), found, found.measures)
         started = time.process_time()
         said = Explainer(Compared(query.sample, query, query.measures), query.surface).explain(
-            stored, similarity, distance
+            stored, distance
         )
         seconds = time.process_time() - started
         outcomes.append(_Outcome(pair.kind, pair.detail, said.kind, similarity, seconds))

@@ -5,6 +5,8 @@ from shapegoogle_core.registration.alignment import measure as measure
 from shapegoogle_core.registration.fit.exact_fit import RoughPose as RoughPose
 from shapegoogle_core.registration.fit.exact_fit import fit_exactly as fit_exactly
 from shapegoogle_core.registration.fit.exact_fit import rough_pose as rough_pose
+from shapegoogle_core.registration.fit.part_pose import PartPose as PartPose
+from shapegoogle_core.registration.fit.part_pose import PartPoses as PartPoses
 from shapegoogle_core.registration.fit.surface_fit import Fit as Fit
 from shapegoogle_core.registration.fit.surface_fit import Surface as Surface
 from shapegoogle_core.registration.fit.surface_fit import TangentPlanes as TangentPlanes
@@ -15,6 +17,7 @@ from shapegoogle_core.registration.fit.surface_fit import measured as measured
 from shapegoogle_core.registration.fit.surface_fit import mirrored as mirrored
 from shapegoogle_core.registration.frames import Frame as Frame
 from shapegoogle_core.registration.isometry import Isometry as Isometry
+from shapegoogle_core.registration.isometry import IsometryTest as IsometryTest
 from shapegoogle_core.registration.isometry import functional_map as functional_map
 from shapegoogle_core.registration.isometry import spectral_difference as spectral_difference
 from shapegoogle_core.registration.local_words import LocalSettings as LocalSettings

@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 from shapegoogle_core.registration.frames import similarity_frame
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Isometry", "functional_map", "spectral_difference"]
+__all__ = ["Isometry", "IsometryTest", "functional_map", "spectral_difference"]
 
 # All combinations of signs of this number of eigenfunctions are initial guesses.
 _GUESSED = 4
 _STEP = 2  # eigenfunctions added in each refinement
+# After this step only a few guesses are refined further: the best by then.
+_PRUNED_AFTER, _KEPT = 1, 4
 # Smaller eigenvalues belong to disconnected components.
 _SMALLEST_EIGENVALUE = 1e-3
 # Number of columns of the descriptors, the heat kernel signatures, that decide which guess is right.
@@ -55,6 +57,64 @@ class Isometry:
     displacement: float
 
 
+class IsometryTest:
+    """Compares one sample with others.
+
+    Parameters
+    ----------
+    sample : SurfaceSample
+    """
+
+    def __init__(self, sample: SurfaceSample) -> None:
+        self._sample = sample
+        self._inverses: dict[int, NDArray[np.float32]] = {}
+
+    def functional_map(self, other: SurfaceSample) -> Isometry:
+        """Find the map to another sample that comes nearest to an isometry.
+
+        Parameters
+        ----------
+        other : SurfaceSample
+
+        Returns
+        -------
+        isometry : Isometry
+        """
+        first, second = self._sample, other
+        size = min(len(first.eigenvalues), len(second.eigenvalues))
+        here, there = first.modes[:, :size], second.modes[:, :size]
+        heat = first.descriptors[:, :_HEAT_COLUMNS], second.descriptors[:, :_HEAT_COLUMNS]
+        guessed = min(_GUESSED, size)
+        # Eigenfunctions of nearly the same frequency may be swapped, so the descriptors help at first.
+        target = np.concatenate([there[:, :guessed], heat[1]], axis=1)
+        maps = [
+            _nearest(
+                np.concatenate([here[:, :guessed] * np.array(signs, np.float32), heat[0]], axis=1), target
+            )
+            for signs in product((1, -1), repeat=guessed)
+        ]
+        counts = range(guessed, size + 1, _STEP)
+        for step, count in enumerate(counts):
+            images = [self._image(there, counterparts, count) for counterparts in maps]
+            maps = [_nearest(here[:, :count] @ image, there[:, :count]) for image in images]
+            if step in (_PRUNED_AFTER, len(counts) - 1):
+                misfits = [
+                    float(np.abs(heat[0] - heat[1][counterparts]).mean()) + _orthogonality(image)
+                    for counterparts, image in zip(maps, images, strict=True)
+                ]
+                maps = [maps[place] for place in np.argsort(misfits, kind="stable")[:_KEPT]]
+        return _measure(first, second, maps[0], self._image(there, maps[0], counts[-1]))
+
+    def _image(
+        self, there: NDArray[np.float32], counterparts: NDArray[np.intp], count: int
+    ) -> NDArray[np.float32]:
+        """Return the functional map (c, c) of the first c eigenfunctions for a map of points."""
+        if count not in self._inverses:
+            # Keypoints represent equal areas, so the inverse is nearly the transposed matrix.
+            self._inverses[count] = np.linalg.pinv(self._sample.modes[:, :count]).astype(np.float32)
+        return np.asarray(self._inverses[count] @ there[counterparts, :count])
+
+
 def functional_map(first: SurfaceSample, second: SurfaceSample) -> Isometry:
     """Find the map between two samples that comes nearest to an isometry.
 
@@ -66,29 +126,7 @@ def functional_map(first: SurfaceSample, second: SurfaceSample) -> Isometry:
     -------
     isometry : Isometry
     """
-    size = min(len(first.eigenvalues), len(second.eigenvalues))
-    here, there = first.modes[:, :size], second.modes[:, :size]
-    heat = first.descriptors[:, :_HEAT_COLUMNS], second.descriptors[:, :_HEAT_COLUMNS]
-    guessed = min(_GUESSED, size)
-    counts = range(guessed, size + 1, _STEP)
-    # Keypoints represent equal areas, so the inverses are nearly the transposed matrices.
-    inverses = [np.linalg.pinv(here[:, :count]).astype(np.float32) for count in counts]
-    best: tuple[float, NDArray[np.intp]] | None = None
-    for signs in product((1, -1), repeat=guessed):
-        # Eigenfunctions of nearly the same frequency may be swapped, so the descriptors help at first.
-        start = np.concatenate([here[:, :guessed] * np.array(signs, np.float32), heat[0]], axis=1)
-        target = np.concatenate([there[:, :guessed], heat[1]], axis=1)
-        counterparts = _nearest(start, target)
-        for count, inverse in zip(counts, inverses, strict=True):
-            image = inverse @ there[counterparts, :count]
-            counterparts = _nearest(here[:, :count] @ image, there[:, :count])
-        misfit = float(np.abs(heat[0] - heat[1][counterparts]).mean()) + _orthogonality(image)
-        if best is None or misfit < best[0]:
-            best = misfit, counterparts
-    assert best is not None
-    counterparts = best[1]
-    image = inverses[-1] @ there[counterparts, : counts[-1]]
-    return _measure(first, second, counterparts, image)
+    return IsometryTest(first).functional_map(second)
 
 
 def spectral_difference(first: SurfaceSample, second: SurfaceSample) -> float:
@@ -116,7 +154,7 @@ def _nearest(rows: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[
 
 def _orthogonality(image: NDArray[np.float32]) -> float:
     size = max(1, len(image))
-    return float(np.linalg.norm(image.T @ image - np.eye(len(image))) / np.sqrt(size))
+    return float(np.linalg.norm(image.T @ image - np.eye(len(image), dtype=np.float32)) / np.sqrt(size))
 
 
 def _measure(

@@ -137,9 +137,7 @@ def _explained(
     explainer = Explainer(known[first])
     similarity = {member.shape_id: member.similarity for member in group.members}
     return {
-        shape_id: explainer.explain(
-            known[shape_id], similarity[shape_id], distance_at(model, max(similarity[shape_id], 1e-9))
-        )
+        shape_id: explainer.explain(known[shape_id], distance_at(model, max(similarity[shape_id], 1e-9)))
         for shape_id in shape_ids
         if shape_id in known
     }

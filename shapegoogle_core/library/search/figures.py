@@ -78,10 +78,10 @@ class PairFigures:
         if (other := self._explainer.other_mesh(match)) is not None:
             return max(by_bags, _SAME_SURFACE), other
         if by_bags >= self._certain:
-            return by_bags, self._explainer.relate(match, by_bags, distance)
+            return by_bags, self._explainer.relate(match, distance)
         candidate = PreparedSample(match.sample)
         verified, alignment = verify_pair(
             self._model, self._settings.verification, self._sample, candidate, bag_distance, alignment
         )
         similarity = float(self._model.similarity(np.array(verified), verified=True))
-        return similarity, self._explainer.relate(match, similarity, distance, alignment)
+        return similarity, self._explainer.relate(match, distance, alignment)

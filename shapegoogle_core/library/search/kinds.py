@@ -21,12 +21,12 @@ from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import (
-    PART_SCALES,
-    SCALES,
     Alignment,
     Fit,
     Frame,
+    IsometryTest,
     MeshMeasures,
+    PartPoses,
     PreparedSample,
     Surface,
     SurfaceSample,
@@ -35,7 +35,6 @@ from shapegoogle_core.registration import (
     fit_numbered,
     fit_surface,
     frame_between,
-    functional_map,
     handed_alike,
     is_same_size,
     may_be_bent,
@@ -47,9 +46,6 @@ from shapegoogle_core.registration import (
 )
 
 __all__ = ["Compared", "Explainer", "pose_features"]
-
-# Scales of a part that verification has not tried.
-_FURTHER_SCALES = tuple(scale for scale in PART_SCALES if scale not in SCALES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,22 +93,22 @@ class Explainer:
 
     @cached_property
     def _prepared(self) -> PreparedSample:
-        return PreparedSample(self._sample, PART_SCALES)
+        return PreparedSample(self._sample, (1.0,))
 
     @cached_property
-    def _prepared_further(self) -> PreparedSample:
-        return PreparedSample(self._sample, _FURTHER_SCALES)
+    def _parts(self) -> PartPoses:
+        return PartPoses(self._sample)
 
-    def explain(
-        self, match: Compared, similarity: float, distance: float, alignment: Alignment | None = None
-    ) -> Evidence:
+    @cached_property
+    def _isometries(self) -> IsometryTest:
+        return IsometryTest(self._sample)
+
+    def explain(self, match: Compared, distance: float, alignment: Alignment | None = None) -> Evidence:
         """Find the kind of a match.
 
         Parameters
         ----------
         match : Compared
-        similarity : float
-            From the search; where it is very low, fewer checks are made.
         distance : float
             Distance of the bags of both.
         alignment : Alignment, optional
@@ -124,17 +120,15 @@ class Explainer:
         """
         if (found := self.copy(match) or self.other_mesh(match)) is not None:
             return found
-        return self.relate(match, similarity, distance, alignment)
+        return self.relate(match, distance, alignment)
 
-    def relate(
-        self, match: Compared, similarity: float, distance: float, alignment: Alignment | None = None
-    ) -> Evidence:
+    def relate(self, match: Compared, distance: float, alignment: Alignment | None = None) -> Evidence:
         """Find the kind of a match that is another surface: a part, another pose, or none of these.
 
         Parameters
         ----------
         match : Compared
-        similarity, distance : float
+        distance : float
         alignment : Alignment, optional
             As for `explain`.
 
@@ -142,9 +136,11 @@ class Explainer:
         -------
         evidence : Evidence
         """
-        fitted = self._fitted(match.sample, similarity, alignment)
-        if fitted is not None and (part := self._part(fitted, match)) is not None:
-            return part
+        pose = self._parts.find(match.sample, alignment)
+        if pose is not None and pose.exact >= self._settings.promising:
+            fitted = fit_surface(self._surface, self._sample, match.sample, pose.frame)
+            if (part := self._part(fitted, match)) is not None:
+                return part
         return self._posed(match, distance)
 
     def copy(self, match: Compared) -> Evidence | None:
@@ -198,8 +194,7 @@ class Explainer:
         if frames:
             frame = min(frames, key=lambda one: measured(self._surface, sample, one))
             return [fit_surface(self._surface, self._sample, sample, frame)]
-        candidate = PreparedSample(sample)
-        frame = align(self._prepared, candidate).frame.inverse()
+        frame = align(self._prepared, PreparedSample(sample)).frame.inverse()
         return [fit_surface(self._surface, self._sample, sample, frame)]
 
     def other_mesh(self, match: Compared) -> Evidence | None:
@@ -232,27 +227,6 @@ class Explainer:
         # Of flat-sided shapes the moments are exact, and more certain than the fit of a sample.
         factor = 1.0 if is_same_size(own, other) else other.unit / own.unit
         return Evidence("mirrored" if alike is False else "re-meshed", factor=_digits(factor))
-
-    def _fitted(
-        self, sample: SurfaceSample, similarity: float, alignment: Alignment | None = None
-    ) -> Fit | None:
-        """Align a sample with the query and fit it, if that is promising."""
-        candidate = PreparedSample(sample, PART_SCALES)
-        forth = [align(self._prepared, candidate) if alignment is None else alignment]
-        if forth[0].agreement < self._settings.sure and similarity >= self._settings.unlikely:
-            if alignment is not None:
-                forth.append(align(self._prepared_further, candidate))
-            # Only a part is tried at other sizes than its whole, so try it the other way round too.
-            back = align(candidate, self._prepared)
-        else:
-            back = None
-        best = max(forth, key=lambda found: found.agreement)
-        frame, agreement = best.frame.inverse(), best.agreement
-        if back is not None and back.agreement > agreement:
-            frame, agreement = back.frame, back.agreement
-        if agreement < self._settings.promising:
-            return None
-        return fit_surface(self._surface, self._sample, sample, frame)
 
     def _factor(self, fitted: Fit, sample: SurfaceSample) -> float:
         """Size of the match relative to the query, both as they were read."""
@@ -289,10 +263,10 @@ class Explainer:
         is_rigid = own is not None and other is not None and not may_be_bent(own, other)
         if is_rigid or difference > self._settings.other_spectrum:
             return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
-        found = functional_map(self._sample, match.sample)
-        features = pose_features(found.spectral_difference, found.orthogonality, distance)
-        odds = float(features @ np.array(self._settings.pose_weights)) + self._settings.pose_offset
-        probability = 1 / (1 + math.exp(-max(-50.0, min(50.0, odds))))
+        if self._pose_probability(difference, self._settings.least_residual, distance) < 0.5:
+            return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
+        found = self._isometries.functional_map(match.sample)
+        probability = self._pose_probability(found.spectral_difference, found.orthogonality, distance)
         return Evidence(
             "re-posed" if probability >= 0.5 else "similar",
             factor=factor,
@@ -301,6 +275,11 @@ class Explainer:
             spectral_difference=_digits(found.spectral_difference),
             residual=_digits(found.orthogonality),
         )
+
+    def _pose_probability(self, spectral_difference: float, orthogonality: float, distance: float) -> float:
+        features = pose_features(spectral_difference, orthogonality, distance)
+        odds = float(features @ np.array(self._settings.pose_weights)) + self._settings.pose_offset
+        return 1 / (1 + math.exp(-max(-50.0, min(50.0, odds))))
 
 
 def pose_features(spectral_difference: float, orthogonality: float, distance: float) -> FloatArray:

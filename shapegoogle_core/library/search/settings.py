@@ -152,13 +152,12 @@ class EvidenceSettings:
     same_size : float
         Largest relative difference of equal sizes.
     promising : float
-        Least agreement of an alignment that is fitted.
-    sure : float
-        Agreement from which no other alignment is tried.
-    unlikely : float
-        Similarity below which neither the opposite direction nor a mirror image is tried.
+        Least share of one surface that fits the other one exactly, by their samples, for a fit to its faces.
     other_spectrum : float
         Difference of the lowest eigenvalues from which no other pose is considered.
+    least_residual : float
+        Deviation from a rotation that the best functional maps between two poses have. Where the probability
+        of another pose is too small even with this one, no map is computed.
     pose_weights : (float, float, float)
         Weights of the logistic regression behind the probability of another pose, for the features of
         `pose_features`; made by ``python -m benchmarks evidence --calibrate``.
@@ -178,10 +177,9 @@ class EvidenceSettings:
     part: float = 0.85
     largest_part: float = 0.95
     same_size: float = 2e-3
-    promising: float = 0.45
-    sure: float = 0.7
-    unlikely: float = 0.05
+    promising: float = 0.4
     other_spectrum: float = 0.35
+    least_residual: float = 0.1
     pose_weights: tuple[float, float, float] = (-2.79, -0.52, -1.26)
     pose_offset: float = -9.76
 

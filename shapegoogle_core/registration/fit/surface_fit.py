@@ -46,6 +46,11 @@ _STEPS = (
     (600, 0.005),
     (600, 0.005),
 )
+# With a larger tolerance the nearest point need not be exact; farther than this many times the tolerance it
+# has no weight.
+_ROUGHLY, _REACH = 0.02, 4
+# Distances above this many times the reach need not be exact: such points lie on no surface.
+_MEASURED = 0.01
 # A point of the query is covered if it is this near to the tangent plane of the candidate's nearest point,
 # and if that point is no farther than the spacing of the sample.
 _HEIGHT, _SPACING = 0.02, 0.08
@@ -70,12 +75,15 @@ class Surface:
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = normals / np.maximum(lengths, np.finfo(float).tiny)
 
-    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def nearest(self, points: FloatArray, tolerance: float = np.inf) -> tuple[FloatArray, FloatArray]:
         """Find the nearest points of the surface.
 
         Parameters
         ----------
         points : (n, 3) array
+        tolerance : float, optional
+            Points that are many times farther get any point that is about as near; if it is large beside the
+            faces, all do.
 
         Returns
         -------
@@ -83,7 +91,10 @@ class Surface:
         normals : (n, 3) array
             Normals of the faces on which they lie.
         """
-        nearest, faces = self._tree.nearest(points)
+        if _ROUGHLY <= tolerance < np.inf:
+            nearest, faces = self._tree.near(points)
+        else:
+            nearest, faces = self._tree.nearest(points, _REACH * tolerance)
         return nearest, self._normals[faces]
 
 
@@ -99,12 +110,14 @@ class TangentPlanes:
         self._points, self._normals = sample.points, sample.normals
         self._tree = cKDTree(sample.points)
 
-    def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def nearest(self, points: FloatArray, _tolerance: float = np.inf) -> tuple[FloatArray, FloatArray]:
         """Find the nearest points on the tangent planes at the nearest points of the sample.
 
         Parameters
         ----------
         points : (n, 3) array
+        _tolerance : float, optional
+            The tolerance of `Surface.nearest`, which changes nothing here.
 
         Returns
         -------
@@ -206,10 +219,10 @@ def fit_surface(
     """
     for count, tolerance in _STEPS if steps else ():
         points = frame.apply(candidate.points[:count])
-        nearest, normals = surface.nearest(points)
+        nearest, normals = surface.nearest(points, tolerance)
         frame = _step(frame, points, nearest, normals, tolerance)
     points = frame.apply(candidate.points)
-    nearest, _ = surface.nearest(points)
+    nearest, _ = surface.nearest(points, _MEASURED)
     distances = np.linalg.norm(points - nearest, axis=1)
     return Fit(frame, distances, _covered(query.points, points, candidate.normals @ frame.rotation.T))
 
@@ -229,7 +242,7 @@ def measured(surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: 
     distance : float
     """
     points = frame.apply(candidate.points[: _STEPS[0][0]])
-    return float(np.linalg.norm(points - surface.nearest(points)[0], axis=1).mean())
+    return float(np.linalg.norm(points - surface.nearest(points, _MEASURED)[0], axis=1).mean())
 
 
 def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
