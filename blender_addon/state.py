@@ -64,7 +64,10 @@ class LibraryState:
     indexed : Path or None
         The library that the present or last run of indexing fills.
     file : tuple of int or None
-        What tells whether its file was replaced or written since the last look.
+        What tells whether its file was replaced or written since the last look; empty if there is no file,
+        None before the first look.
+    look : Future or None
+        The look that another thread takes at the file.
     forget : list of callable
         What the features do when their results no longer belong to the library.
     indexing : list of BackgroundRun or SceneIndexing
@@ -89,6 +92,7 @@ class LibraryState:
     shown: Path | None = None
     indexed: Path | None = None
     file: tuple[int, ...] | None = None
+    look: Future[tuple[int, ...] | None] | None = None
     forget: list[Callable[[Any, str], None]] = field(default_factory=list)
     indexing: list[BackgroundRun | SceneIndexing] = field(default_factory=list)
     training: BackgroundRun | None = None

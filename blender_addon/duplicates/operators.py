@@ -13,7 +13,7 @@ from bpy.props import IntProperty
 
 from .. import state
 from ..library.model import current_model
-from ..library.present import when_it_goes
+from ..library.present import is_there, when_it_goes
 from ..preferences import preferences
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
@@ -68,7 +68,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         if shown.running:
             cls.poll_message_set("A search for duplicates is running")
             return False
-        if shown.scope == "LIBRARY" and not Path(_library_path(context)).is_file():
+        if shown.scope == "LIBRARY" and not is_there(context):
             cls.poll_message_set("Index a library first")
             return False
         return True

@@ -11,6 +11,7 @@ from typing import Any
 
 import bpy
 
+from ..library.present import follow
 from ..wrapped_text import fixed_text
 from .properties import KINDS
 
@@ -57,6 +58,7 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
     def draw(self, context: Any) -> None:
         """Lay the panel out."""
         layout = self.layout
+        follow(context)
         shown = context.window_manager.shape_google_duplicates
         layout.row().prop(shown, "scope", expand=True)
         column = layout.column()

@@ -132,15 +132,18 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
     for event in run.events():
         match event:
             case IndexingProgress():
-                session.done, session.total = event.files_done, event.files_total
+                if not event.scene:
+                    session.done, session.total = event.files_done, event.files_total
                 session.share, session.progress = event.share, event.sentence()
             case FileOutcome(status="failed"):
                 add_error(session, str(event.path), _worded(event.reason))
             case IndexSummary():
                 run.reported = True
-                if state.current().library.indexed == preferences().library_path():
+                library, sentence = state.current().library.indexed, event.sentence()
+                if library == preferences().library_path():
                     session.shape_count = event.library_shapes
-                sentence = event.sentence()
+                elif library is not None and not session.summary:
+                    sentence = f"{library.name}: {sentence}"
                 session.summary = f"{session.summary}; {sentence}" if session.summary else sentence
                 # Files that were there but could not be read have their line already; folders have none.
                 for source, reason in event.failed:
@@ -151,7 +154,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
     running.remove(run)
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
-        add_error(session, str(preferences().library_path()), run.last_words())
+        add_error(session, str(state.current().library.indexed), run.last_words())
         session.summary = session.summary or "Indexing stopped; Not Indexed says why"
     if not running:
         session.indexing = False
@@ -162,6 +165,20 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
 def _worded(reason: str) -> str:
     """Replace an option of the command by its name in the menu."""
     return reason.replace("--retry tries", "Retry Failed Files tries")
+
+
+def _cancelled(running: Sequence[BackgroundRun | SceneIndexing], session: Any) -> str:
+    """Say what a cancelled run has done; each file is stored when it is done, a scene as a whole."""
+    parts = [session.summary] if session.summary else []
+    if isinstance(running[0], BackgroundRun):
+        total = f"{session.total:,} file{'' if session.total == 1 else 's'}"
+        after = f"after {session.done:,} of {total}" if session.total else "before any file was read"
+        parts.append(f"Cancelled {after}")
+        if len(running) > 1:
+            parts.append("nothing of this scene was stored")
+    else:
+        parts.append("Cancelled; nothing of this scene was stored")
+    return "; ".join(parts)
 
 
 class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
@@ -178,10 +195,11 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
-        jobs.end(state.current().library.indexing)
+        running = state.current().library.indexing
         session = session_of(context)
+        session.summary = _cancelled(running, session)
+        jobs.end(running)
         session.indexing = False
-        session.summary = f"Cancelled after {session.done} of {session.total or '?'} files"
         session.progress = ""
         refresh(context)  # the shapes stored so far stay
         return {"FINISHED"}

@@ -14,7 +14,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..preferences import preferences
 from ..state import session_of
 from .open_file import is_unsaved, open_source
-from .present import refresh
+from .present import is_there, refresh
 
 if TYPE_CHECKING:
     from shapegoogle_core import Library
@@ -70,7 +70,7 @@ class _OnLibrary:
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there is a library and nothing is written to it."""
-        if not preferences(context).library_path().is_file():
+        if not is_there(context):
             cls.poll_message_set("Index a library first")  # type: ignore[attr-defined]
             return False
         if session_of(context).indexing:

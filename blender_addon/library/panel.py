@@ -16,7 +16,7 @@ from .. import connections
 from ..preferences import preferences
 from ..state import session_of
 from ..wrapped_text import fixed_text
-from .present import follow
+from .present import follow, is_there
 
 __all__ = ["register", "unregister"]
 
@@ -124,7 +124,7 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
 
 def _draw_model(layout: Any, session: Any, context: Any) -> None:
     header, body = layout.panel_prop(session, "show_model")
-    model = session.model or _model_of_new(preferences(context))
+    model = session.model or _model_of_new(preferences(context), context)
     header.label(text=f"Training: {session.training}" if session.training else f"Model: {model}")
     header.operator("shape_google.cancel_training", text="", icon="X", emboss=False)
     if body is None:
@@ -133,9 +133,9 @@ def _draw_model(layout: Any, session: Any, context: Any) -> None:
     fixed_text(body, session.training or session.trained, context)
 
 
-def _model_of_new(chosen: Any) -> str:
+def _model_of_new(chosen: Any, context: Any) -> str:
     """Name the model of a library that is not there yet."""
-    if chosen.library_path().is_file():
+    if is_there(context):
         return "…"  # the worker process has not opened it yet
     name = PurePath(chosen.model_file).stem if chosen.model == "FILE" else chosen.model.lower()
     return f"{name}, for the new library"

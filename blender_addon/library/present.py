@@ -4,16 +4,20 @@
 The library changes without the add-on's doing: other programs index into it, replace it or delete it, and the
 preferences can name another one. Whatever is shown of it, such as matches, examples and counts, is refreshed
 here, or goes with it.
+
+The file may be on a network drive that answers slowly or never, so that the window must not wait for it: all
+looks at the file are made in other threads.
 """
 
 from __future__ import annotations
 
 import importlib
 import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
@@ -26,9 +30,12 @@ if TYPE_CHECKING:
 
     from shapegoogle_core.service.library_state import LibraryState
 
-__all__ = ["follow", "library_changed", "refresh", "when_it_goes"]
+__all__ = ["follow", "is_there", "library_changed", "refresh", "when_it_goes"]
 
-SECONDS_BETWEEN_LOOKS = 2.0
+T = TypeVar("T")
+
+# A look is made at one tick and compared at the next.
+SECONDS_BETWEEN_LOOKS = 1.0
 
 
 def follow(context: Any) -> None:
@@ -66,7 +73,7 @@ def library_changed(context: Any) -> None:
     library, session = state.current().library, session_of(context)
     if library.shown == path:
         return
-    library.shown, library.file = path, None
+    library.shown, library.file, library.look = path, None, None
     session.shape_count, session.model = 0, ""
     if not session.indexing:
         session.summary = ""
@@ -90,7 +97,6 @@ def refresh(context: Any) -> None:
     from shapegoogle_core.service.requests import library_state
 
     path, session = preferences(context).library_path(), session_of(context)
-    state.current().library.file = _file(path)
     lines = (*session.matches, *session.versions)
     shown = [(line.shape_id, line.source, line.name) for line in lines]
     shown += [
@@ -120,6 +126,23 @@ def _show(found: LibraryState) -> None:
             example.shape_id = example.shape_id if today is None else today
 
 
+def is_there(context: Any) -> bool:
+    """Whether the file of the library exists; cheap enough for an operator's poll.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Returns
+    -------
+    is_there : bool
+        As it was at the last look, where there is a window. Before the first one, that it is: whoever opens
+        it says if it is not.
+    """
+    library = state.current().library
+    return library.file != () if library.followed else preferences(context).library_path().is_file()
+
+
 def _look() -> float | None:
     """Notice that the preferences name another library, or that its file was written, replaced or deleted."""
     if not state.is_registered():
@@ -129,25 +152,40 @@ def _look() -> float | None:
     path = preferences(context).library_path()
     if library.shown != path:
         library_changed(context)
-        return SECONDS_BETWEEN_LOOKS
-    before, now = library.file, _file(path)
-    if before == now:
-        return SECONDS_BETWEEN_LOOKS
-    if before is not None and (now is None or now[:2] != before[:2]):
-        how = "was deleted" if now is None else "was replaced by another file"
+    if library.look is None:
+        library.look = _in_thread(lambda: _file(path))
+    elif library.look.done():
+        found, library.look = library.look.result(), None
+        if found is not None:
+            _compare(context, path, found)
+    return SECONDS_BETWEEN_LOOKS
+
+
+def _compare(context: Any, path: Path, now: tuple[int, ...]) -> None:
+    """Show what has become of the library's file since the last look."""
+    library = state.current().library
+    before, library.file = library.file, now
+    if before in (None, now):
+        return
+    if before and now[:2] != before[:2]:
+        how = "was replaced by another file" if now else "is no longer there"
         for forget in library.forget:
             forget(context, f"The library {path.name} {how}")
     refresh(context)
     jobs.redraw()
-    return SECONDS_BETWEEN_LOOKS
 
 
 def _file(path: Path) -> tuple[int, ...] | None:
-    """Device and number of a file, and when it or its journal was written; None if there is none."""
+    """Look at a file: its device and number, and when it or its journal was written.
+
+    Empty if there is none; None if that cannot be found out.
+    """
     try:
         status = os.stat(path)  # noqa: PTH116 - as the line below
         journal = path.with_name(f"{path.name}-wal")
         written = journal.stat().st_mtime_ns if journal.exists() else 0
+    except (FileNotFoundError, NotADirectoryError):
+        return ()
     except OSError:
         return None
     return status.st_dev, status.st_ino, status.st_mtime_ns, written
@@ -159,12 +197,25 @@ def _leave_to_query(_error: BaseException) -> None:
 
 def _import_core() -> Future[ModuleType]:
     """Import in another thread the functions that tasks are sent with; numpy comes along."""
-    from concurrent.futures import ThreadPoolExecutor
+    return _in_thread(lambda: importlib.import_module("shapegoogle_core.service.requests"))
 
-    importer = ThreadPoolExecutor(1)
-    imported = importer.submit(importlib.import_module, "shapegoogle_core.service.requests")
-    importer.shutdown(wait=False)
-    return imported
+
+def _in_thread(function: Callable[[], T]) -> Future[T]:
+    """Call a function in another thread, for which Blender does not wait when it ends."""
+    from concurrent.futures import Future
+
+    future: Future[T] = Future()
+
+    def call() -> None:
+        try:
+            result = function()
+        except Exception as error:
+            future.set_exception(error)
+        else:
+            future.set_result(result)
+
+    threading.Thread(target=call, daemon=True).start()
+    return future
 
 
 def when_it_goes(forget: Callable[[Any, str], None]) -> None:

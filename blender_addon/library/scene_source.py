@@ -97,6 +97,7 @@ class SceneIndexing:
         # Numbers, not objects: those may be gone when it is their turn.
         self._waiting = deque(item.session_uid for item in shown)
         self._total = len(self._waiting)
+        self._first_described: tuple[float, int] | None = None
         self._meshes: SharedMeshes[_Entry] = SharedMeshes(shown)
         self._entries: list[_Entry] = []
         self._tasks: dict[Future[Any], _Entry] = {}
@@ -218,18 +219,32 @@ class SceneIndexing:
     def _progress(self) -> Event:
         from shapegoogle_core.indexing import IndexingProgress
 
-        left = len(self._waiting) + len(self._tasks)
-        done = max(1, self._total - left)
-        seconds = time.monotonic() - self._started
+        now = time.monotonic()
+        waiting = len(self._tasks)
+        done = len(self._entries) - waiting
+        # Of those that have not been read, as many share a mesh as of the others.
+        read = self._total - len(self._waiting)
+        expected = round(len(self._waiting) * len(self._entries) / max(read, 1))
+        seconds_left = None
+        if not waiting + expected:
+            seconds_left = 0.0
+        elif self._first_described is None:
+            # Before the first one the worker process started and loaded the model.
+            self._first_described = now, done
+        elif done > self._first_described[1]:
+            since, first = self._first_described
+            seconds_left = (now - since) / (done - first) * (waiting + expected)
         return IndexingProgress(
             files_done=0,
-            files_total=1,
+            files_total=0,
             bytes_done=0,
             bytes_total=0,
             shapes_done=done,
-            shapes_waiting=left,
-            seconds=seconds,
-            seconds_left=seconds / done * left,
+            shapes_waiting=waiting,
+            shapes_expected=expected,
+            seconds=now - self._started,
+            seconds_left=seconds_left,
+            scene=True,
         )
 
     def _store(self) -> Event:

@@ -12,7 +12,7 @@ import bpy
 
 from .. import jobs, state
 from ..gallery.filters import conditions, size_factor
-from ..library.present import when_it_goes
+from ..library.present import is_there, when_it_goes
 from ..preferences import preferences
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import SearchState, session_of
@@ -49,7 +49,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         if not query_objects(chosen) and all(example.unlike for example in _examples(context)):
             cls.poll_message_set("Select a mesh or a point cloud")
             return False
-        if not preferences(context).library_path().is_file():
+        if not is_there(context):
             cls.poll_message_set("Index a library first")
             return False
         return True

@@ -64,6 +64,8 @@ class IndexingProgress:
         Since the start.
     seconds_left : float or None
         Estimate; None as long as too little is known.
+    scene : bool
+        Whether the open scene of Blender is indexed, not files.
     """
 
     files_done: int
@@ -75,6 +77,7 @@ class IndexingProgress:
     shapes_expected: int = 0
     seconds: float = 0.0
     seconds_left: float | None = None
+    scene: bool = False
 
     @property
     def share(self) -> float:
@@ -92,8 +95,9 @@ class IndexingProgress:
         text : str
             Such as "351 of 352 files, 412 of about 2,350 shapes, 6 min left".
         """
-        parts = [f"{self.files_done:,} of {counted(self.files_total, 'file')}"]
-        shapes = self.shapes_done + self.shapes_waiting + self.shapes_expected
+        parts = [] if self.scene else [f"{self.files_done:,} of {counted(self.files_total, 'file')}"]
+        left = self.shapes_waiting + self.shapes_expected
+        shapes = self.shapes_done + left
         if self.seconds_left is None:
             # A file that has not been read may contain one shape or thousands.
             parts.append(counted(self.shapes_done, "shape"))
@@ -102,7 +106,7 @@ class IndexingProgress:
             parts.append(f"{self.shapes_done:,} of {about}{counted(shapes, 'shape')}")
         if self.seconds_left is None:
             parts.append("estimating the time left")
-        elif self.files_done == self.files_total:
+        elif self.files_done == self.files_total and not left:
             parts.append("done")
         else:
             parts.append(f"{duration(self.seconds_left)} left")

@@ -27,6 +27,8 @@ HALF_LIFE = 60.0
 ASSUMED = 10.0
 # Seconds that may pass between two tasks of a process while there are others.
 LONGEST_PAUSE = 0.5
+# Shapes of one kind of file that count as much as all shapes of the same size.
+FEW = 4.0
 # Part of the time without news by which the run is expected to go on.
 PATIENCE = 0.5
 
@@ -308,11 +310,22 @@ class RemainingTime:
         return unread.files * (1.0 if per_file is None else per_file)
 
     def _seconds_per_shape(self, name: str, size: int) -> float | None:
-        for kind in (name, ALL_KINDS):
-            seconds = _ratio(self._kinds[kind].seen, size, "describe_seconds", "described")
-            if seconds is not None:
-                return seconds
-        return None
+        """Estimate the time to describe a shape of an unread file of one kind and size.
+
+        Few files of the kind may have been read, perhaps one, and that one may have been the first task of a
+        process, which imports modules. So what meshes of the same sizes took, of whatever kind of file,
+        counts as much as a few shapes of this kind.
+        """
+        kind, every = self._kinds[name], self._kinds[ALL_KINDS]
+        usual = _ratio(every.seen, size, "describe_seconds", "described")
+        own = _ratio(kind.seen, size, "describe_seconds", "described")
+        if usual is None or own is None:
+            return usual
+        likely, meshes = 0.0, 0.0
+        for mesh, entry in kind.meshes.items():
+            likely += entry.described * (_ratio(every.meshes, mesh, "describe_seconds", "described") or usual)
+            meshes += entry.described
+        return (meshes * own + FEW * likely / meshes) / (meshes + FEW)
 
 
 def _ratio(bins: Mapping[int, _Bin], size: int, above: str, below: str) -> float | None:

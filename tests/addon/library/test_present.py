@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
+import os
+import shutil
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -89,17 +92,57 @@ def test_shapes_that_are_gone_are_marked_and_examples_follow_their_shape(
     assert session.examples[0].is_gone
 
 
-def test_a_deleted_or_replaced_library_empties_the_gallery(
-    found: Path, present: Any, preferences: Any, session: Any, state: Any, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("delete", "The library shapes.sglib is no longer there"),
+        ("replace", "The library shapes.sglib was replaced by another file"),
+        ("write", ""),
+        ("unreachable", ""),
+    ],
+)
+def test_what_becomes_of_the_file(
+    found: Path,
+    present: Any,
+    preferences: Any,
+    session: Any,
+    state: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    change: str,
+    said: str,
 ) -> None:
-    monkeypatch.setattr(present, "refresh", lambda context: None)
-    path = preferences.library_path()
-    state.library.file = present._file(path)
-    present._look()
+    """One that is gone or another one empties the gallery."""
+    refreshed: list[Any] = []
+    monkeypatch.setattr(present, "refresh", refreshed.append)
+    path, answer = preferences.library_path(), session.answer
+
+    def look() -> None:
+        for _ in range(2):
+            present._look()
+            if state.library.look is not None:
+                state.library.look.result()
+
+    state.library.shown, state.library.file, state.library.look = path, None, None
+    look()
     assert session.matches
-    path.rename(path.with_name("kept.sglib"))
-    present._look()
-    assert (len(session.matches), session.answer) == (0, "The library shapes.sglib was deleted")
+    refreshed.clear()
+    if change == "delete":
+        path.unlink()
+    elif change == "replace":
+        shutil.copy(path, path.with_name("other.sglib"))
+        path.with_name("other.sglib").replace(path)
+    elif change == "write":
+        os.utime(path, ns=(0, 0))
+    else:
+        monkeypatch.setattr(os, "stat", raise_no_route)
+    look()
+    assert session.answer == (said or answer)
+    assert bool(session.matches) is not bool(said)
+    assert bool(refreshed) is (change != "unreachable")
+
+
+def raise_no_route(_path: Path) -> None:
+    raise OSError(errno.EHOSTUNREACH, "No route to host")
 
 
 def test_a_cancelled_search_leaves_the_answer_that_is_shown(found: Path, session: Any, state: Any) -> None:

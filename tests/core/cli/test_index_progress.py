@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,14 @@ def test_lines_in_a_log(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> Non
         "3 of 3 files, 52 of 52 shapes, done, 1 failed",
     ]
     assert without_progress(stderr).splitlines() == [stderr.splitlines()[0], stderr.splitlines()[2]]
+
+
+def test_the_open_scene_is_counted_in_shapes() -> None:
+    status = IndexingProgress(0, 0, 0, 0, 3, 2, 35, seconds=2, seconds_left=20, scene=True)
+    assert status.sentence() == "3 of about 40 shapes, 20 s left"
+    assert replace(status, seconds_left=None).sentence() == "3 shapes, estimating the time left"
+    done = IndexingProgress(0, 0, 0, 0, 40, seconds=22, seconds_left=0, scene=True)
+    assert done.sentence() == "40 of 40 shapes, done"
 
 
 def test_the_share_is_that_of_the_time() -> None:

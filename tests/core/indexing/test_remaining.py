@@ -152,6 +152,25 @@ def test_a_run_that_is_silent_goes_on() -> None:
     assert remaining.seconds_left(202) == pytest.approx(100)
 
 
+def test_one_slow_sample_says_little_about_its_kind() -> None:
+    """The first task of a process imports modules; a hundred shapes of the same size tell what is usual."""
+    remaining = RemainingTime([(Path("a.blend"), 10**6), *((Path(f"{i}.obj"), 9000) for i in range(50))], 1)
+    remaining.read(Path("a.blend"), 10**6, Spent(1), [8000] * 100, 1)
+    remaining.read(Path("0.obj"), 9000, Spent(0), [8000], 1)
+    remaining.described(Path("0.obj"), 9000, 8000, Spent(2.0), 3)
+    for index in range(100):
+        remaining.described(Path("a.blend"), 10**6, 8000, Spent(0.2), 3 + 0.2 * (index + 1))
+    left = remaining.seconds_left(23)
+    assert left is not None
+    assert 0.2 * 49 <= left < 0.7 * 49
+    for number in range(1, 40):
+        remaining.read(Path(f"{number}.obj"), 9000, Spent(0), [8000], 23)
+        remaining.described(Path(f"{number}.obj"), 9000, 8000, Spent(1.0), 23 + number)
+    # By now this kind is known to be slower.
+    left = remaining.seconds_left(62)
+    assert left == pytest.approx(10 * 1.0, rel=0.2)
+
+
 def test_copies_take_no_time() -> None:
     files = [(Path(f"{number}.obj"), 1000) for number in range(100)]
     remaining = RemainingTime(files, 1)
