@@ -181,7 +181,7 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
     problems: list[str] = []
     meshes: Any = _module("sharing").SharedMeshes(objects)
     for item, evaluated in _evaluated(objects):
-        matrix, content = evaluated.matrix_world, meshes.content(item)
+        matrix, content = evaluated.matrix_world, meshes.content(evaluated)
         shape = None if content is None else meshes.find(item, matrix, content)
         if shape is None:
             try:
@@ -191,7 +191,7 @@ def _write_shapes(objects: list[Any], output: BinaryIO) -> dict[str, Any]:
                 continue
             if not positions:
                 continue
-            content = meshes.read(item, positions, faces)
+            content = meshes.read(evaluated, positions, faces)
             shape = meshes.find(item, matrix, content)
         if shape is None:
             positions.tofile(output)

@@ -177,14 +177,15 @@ class SceneIndexing:
 
         from ..scene.meshes import evaluated_arrays, placed_mesh
 
-        matrix, content = item.evaluated_get(depsgraph).matrix_world, self._meshes.content(item)
+        evaluated = item.evaluated_get(depsgraph)
+        matrix, content = evaluated.matrix_world, self._meshes.content(evaluated)
         entry = None if content is None else self._meshes.find(item, matrix, content)
         if entry is None:
             vertices, faces = evaluated_arrays(item, depsgraph)
             if not len(faces) and (item.type == "MESH" or not len(vertices)):
                 self._total -= 1  # wires and single points are helpers, as in files
                 return
-            content = self._meshes.read(item, vertices, faces)
+            content = self._meshes.read(evaluated, vertices, faces)
             entry = self._meshes.find(item, matrix, content)
             if entry is None:
                 mesh = placed_mesh(item.name, vertices, faces, np.array(matrix, np.float64))

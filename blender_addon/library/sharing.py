@@ -20,6 +20,17 @@ Entry = TypeVar("Entry")
 SAME_SHAPE = 1e-5
 # Share of the cube of its length that the volume of a matrix must have: flat ones lose a direction.
 LEAST_VOLUME = 1e-9
+# Modifiers whose result depends on the mesh and their own settings alone, if these name no other object.
+# Simulations and geometry nodes may depend on the object and the time as well.
+SETTLED = {
+    *("ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "MULTIRES", "REMESH", "SMOOTH", "SOLIDIFY"),
+    *("SUBSURF", "TRIANGULATE", "WEIGHTED_NORMAL", "WELD", "WIREFRAME"),
+}
+# What modifiers say about themselves that has no effect on the mesh.
+LABELS = {
+    *("name", "execution_time", "is_active", "is_override_data", "persistent_uid", "show_expanded"),
+    *("show_in_editmode", "show_on_cage", "show_render", "use_pin_to_last"),
+}
 # Types of parents that deform their children, as a modifier would.
 DEFORMING_PARENTS = {"ARMATURE", "LATTICE", "CURVE"}
 
@@ -37,17 +48,24 @@ class SharedMeshes(Generic[Entry]):
     """
 
     def __init__(self, objects: Iterable[Any]) -> None:
-        self._users = Counter(item.data.session_uid for item in objects)
-        self._plain: dict[int, bytes] = {}
+        self._users = Counter(_number(item) for item in objects)
+        self._known: dict[tuple[Any, ...], bytes] = {}
         self._entries: dict[tuple[int, bytes], list[tuple[list[float], Entry]]] = {}
 
     def is_shared(self, item: Any) -> bool:
         """Whether other objects have the same data."""
-        return self._users[item.data.session_uid] > 1
+        return self._users[_number(item)] > 1
 
     def content(self, item: Any) -> bytes | None:
-        """Return the content that an object shows if that is known without evaluating it, else None."""
-        return self._plain.get(item.data.session_uid) if is_plain(item) else None
+        """Return the content that an object shows if that is known without its mesh, else None.
+
+        Parameters
+        ----------
+        item : bpy.types.Object
+            Evaluated.
+        """
+        recipe = _recipe(item)
+        return None if recipe is None else self._known.get(recipe)
 
     def read(self, item: Any, *arrays: Any) -> bytes:
         """Remember the content that an object shows.
@@ -55,6 +73,7 @@ class SharedMeshes(Generic[Entry]):
         Parameters
         ----------
         item : bpy.types.Object
+            Evaluated.
         *arrays : buffers
             Its evaluated coordinates and faces, in its own space.
 
@@ -69,8 +88,9 @@ class SharedMeshes(Generic[Entry]):
         for values in arrays:
             digest.update(len(values).to_bytes(8, "little"))
             digest.update(values)
-        if is_plain(item):
-            self._plain[item.data.session_uid] = digest.digest()
+        recipe = _recipe(item)
+        if recipe is not None:
+            self._known[recipe] = digest.digest()
         return digest.digest()
 
     def find(self, item: Any, matrix: Any, content: bytes) -> Entry | None:
@@ -87,7 +107,7 @@ class SharedMeshes(Generic[Entry]):
         own = _stretch(matrix)
         if own is None or not content:
             return None
-        for stretch, entry in self._entries.get((item.data.session_uid, content), ()):
+        for stretch, entry in self._entries.get((_number(item), content), ()):
             if all(abs(one - other) <= SAME_SHAPE for one, other in zip(own, stretch, strict=True)):
                 return entry
         return None
@@ -96,14 +116,46 @@ class SharedMeshes(Generic[Entry]):
         """Add an entry whose first placement is an object."""
         own = _stretch(matrix)
         if own is not None and content:
-            self._entries.setdefault((item.data.session_uid, content), []).append((own, entry))
+            self._entries.setdefault((_number(item), content), []).append((own, entry))
 
 
-def is_plain(item: Any) -> bool:
-    """Whether an object is seen as its data alone, which need not be evaluated for each object then."""
+def _recipe(item: Any) -> tuple[Any, ...] | None:
+    """Describe all that the mesh of an evaluated object is made from; None if that is more than can be told.
+
+    Blender computes the modifiers of each object anew, also if all show the same.
+    """
     # In old files a parent deforms its children without any modifier.
     deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
-    return not item.modifiers and getattr(item.data, "shape_keys", None) is None and not deformed
+    if deformed or getattr(item.original.data, "shape_keys", None) is not None:
+        return None
+    recipe: list[Any] = [_number(item)]
+    for modifier in item.modifiers:
+        if not modifier.show_viewport:
+            continue
+        if modifier.type not in SETTLED:
+            return None
+        recipe.append(modifier.type)
+        for entry in modifier.bl_rna.properties:
+            if entry.identifier in LABELS or entry.identifier == "rna_type":
+                continue
+            value = getattr(modifier, entry.identifier)
+            if entry.type == "COLLECTION":
+                return None
+            if entry.type == "POINTER":
+                # A profile of its own is there also where it is not used.
+                unused = entry.identifier == "custom_profile" and modifier.profile_type != "CUSTOM"
+                if value is not None and not unused:
+                    return None
+            elif entry.type == "ENUM" and entry.is_enum_flag:
+                recipe.append(frozenset(value))
+            else:
+                recipe.append(tuple(value) if getattr(entry, "is_array", False) else value)
+    return tuple(recipe)
+
+
+def _number(item: Any) -> int:
+    """Session number of an object's data, also of an evaluated object."""
+    return int(item.original.data.session_uid)
 
 
 def _stretch(matrix: Any) -> list[float] | None:

@@ -46,7 +46,12 @@ def blender(addon: ModuleType, tmp_path: Path) -> Any:
     """An empty scene, no results, and a library of its own that is not there yet, for every test."""
     if bpy.context.object is not None and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
+    # A collection that a test has left, perhaps excluded or active, would hide what the next one adds.
+    layer = bpy.context.view_layer
+    layer.active_layer_collection = layer.layer_collection
+    bpy.context.scene.frame_set(1)
     for collection in (
+        bpy.data.collections,
         bpy.data.objects,
         bpy.data.meshes,
         bpy.data.pointclouds,

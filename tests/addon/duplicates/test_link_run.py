@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import bpy
@@ -129,6 +129,40 @@ def test_a_cancelled_run_leaves_a_whole_scene(
     for index, item in enumerate(items):
         shares = item.data == items[index % 2].data and index > 1
         assert shares == (item.name in linked)
+
+
+def test_a_linking_cancelled_by_the_user_is_one_step_of_undo(
+    addon: ModuleType, shown: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was linked is kept, what is left is said, the group stays, and Link Data goes on with it."""
+    monkeypatch.setattr(module(addon, "duplicates.linking"), "LEAST_PORTION", 2)
+    operator = module(addon, "duplicates.link_operator").SHAPEGOOGLE_OT_link_duplicates
+    items = copies(12)
+    before = {item.name: in_world(item) for item in items}
+    find(shown)
+    for group in shown.groups:
+        group.chosen = True
+    said: list[tuple[set[str], str]] = []
+    pressed = SimpleNamespace(report=lambda kind, text: said.append((kind, text)))
+    operator._start(pressed, bpy.context)
+    walk = pressed._run.steps()
+    for _ in range(12):
+        next(walk)
+    walk.close()
+    assert operator.finish(pressed, bpy.context, cancelled=True) == {"FINISHED"}
+    linked = len(pressed._run.result.linked)
+    assert 0 < linked < 10
+    assert said == [({"INFO"}, shown.status)]
+    assert shown.status == (
+        f"Cancelled: {linked} linked, 0 left as they are, {10 - linked} not reached; Link Data goes on with "
+        "them"
+    )
+    bpy.context.view_layer.update()
+    assert unmoved(before)
+    assert any(group.chosen for group in shown.groups)
+    assert bpy.ops.shape_google.link_duplicates() == {"FINISHED"}
+    assert len({item.data for item in items}) == 2
+    assert unmoved(before)
 
 
 def test_a_group_may_be_led_by_one_that_an_earlier_group_links(addon: ModuleType, shown: Any) -> None:

@@ -143,6 +143,18 @@ def test_objects_that_are_evaluated_alike_are_one_shape(read: Any, tmp_path: Pat
     linked(first, "E").modifiers.clear()
     driven = linked(first, "F")
     driven.driver_add('modifiers["Subdivision"].levels').driver.expression = "2"
+    # Each is mirrored at the place of another object.
+    place = bpy.data.objects.new("Place", None)
+    place.location.x = 3
+    bpy.context.collection.objects.link(place)
+    for name, x in (("G", 0), ("H", 1)):
+        mirrored = linked(first, name, place=(x, 0, 0))
+        mirrored.modifiers.clear()
+        mirrored.modifiers.new("Mirror", "MIRROR").mirror_object = place
+    for name in "IJ":
+        reduced = linked(first, name, place=(5, 0, 0))
+        reduced.modifiers.new("Decimate", "DECIMATE").ratio = 0.5
+        reduced.modifiers.new("Bevel", "BEVEL").show_viewport = name == "I"
     keyed = add("K", location=(9, 0, 0))
     keyed.shape_key_add(name="Basis")
     keyed.shape_key_add(name="Long").data[0].co.x += 3
@@ -151,7 +163,32 @@ def test_objects_that_are_evaluated_alike_are_one_shape(read: Any, tmp_path: Pat
     pinned.active_shape_key_index, pinned.show_only_shape_key = 1, True
     bpy.context.view_layer.update()
     shapes = read(save(tmp_path / "scene.blend")).shapes
-    assert objects_of(shapes) == [["A", "B"], ["C", "F"], ["D", "E"], ["K", "L"], ["M"]]
+    assert objects_of(shapes) == [
+        *(["A", "B"], ["C", "F"], ["D", "E"], ["G"], ["H"], ["I"], ["J"], ["K", "L"], ["M"]),
+    ]
+
+
+def test_modifiers_of_many_objects_are_computed_once(addon: ModuleType) -> None:
+    """Blender computes them for each object: 300 subdivided ones took longer than a file may."""
+    import importlib
+
+    meshes = importlib.import_module(f"{addon.__name__}.library.sharing")
+    first = add("A")
+    first.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    first.modifiers.new("Mirror", "MIRROR")
+    twin = linked(first, "B", (2, 2, 2))
+    other = linked(first, "C")
+    other.modifiers["Mirror"].use_axis[1] = True
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shared = meshes.SharedMeshes([first, twin, other])
+    evaluated = [item.evaluated_get(depsgraph) for item in (first, twin, other)]
+    assert shared.content(evaluated[0]) is None
+    content = shared.read(evaluated[0], b"coordinates")
+    assert [shared.content(item) for item in evaluated] == [content, content, None]
+    # What geometry nodes make may depend on the object.
+    twin.modifiers.new("Nodes", "NODES")
+    depsgraph.update()
+    assert shared.content(twin.evaluated_get(depsgraph)) is None
 
 
 def test_an_object_that_its_parent_deforms_has_a_shape_of_its_own(read: Any, tmp_path: Path) -> None:
