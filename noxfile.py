@@ -59,6 +59,10 @@ numpy = importlib.util.find_spec("numpy") is not None
 print("\\nshape-google", json.dumps([bpy.app.version[:3], sys.version_info[:2], numpy]))
 """
 
+# Three processes for two processors, since some tests wait for others to end. Each file's tests stay in one
+# process, which makes what they share once.
+SPREAD = ("--numprocesses=3", "--dist=loadfile")
+
 nox.options.default_venv_backend = "venv"
 nox.options.reuse_existing_virtualenvs = True
 nox.options.stop_on_first_error = False
@@ -75,8 +79,8 @@ def checks(session: nox.Session) -> None:
 
 @nox.session(python=False)
 def core(session: nox.Session) -> None:
-    """Test what needs no Blender, on two processes."""
-    command = [sys.executable, "-m", "pytest", "--quiet", "--numprocesses=2", *session.posargs]
+    """Test what needs no Blender, in several processes."""
+    command = [sys.executable, "-m", "pytest", "--quiet", *SPREAD, *session.posargs]
     session.run(*command, env=ENVIRONMENT, external=True)
 
 

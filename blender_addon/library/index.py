@@ -136,7 +136,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
                     session.done, session.total = event.files_done, event.files_total
                 session.share, session.progress = event.share, event.sentence()
             case FileOutcome(status="failed"):
-                add_error(session, str(event.path), _worded(event.reason))
+                add_error(session, str(event.path), _worded(event.reason), event.details)
             case IndexSummary():
                 run.reported = True
                 library, sentence = state.current().library.indexed, event.sentence()
@@ -163,8 +163,9 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
 
 
 def _worded(reason: str) -> str:
-    """Replace an option of the command by its name in the menu."""
-    return reason.replace("--retry tries", "Retry Failed Files tries")
+    """Replace options of the command by the buttons that take their place."""
+    reason = reason.replace("--retry tries", "Retry Failed Files tries")
+    return reason.replace("with what --verbose shows", "with what Copy Errors copies")
 
 
 def _cancelled(running: Sequence[BackgroundRun | SceneIndexing], session: Any) -> str:
@@ -205,12 +206,21 @@ class SHAPEGOOGLE_OT_cancel_indexing(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _text_of(errors: Any) -> str:
+    """Write all errors, each with its details, if it has any, in the lines below it."""
+    lines = [f"{error.path}: {error.reason}\n{error.details}".rstrip() for error in errors]
+    return "\n".join(lines)
+
+
 class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
     """Copy the errors as text."""
 
     bl_idname = "shape_google.copy_errors"
     bl_label = "Copy Errors"
-    bl_description = "Copy all errors to the clipboard, one line each"
+    bl_description = (
+        "Copy all errors to the clipboard, one line each, with the details of those that are faults of this "
+        "program"
+    )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -223,7 +233,7 @@ class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Copy them."""
         errors = session_of(context).errors
-        context.window_manager.clipboard = "\n".join(f"{error.path}: {error.reason}" for error in errors)
+        context.window_manager.clipboard = _text_of(errors)
         self.report({"INFO"}, f"{len(errors)} errors copied")
         return {"FINISHED"}
 

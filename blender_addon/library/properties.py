@@ -17,6 +17,7 @@ class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
 
     path: StringProperty(name="File")
     reason: StringProperty(name="Reason")
+    details: StringProperty(name="Details", description="For a report of a fault of this program")
 
 
 class IndexingProperties:
@@ -38,7 +39,7 @@ class IndexingProperties:
     trained: StringProperty(name="Trained", description="How the last training ended")
 
 
-def add_error(session: Any, path: str, reason: str) -> None:
+def add_error(session: Any, path: str, reason: str, details: str = "") -> None:
     """Add an error to the list, once.
 
     Parameters
@@ -48,11 +49,13 @@ def add_error(session: Any, path: str, reason: str) -> None:
         The file.
     reason : str
         The error, and how to correct it.
+    details : str, optional
+        What those need who correct a fault of this program; it is copied, not shown.
     """
     if any(error.path == path and error.reason == reason for error in session.errors):
         return
     error = session.errors.add()
-    error.name, error.path, error.reason = Path(path).name, path, reason
+    error.name, error.path, error.reason, error.details = Path(path).name, path, reason, details
 
 
 register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_error,))

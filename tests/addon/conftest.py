@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import shutil
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -11,6 +14,7 @@ from typing import Any
 import bpy
 import pytest
 
+from shapegoogle_core import Library
 from tests.addon.shapes import add_folder, lumpy
 
 
@@ -97,23 +101,46 @@ def session() -> Any:
     return bpy.context.window_manager.shape_google
 
 
+@pytest.fixture(scope="session")
+def made_once() -> dict[str, Path]:
+    """Files that are made for the first test that needs them, and copied for the others."""
+    return {}
+
+
 @pytest.fixture
-def folder(blender: Any, tmp_path: Path) -> Path:
+def folder(blender: Any, tmp_path: Path, tmp_path_factory: Any, made_once: dict[str, Path]) -> Path:
     """A folder of three .blend files with a shape each, a mesh file, and one that is broken."""
-    folder = tmp_path / "assets"
-    folder.mkdir()
-    for seed, name in enumerate(["apple", "pear", "plum"]):
-        item = lumpy(name.title(), seed)
-        bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{name}.blend"), copy=True)
-        if name == "plum":
-            bpy.ops.wm.obj_export(filepath=str(folder / "nut.obj"))
-        bpy.data.objects.remove(item)
-    (folder / "broken.blend").write_bytes(b"no Blender file")
-    return folder
+    if "folder" not in made_once:
+        folder = made_once["folder"] = tmp_path_factory.mktemp("made") / "assets"
+        folder.mkdir()
+        for seed, name in enumerate(["apple", "pear", "plum"]):
+            item = lumpy(name.title(), seed)
+            bpy.ops.wm.save_as_mainfile(filepath=str(folder / f"{name}.blend"), copy=True)
+            if name == "plum":
+                bpy.ops.wm.obj_export(filepath=str(folder / "nut.obj"))
+            bpy.data.objects.remove(item)
+        (folder / "broken.blend").write_bytes(b"no Blender file")
+    return Path(shutil.copytree(made_once["folder"], tmp_path / "assets"))
 
 
 @pytest.fixture
-def indexed(folder: Path, preferences: Any, session: Any) -> Path:
+def indexed(folder: Path, preferences: Any, made_once: dict[str, Path]) -> Path:
+    """The folder, and a library of it."""
     add_folder(preferences, folder)
-    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    library = preferences.library_path()
+    if "library" not in made_once:
+        assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+        made_once["indexed"] = folder
+        made_once["library"] = made_once["folder"].with_name("shapes.sglib")
+        copy_library(library, made_once["library"])
+        return folder
+    copy_library(made_once["library"], library)
+    with Library.open(library) as opened:
+        opened.move(made_once["indexed"], folder)
     return folder
+
+
+def copy_library(source: Path, target: Path) -> None:
+    """Copy a library that another process may have open."""
+    with closing(sqlite3.connect(source)) as old, closing(sqlite3.connect(target)) as new:
+        old.backup(new)

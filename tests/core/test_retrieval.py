@@ -28,25 +28,28 @@ def library(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iter
     with sg.Library.open(tmp_path_factory.mktemp("library") / "shapes.db") as library:
         for name, paths in labelled(data_folder, "tosca").items():
             library.add(sg.read_mesh(paths[0]), name=name)
-        for path in sorted((data_folder / "psb").glob("*.ply"))[::20]:
+        for path in sorted((data_folder / "psb").glob("*.ply"))[::40]:
             library.add(sg.read_mesh(path), name=path.name)
         yield library
 
 
-def mean_reciprocal_rank(library: sg.Library, queries: dict[str, Path], exact: bool = False) -> float:
+def mean_reciprocal_ranks(library: sg.Library, queries: dict[str, Path]) -> list[float]:
+    """Of the search by codes, and of the exact one."""
     ranks = []
     for name, path in queries.items():
-        matches = library.query(sg.read_mesh(path), top=len(library), exact=exact)
-        assert len(matches) == len(library)
-        ranks.append(1 / (1 + [match.name for match in matches].index(name)))
-    return sum(ranks) / len(ranks)
+        signature = library.model.describe(sg.read_mesh(path))
+        for exact in (False, True):
+            matches = library.query(signature, top=len(library), exact=exact, explain=0)
+            assert len(matches) == len(library)
+            ranks.append(1 / (1 + [match.name for match in matches].index(name)))
+    return [sum(own) / len(own) for own in (ranks[::2], ranks[1::2])]
 
 
 @pytest.mark.real_data
 def test_another_pose_finds_its_null_shape(library: sg.Library, data_folder: Path) -> None:
     tosca = labelled(data_folder, "tosca")
     queries = {name: paths[-1] for name, paths in tosca.items() if len(paths) > 1}
-    assert mean_reciprocal_rank(library, queries) >= 0.95
+    assert min(mean_reciprocal_ranks(library, queries)) >= 0.95
 
 
 @pytest.mark.real_data
@@ -54,5 +57,4 @@ def test_another_triangulation_finds_its_null_shape(library: sg.Library, data_fo
     tosca = labelled(data_folder, "tosca")
     remeshed = labelled(data_folder, "tosca_remeshed")
     queries = {name: paths[0] for name, paths in remeshed.items() if name in tosca}
-    assert mean_reciprocal_rank(library, queries) >= 0.9
-    assert mean_reciprocal_rank(library, queries, exact=True) >= 0.9
+    assert min(mean_reciprocal_ranks(library, queries)) >= 0.9

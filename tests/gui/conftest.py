@@ -77,6 +77,7 @@ class Window:
         self._environment = {**os.environ, "DISPLAY": display}
         self._numbers = count()
         self._panel = ""
+        self._places: dict[tuple[object, ...], tuple[float, float]] = {}
 
     def ask(self, function: str, *arguments: Any) -> Any:
         """Call a function of `driver.py` inside Blender."""
@@ -204,6 +205,12 @@ class Window:
         x, y : float
             On the button, where the pointer is.
         """
+        # Nothing in a panel moves, so a button is looked for where it was.
+        known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
+        if known in self._places and action in self._button_at(*self._places[known]):
+            self.settle()
+            if action in (self.ask("button") or ""):
+                return self._places[known]
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
             seen = 0
@@ -216,6 +223,8 @@ class Window:
                         # A slow Blender may have answered for the place before.
                         if action in (self.ask("button") or ""):
                             if seen == occurrence:
+                                known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
+                                self._places[known] = x, y
                                 return x, y
                             seen += 1
                     before = button

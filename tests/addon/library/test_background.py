@@ -130,10 +130,15 @@ def test_a_scene_is_counted_in_shapes_and_a_cancelled_one_is_not_stored(
     bpy.ops.shape_google.cancel_indexing()
     assert session.summary == "Cancelled; nothing of this scene was stored"
     index(addon)
-    said = []
-    timers.until(lambda: said.append(session.progress) or not session.indexing)
+    said: dict[str, None] = {}
+
+    def ended() -> bool:
+        said[session.progress] = None
+        return not session.indexing
+
+    timers.until(ended)
     # Neither files are counted, nor objects that share a mesh.
-    counts = [text for text in dict.fromkeys(said) if "shape" in text]
+    counts = [text for text in said if "shape" in text]
     assert counts
     assert all(
         re.fullmatch(r"[123] shapes?, estimating the time left|[123] of (about )?3 shapes, .*", text)

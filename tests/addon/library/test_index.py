@@ -7,7 +7,7 @@ import importlib
 import os
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import bpy
@@ -134,6 +134,23 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, se
     bpy.ops.shape_google.index_library()
     assert session.summary == "1 shape of this scene"
     assert not session.errors
+
+
+def test_a_fault_is_copied_with_its_details(addon: ModuleType, session: Any) -> None:
+    """Nobody can ask a button for --verbose."""
+    module = importlib.import_module(f"{addon.__name__}.library.index")
+    reason = (
+        "'a.blend' was lost; index it again, and report it with what --verbose shows if that happens again"
+    )
+    outcomes = [
+        FileOutcome(Path("/x/a.blend"), "failed", reason, "Traceback of a\n  line 3\n"),
+        FileOutcome(Path("/x/b.off"), "failed", "'b.off' is damaged"),
+    ]
+    module._take(SimpleNamespace(events=lambda: outcomes, exit_code=None))
+    assert module._text_of(session.errors) == (
+        "/x/a.blend: 'a.blend' was lost; index it again, and report it with what Copy Errors copies"
+        "\nTraceback of a\n  line 3\n/x/b.off: 'b.off' is damaged"
+    )
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such names")

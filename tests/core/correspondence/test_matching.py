@@ -174,7 +174,7 @@ def test_loose_vertices_and_degenerate_faces(bumpy: Mesh) -> None:
 
 def test_a_handful_of_vertices() -> None:
     box = trimesh.creation.box([1, 2, 3])
-    match = match_vertices(Mesh(box.vertices, box.faces, "box"), Mesh(box.vertices, box.faces, "box"))
+    match = match_vertices(Mesh(box.vertices, box.faces, "box"), Mesh(box.vertices, box.faces, "box"), QUICK)
     assert len(match.vertex) == 8
     assert match.symmetric
 

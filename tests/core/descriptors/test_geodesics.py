@@ -40,12 +40,12 @@ def test_paths_across_an_edge_are_those_of_the_unfolded_triangles() -> None:
 
 def test_geodesic_histogram_of_a_strip(shapes: type[Shapes]) -> None:
     # Along a narrow strip the way to a point is its distance along it: d bins end at r √(k/d) on both sides.
-    strip = shapes.rectangle(10.0, 0.05, 2000)
+    strip = shapes.rectangle(5.0, 0.05, 1000)
     unit, radius, bins = np.sqrt(strip.area), 2.0, 4
     values = geodesic_histograms(strip, radius, bins)
     edges = radius * unit * np.sqrt(np.arange(bins + 1) / bins)
     expected = 2 * np.diff(edges) * 0.05 / (np.pi * (radius * unit) ** 2 / bins)
-    middle = np.abs(strip.vertices[:, 0] - 5) < 5 - edges[-1] - 0.1
+    middle = np.abs(strip.vertices[:, 0] - 2.5) < 2.5 - edges[-1] - 0.1
     assert middle.any()
     np.testing.assert_allclose(values[middle], np.tile(expected, (middle.sum(), 1)), rtol=0.05)
     end = strip.vertices[:, 0] == 0
