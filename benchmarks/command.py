@@ -105,6 +105,11 @@ COMMANDS = (
     ),
     Command("train", "benchmarks.training.models", "train the shipped models"),
     Command("train-views", "benchmarks.training.views", "learn to describe pictures for the shipped model"),
+    Command(
+        "train-background",
+        "benchmarks.training.background",
+        "give the shipped model the unlike shapes that tell how distinctive an agreement is",
+    ),
     Command("development-set", "benchmarks.training.development_set", "write shapes to develop on"),
     Command(
         "blend-meshes",

@@ -9,7 +9,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.figures import PairFigures
+from shapegoogle_core.library.search.figures import BagFigures, PairFigures
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -78,17 +78,19 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
     signature, other = model.describe(first, keep_surface=True), model.describe(second)
     query = Query(model, [signature])
     bags = round_bags(other.bags)[None]
-    distances = query.distances(bags)
+    distances, typical = query.distances(bags), query.typical_distances(bags)
+    usual = None if typical is None else float(typical[0])
     match = Match(
         name=second.name,
         source="",
         object_name="",
         distance=float(distances[0]),
-        similarity=float(model.similarity(distances)[0]),
+        similarity=float(model.similarity(distances, typical)[0]),
         shape_id=0,
         vertex_count=other.vertex_count,
         face_count=other.face_count,
         area=other.area,
+        typical_distance=usual,
     )
     if signature.sample is None or other.sample is None:
         return match
@@ -106,8 +108,7 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         pair = PairFigures(model, settings, signature, signature.sample, settings.verification.certain)
         similarity, evidence = pair.figures(
             Compared(sample, match, other.measures),
-            float(distances[0]),
-            float(model.distances(signature.bags, bags)[0]),
+            BagFigures(float(model.distances(signature.bags, bags)[0]), usual, float(distances[0]), usual),
             known_alignment(match, signature.sample),
         )
         return replace(match, similarity=similarity, evidence=evidence)

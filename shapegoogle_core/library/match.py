@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from shapegoogle_core.library.placement import Placement
 if TYPE_CHECKING:
     from shapegoogle_core.registration import Alignment
 
-__all__ = ["DISTANCE_DECIMALS", "Match"]
+__all__ = ["DISTANCE_DECIMALS", "Match", "typical_distances"]
 
 DISTANCE_DECIMALS = 6
 """Decimals that distances are rounded to. Half floats and the order of sums in a matrix product change later
@@ -58,6 +59,8 @@ class Match:
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     bag_distance : float or None
         Distance of the bags; `distance` may have been lowered.
+    typical_distance : float or None
+        Of unrelated shapes that are as plain as query and match, see `ShapeModel.typical_distances`.
     alignment : Alignment or None
         From the query to the match, if the search has found one; `Library.explain` uses it again.
     aligned_sample : int
@@ -87,6 +90,7 @@ class Match:
     version_ids: tuple[int, ...] = field(default=(), repr=False)
     evidence: Evidence | None = None
     bag_distance: float | None = field(default=None, compare=False, repr=False)
+    typical_distance: float | None = field(default=None, compare=False, repr=False)
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
     aligned_sample: int = field(default=0, compare=False, repr=False)
 
@@ -119,3 +123,20 @@ class Match:
         if self.versions:
             record["versions"] = self.versions
         return record
+
+
+def typical_distances(matches: Sequence[Match]) -> list[float] | None:
+    """Return the typical distances of matches, for `ShapeModel.similarity`.
+
+    Parameters
+    ----------
+    matches : sequence of Match
+        Of one search.
+
+    Returns
+    -------
+    typical : list of float or None
+        None for matches of a model without a background.
+    """
+    known = [match.typical_distance for match in matches if match.typical_distance is not None]
+    return known if len(known) == len(matches) else None

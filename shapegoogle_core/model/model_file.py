@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
+from shapegoogle_core.model.background import Background
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
@@ -55,6 +56,7 @@ _NUMBERS_AND_TEXT = (
     "verified_half",
     "verified_slope",
 )
+_BACKGROUND = ("distinctive", "exponent", "verified_exponent")
 
 
 def arrays_of(model: Fields) -> Arrays:
@@ -82,11 +84,13 @@ def arrays_of(model: Fields) -> Arrays:
 
 def _part_arrays(model: Fields) -> Arrays:
     """Return the arrays of parts that say nothing about the bags, and so do not count for the identifier."""
-    views = model["views"]
-    if views is None:
-        return {}
-    projections = {f"views_projection_{index}": part for index, part in enumerate(views.projections)}
-    return {"views_mean": views.mean, "views_code": views.code_components, **projections}
+    arrays: Arrays = {}
+    if (views := model["views"]) is not None:
+        arrays = {"views_mean": views.mean, "views_code": views.code_components}
+        arrays |= {f"views_projection_{index}": part for index, part in enumerate(views.projections)}
+    if model["background"] is not None:
+        arrays["background_vectors"] = model["background"].vectors
+    return arrays
 
 
 def identifier_of(settings: Mapping[str, Any], arrays: Arrays, agreement_gain: float) -> str:
@@ -132,6 +136,8 @@ def pack(model: Fields, identifier: str) -> bytes:
     header |= {name: model[name] for name in _NUMBERS_AND_TEXT}
     if model["views"] is not None:
         header["views"] = model["views"].identifier
+    if model["background"] is not None:
+        header["background"] = {name: getattr(model["background"], name) for name in _BACKGROUND}
     text = np.array(json.dumps(header, sort_keys=True))
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, header=text, **arrays_of(model), **_part_arrays(model))
@@ -186,6 +192,7 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
         "verified_slope": float(header.get("verified_slope", 1.0)),
         "local_words": None if settings.local is None else _local_words(arrays),
         "views": _views(arrays) if "views_mean" in arrays else None,
+        "background": _background(header, arrays) if "background" in header else None,
     }
     return model, header.get("identifier") or _earlier_identifier(model, header["settings"], arrays)
 
@@ -226,6 +233,11 @@ def _views(arrays: Arrays) -> ViewModel:
         ),
         code_components=arrays["views_code"].astype(np.int64),
     )
+
+
+def _background(header: Mapping[str, Any], arrays: Arrays) -> Background:
+    numbers = {name: float(header["background"][name]) for name in _BACKGROUND}
+    return Background(vectors=arrays["background_vectors"].astype(np.float16), **numbers)
 
 
 def _earlier_identifier(model: Fields, settings: Mapping[str, Any], arrays: Arrays) -> str:
@@ -300,6 +312,9 @@ def check_learnt(model: ShapeModel) -> None:
         raise ModelError("the model's calibration of similarities is damaged")
     if not 0 <= model.agreement_gain < np.inf:
         raise ModelError("the model's agreement_gain is damaged: it must be a number ≥ 0")
+    width = projected if model.settings.metric == "cosine" else size
+    if model.background is not None and model.background.vectors.shape[1] != width:
+        raise ModelError(f"the model's background is damaged: expected rows of {width} numbers")
     local = None if model.settings.local is None else model.settings.local.words
     if local != (None if model.local_words is None else len(model.local_words.weights)):
         raise ModelError("the model's local words are damaged: they are not of the size in its settings")

@@ -3,19 +3,18 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import MeshLike, as_mesh
-from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model.metric import row_distances
+from shapegoogle_core.model.background import Background
+from shapegoogle_core.model.comparison import BagComparison
 from shapegoogle_core.model.model_file import (
     arrays_of,
     check_learnt,
@@ -35,7 +34,7 @@ __all__ = ["ShapeModel"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ShapeModel:
+class ShapeModel(BagComparison):
     """Trained model: everything learnt from training shapes, and the settings of the training.
 
     Made by `load_model` or `train_model`.
@@ -68,6 +67,8 @@ class ShapeModel:
         The index of parts, if `settings.local` asks for one.
     views : ViewModel or None
         What describes pictures of shapes. It has its own identifier, since it has nothing to do with bags.
+    background : Background or None
+        Unlike shapes that tell how distinctive an agreement is.
 
     Raises
     ------
@@ -104,17 +105,13 @@ class ShapeModel:
     verified_slope: float = 1.0
     local_words: LocalWords | None = None
     views: ViewModel | None = None
+    background: Background | None = None
 
     def __post_init__(self) -> None:
         check_learnt(self)
 
     def __repr__(self) -> str:
         return f"ShapeModel({self.name!r}, {self.identifier})"
-
-    @property
-    def bag_size(self) -> int:
-        """Length B of all bags side by side."""
-        return self.settings.bag_size
 
     @property
     def code_bits(self) -> int:
@@ -192,169 +189,25 @@ class ShapeModel:
             view_code=None if self.views is None or views is None else self.views.code(views),
         )
 
-    def embed(self, bags: FloatBags) -> FloatBags:
-        """Project bags into the space of the learnt metric.
-
-        Parameters
-        ----------
-        bags : (n, B) array
-            Bags of n shapes, see `ShapeSignature.bags`.
-
-        Returns
-        -------
-        vectors : (n, p) array of float32
-            Of unit length.
-        """
-        vectors = (np.asarray(bags, np.float32) - self.mean) @ self._projection
-        vectors /= np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), np.finfo(np.float32).tiny)
-        return np.asarray(vectors, dtype=np.float32)
-
-    def codes(self, bags: FloatBags) -> NDArray[np.uint8]:
-        """Compute the binary codes y = sign(A f + b) of bags (paper, equation 19).
-
-        Parameters
-        ----------
-        bags : (n, B) array
-            Bags of n shapes.
-
-        Returns
-        -------
-        codes : (n, s/8) array of uint8
-            Packed as by `numpy.packbits`.
-        """
-        return np.packbits(self.code_projections(bags) > 0, axis=1)
-
-    def code_projections(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
-        """Compute the projections A f + b, whose signs are the codes.
-
-        Parameters
-        ----------
-        bags : (n, B) array
-            Bags of n shapes.
-        embedded : (n, p) array, optional
-            f, the result of `embed`, where it is known already.
-
-        Returns
-        -------
-        projections : (n, s) array of float32
-        """
-        embedded = self.embed(bags) if embedded is None else embedded
-        return np.asarray(embedded @ self.directions.T + self.thresholds, np.float32)
-
-    def comparable(self, bags: FloatBags, embedded: FloatBags | None = None) -> FloatBags:
-        """Compute vectors between which `row_distances` is this model's distance.
-
-        Parameters
-        ----------
-        bags : (n, B) array
-            Bags of n shapes.
-        embedded : (n, p) array, optional
-            The result of `embed`, where it is known already.
-
-        Returns
-        -------
-        vectors : (n, p) or (n, B) array of float32
-            For the metric "cosine" the projected bags; for "l1" the bags, divided by their number.
-        """
-        if self.settings.metric == "cosine":
-            return self.embed(bags) if embedded is None else embedded
-        count = sum(len(channel.bags) for channel in self.settings.channels)
-        return np.asarray(bags, np.float32) / np.float32(count)
-
-    def distances(self, query: ArrayLike, bags: ArrayLike) -> FloatArray:
-        """Compute the distances of one shape's bags from others, by `settings.metric`.
-
-        Parameters
-        ----------
-        query : (B,) array_like
-            Bags of one shape, see `ShapeSignature.bags`.
-        bags : (n, B) array_like
-            Bags of n shapes.
-
-        Returns
-        -------
-        distances : (n,) array
-            At least 0. For the metric "cosine" 1 - cos of the projections; for "l1" Σ|f - f′|, averaged over
-            the bags.
-
-        Raises
-        ------
-        ModelError
-            If the bags are of another length than those of this model.
-        """
-        query, bags = np.asarray(query, np.float32), np.asarray(bags, np.float32)
-        if query.shape != (self.bag_size,) or bags.shape[1:] != (self.bag_size,):
-            raise ModelError(
-                f"bags of this model have {self.bag_size} values, but those of the query are {query.shape} "
-                f"and the others {bags.shape}; describe all shapes with this model"
-            )
-        return row_distances(self.settings.metric, self.comparable(query[None]), self.comparable(bags))
-
-    def verified_distance(self, distance: float, excess: float) -> float:
-        """Lower the distance between bags if the two surfaces agree in space.
-
-        d′ = d exp(-k e). The logistic regression behind `similarity` is linear in log d; with the excess e as
-        its second variable, k is the ratio of the two coefficients (see `calibrate`).
-
-        Parameters
-        ----------
-        distance : float
-            Distance d from `distances`.
-        excess : float
-            Agreement e beyond that of unrelated shapes, see `Alignment.excess`.
-
-        Returns
-        -------
-        distance : float
-            d′ ≤ d. Without an agreement it does not change, because bags alone find other poses.
-        """
-        return distance * math.exp(-self.agreement_gain * excess)
-
-    def similarity(self, distances: FloatArray, *, verified: bool = False) -> FloatArray:
-        """Convert distances to similarities from 0 to 1.
-
-        s(d) = 1 / (1 + (d / d_½)^p), fitted on training shapes by logistic regression: the probability that
-        a shape at distance d is the same one transformed and not the nearest of fifty different ones, if both
-        are equally likely beforehand.
-
-        Parameters
-        ----------
-        distances : (n,) array
-            From `distances`, or from `verified_distance`.
-        verified : bool, optional
-            Whether the distances are verified. An unchanged distance then means a lower similarity than that
-            of bags alone, since verification found no agreement.
-
-        Returns
-        -------
-        similarity : (n,) array
-            1 at distance 0, falling towards 0.
-        """
-        half, slope = self.similarity_half, self.similarity_slope
-        if verified:
-            half, slope = self.verified_half, self.verified_slope
-        ratio = np.asarray(distances, np.float64) / half
-        return np.asarray(1 / (1 + ratio**slope), dtype=np.float64)
-
-    def with_parts(self, *, views: ViewModel | None) -> ShapeModel:
+    def with_parts(
+        self, *, views: ViewModel | None = None, background: Background | None = None
+    ) -> ShapeModel:
         """Exchange parts of the model that say nothing about bags; its identifier stays.
 
         Parameters
         ----------
-        views : ViewModel or None
+        views : ViewModel, optional
+        background : Background, optional
+            Parts that are left out stay as they are.
 
         Returns
         -------
         model : ShapeModel
         """
-        changed = replace(self, views=views)
+        changed = replace(self, views=views or self.views, background=background or self.background)
         # In the place of the cached property: the file of an early model states another than it has by now.
         vars(changed)["identifier"] = self.identifier
         return changed
-
-    @cached_property
-    def _projection(self) -> FloatBags:
-        return self.projection.astype(np.float32)
 
     def _fields(self) -> dict[str, object]:
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}

@@ -22,6 +22,7 @@ from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
+from shapegoogle_core.model.background_learning import FEWEST_SHAPES, KnownPairs, learn_background
 from shapegoogle_core.model.metric import (
     calibrate,
     choose_pairs,
@@ -349,7 +350,7 @@ def fit_metric(
     agreements = _agreements(samples, first, second) if samples else None
     alone = calibrate(distances, similar)
     joint = alone if agreements is None else calibrate(distances, similar, agreements)
-    return replace(
+    model = replace(
         untrained,
         directions=directions.astype(np.float32),
         thresholds=thresholds.astype(np.float32),
@@ -359,6 +360,12 @@ def fit_metric(
         verified_half=joint.half,
         verified_slope=joint.slope,
     )
+    _, one_each = np.unique(labels, return_index=True)
+    if len(one_each) < FEWEST_SHAPES:
+        return model
+    verified = distances if agreements is None else distances * np.exp(-joint.gain * agreements)
+    known = KnownPairs(compared[first], compared[second], distances, verified, similar)
+    return model.with_parts(background=learn_background(model, compared[one_each], compared[one_each], known))
 
 
 def _learn_code(

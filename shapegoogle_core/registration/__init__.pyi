@@ -19,6 +19,7 @@ from shapegoogle_core.registration.frames import Frame as Frame
 from shapegoogle_core.registration.isometry import Isometry as Isometry
 from shapegoogle_core.registration.isometry import IsometryTest as IsometryTest
 from shapegoogle_core.registration.isometry import functional_map as functional_map
+from shapegoogle_core.registration.isometry import shared_modes as shared_modes
 from shapegoogle_core.registration.isometry import spectral_difference as spectral_difference
 from shapegoogle_core.registration.local_words import LocalSettings as LocalSettings
 from shapegoogle_core.registration.local_words import LocalWords as LocalWords

@@ -15,10 +15,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.frames import similarity_frame
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["Isometry", "IsometryTest", "functional_map", "spectral_difference"]
+__all__ = ["Isometry", "IsometryTest", "functional_map", "shared_modes", "spectral_difference"]
 
 # All combinations of signs of this number of eigenfunctions are initial guesses.
 _GUESSED = 4
@@ -143,9 +144,30 @@ def spectral_difference(first: SurfaceSample, second: SurfaceSample) -> float:
     """
     size = min(len(first.eigenvalues), len(second.eigenvalues))
     values, others = first.eigenvalues[:size], second.eigenvalues[:size]
-    positive = (values > _SMALLEST_EIGENVALUE) & (others > _SMALLEST_EIGENVALUE)
+    positive = _both_positive(values, others)
     ratios = np.log(values[positive] / others[positive])
     return float(np.sqrt((ratios**2).mean())) if len(ratios) else 0.0
+
+
+def shared_modes(first: SurfaceSample, second: SurfaceSample) -> int:
+    """Count the lowest eigenfunctions that vary on both shapes.
+
+    Of a shape with many separate parts most are constant on each part and say nothing about its form.
+
+    Parameters
+    ----------
+    first, second : SurfaceSample
+
+    Returns
+    -------
+    count : int
+    """
+    size = min(len(first.eigenvalues), len(second.eigenvalues))
+    return int(_both_positive(first.eigenvalues[:size], second.eigenvalues[:size]).sum())
+
+
+def _both_positive(values: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
+    return np.asarray((values > _SMALLEST_EIGENVALUE) & (others > _SMALLEST_EIGENVALUE))
 
 
 def _nearest(rows: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.intp]:

@@ -28,6 +28,10 @@ __all__ = ["cluster_similar", "distance_at", "group_similar"]
 DIFFERING_BITS = 0.15
 
 
+# Shapes whose background distances are computed at once.
+_AT_ONCE = 10_000
+
+
 def distance_at(model: ShapeModel, similarity: float) -> float:
     """Compute the distance at which a model gives a similarity: the inverse of `ShapeModel.similarity`.
 
@@ -97,6 +101,8 @@ def cluster_similar(
 ) -> Clusters:
     """Group shapes around leaders by the distances of a model, rounded like those of a search.
 
+    Distances of plain shapes are raised first, see `ShapeModel.weighed_distances`.
+
     Parameters
     ----------
     model : ShapeModel
@@ -116,10 +122,19 @@ def cluster_similar(
     clusters : Clusters
         Of positions among the m shapes.
     """
+    background = [
+        model.background.distances(model.settings.metric, vectors[rows[start : start + _AT_ONCE]])
+        for start in range(0, len(rows), _AT_ONCE)
+        if model.background is not None
+    ]
+    plain = np.concatenate(background) if background else None
 
     def distances(position: int, others: NDArray[np.int64]) -> FloatArray:
         one = vectors[rows[position]][None]
-        return np.round(row_distances(model.settings.metric, one, vectors[rows[others]]), DISTANCE_DECIMALS)
+        away = np.round(row_distances(model.settings.metric, one, vectors[rows[others]]), DISTANCE_DECIMALS)
+        return model.weighed_distances(
+            away, None if plain is None else np.sqrt(plain[position] * plain[others])
+        )
 
     banding = choose_banding(len(rows), _differing_bits(model, max_distance), model.code_bits)
     return cluster_by_leaders(codes, distances, max_distance, banding, progress)

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.figures import PairFigures
+from shapegoogle_core.library.search.figures import BagFigures, PairFigures
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.placements import best_placement, shown_at
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -73,6 +73,8 @@ def explain_matches(
     distances = np.stack([model.distances(query.bags, bags) for query, _ in usable])
     nearest = dict(zip(found, distances.argmin(axis=0).tolist(), strict=True))
     least = dict(zip(found, distances.min(axis=0).tolist(), strict=True))
+    typical = [model.typical_distances(query.bags, bags) for query, _ in usable]
+    rows = {shape_id: row for row, shape_id in enumerate(found)}
     measures = unpack_measures(store, shape_ids)
     pairs: dict[int, PairFigures] = {}
     explained: dict[int, Match] = {}
@@ -88,9 +90,14 @@ def explain_matches(
             if example not in pairs:
                 pairs[example] = PairFigures(model, settings, query, query_sample, certain)
             alignment, distance = known_alignment(match, query_sample), least[shape_id]
-            bag_distance = distance if match.bag_distance is None else match.bag_distance
+            usual = typical[example]
+            plain = None if usual is None else float(usual[rows[shape_id]])
+            pooled, pooled_plain = match.bag_distance, match.typical_distance
+            if pooled is None:  # a match that is not of this search
+                pooled, pooled_plain = distance, plain
+            figures = BagFigures(distance, plain, pooled, pooled_plain)
             similarities: list[float] = []
-            explain = partial(_explain, pairs[example], bag_distance, distance, similarities)
+            explain = partial(_explain, pairs[example], figures, similarities)
             if shape_id in placements:
                 match = shown_at(match, placements[shape_id], 0)
                 compared = Compared(sample, match, measures.get(shape_id))
@@ -106,14 +113,13 @@ def explain_matches(
 
 def _explain(
     pair: PairFigures,
-    bag_distance: float,
-    distance: float,
+    bags: BagFigures,
     similarities: list[float],
     compared: Compared,
     alignment: Alignment | None,
 ) -> Evidence:
     """Find the evidence at one placement, and note the similarity there."""
-    similarity, evidence = pair.figures(compared, bag_distance, distance, alignment)
+    similarity, evidence = pair.figures(compared, bags, alignment)
     similarities.append(similarity)
     return evidence
 
@@ -133,6 +139,6 @@ def by_bags(model: ShapeModel, matches: Sequence[Match]) -> list[Match]:
     return [
         match
         if match.bag_distance is None
-        else replace(match, similarity=float(model.similarity(np.array(match.bag_distance))))
+        else replace(match, similarity=float(model.similarity(match.bag_distance, match.typical_distance)))
         for match in matches
     ]

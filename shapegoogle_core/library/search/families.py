@@ -20,6 +20,7 @@ from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.search.settings import FamilySettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import SurfaceSample, spectral_difference
@@ -41,10 +42,13 @@ class Family:
         In the order in which they were met; the first is the leader, which all others are compared with.
     vector : (1, b) array
         The leader's bags, ready to be compared.
+    background_distance : float or None
+        Of the leader, see `ShapeModel.background_distances`.
     """
 
     members: list[Match]
     vector: FloatBags
+    background_distance: float | None = None
 
     @property
     def best(self) -> Match:
@@ -102,8 +106,9 @@ class Families:
         matches = [match for match in matches if match.shape_id in rows]
         if not matches:
             return
-        vectors = self._model.comparable(bags)[[rows[match.shape_id] for match in matches]]
-        near = [self._near(family, vectors) for family in self.families]
+        bags = bags[[rows[match.shape_id] for match in matches]]
+        vectors, plain = self._model.comparable(bags), self._model.background_distances(bags)
+        near = [self._near(family, vectors, plain) for family in self.families]
         for row, match in enumerate(matches):
             candidates = [family for family, is_near in zip(self.families, near, strict=True) if is_near[row]]
             # Few have near bags, so only the surfaces of these are read.
@@ -112,14 +117,17 @@ class Families:
             if known is not None:
                 known.members.append(match)
             elif len(self.families) < wanted:
-                family = Family([match], vectors[row : row + 1])
+                own = None if plain is None else float(plain[row])
+                family = Family([match], vectors[row : row + 1], own)
                 self.families.append(family)
-                near.append(self._near(family, vectors))
+                near.append(self._near(family, vectors, plain))
 
-    def _near(self, family: Family, vectors: FloatBags) -> NDArray[np.bool_]:
+    def _near(self, family: Family, vectors: FloatBags, plain: FloatArray | None) -> NDArray[np.bool_]:
         """Whether the bags of shapes (n,) are near those of a leader."""
         distances = row_distances(self._model.settings.metric, family.vector, vectors)
-        similarities = self._model.similarity(np.round(distances, DISTANCE_DECIMALS))
+        own = family.background_distance
+        typical = None if plain is None or own is None else np.sqrt(own * plain)
+        similarities = self._model.similarity(np.round(distances, DISTANCE_DECIMALS), typical)
         return np.asarray(similarities >= self._settings.min_similarity)
 
     def _sample(self, match: Match) -> SurfaceSample | None:

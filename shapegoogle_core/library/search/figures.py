@@ -8,7 +8,7 @@ verified, whatever else was found.
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.kinds import Compared, Explainer
@@ -19,10 +19,28 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample
 
-__all__ = ["PairFigures"]
+__all__ = ["BagFigures", "PairFigures"]
 
 # Least similarity of another triangulation of the same surface, which bags may find less alike.
 _SAME_SURFACE = 0.99
+
+
+@dataclass(frozen=True)
+class BagFigures:
+    """Distances of the bags of a query and a match.
+
+    Attributes
+    ----------
+    distance, typical : float, float or None
+        Of this query; see `ShapeModel.typical_distances`.
+    pooled, pooled_typical : float, float or None
+        Of all examples together, if there are several.
+    """
+
+    distance: float
+    typical: float | None
+    pooled: float
+    pooled_typical: float | None
 
 
 class PairFigures:
@@ -53,17 +71,17 @@ class PairFigures:
         self._explainer = Explainer(Compared(sample, query, query.measures), query.surface, settings.evidence)
 
     def figures(
-        self, match: Compared, bag_distance: float, distance: float, alignment: Alignment | None
+        self,
+        match: Compared,
+        bags: BagFigures,
+        alignment: Alignment | None,
     ) -> tuple[float, Evidence]:
         """Find the similarity and the evidence of a match.
 
         Parameters
         ----------
         match : Compared
-        bag_distance : float
-            Distance of the bags, that of all examples together if there are several.
-        distance : float
-            Distance of the bags of this query and the match.
+        bags : BagFigures
         alignment : Alignment, optional
             From `align`, where the search has found one.
 
@@ -72,16 +90,23 @@ class PairFigures:
         similarity : float
         evidence : Evidence
         """
-        by_bags = float(self._model.similarity(np.array(bag_distance)))
+        by_bags = float(self._model.similarity(bags.pooled, bags.pooled_typical))
         if (copy := self._explainer.copy(match)) is not None:
             return 1.0, copy
         if (other := self._explainer.other_mesh(match)) is not None:
             return max(by_bags, _SAME_SURFACE), other
+        weighed = float(self._model.weighed_distances(bags.distance, bags.typical))
         if by_bags >= self._certain:
-            return by_bags, self._explainer.relate(match, distance)
+            return by_bags, self._explainer.relate(match, weighed)
         candidate = PreparedSample(match.sample)
         verified, alignment = verify_pair(
-            self._model, self._settings.verification, self._sample, candidate, bag_distance, alignment
+            self._model,
+            self._settings.verification,
+            self._sample,
+            candidate,
+            bags.pooled,
+            bags.pooled_typical,
+            alignment,
         )
-        similarity = float(self._model.similarity(np.array(verified), verified=True))
-        return similarity, self._explainer.relate(match, distance, alignment)
+        similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
+        return similarity, self._explainer.relate(match, weighed, alignment)

@@ -41,6 +41,7 @@ from shapegoogle_core.registration import (
     measured,
     mirrored,
     principal_motions,
+    shared_modes,
     spectral_difference,
     surface_difference,
 )
@@ -110,7 +111,7 @@ class Explainer:
         ----------
         match : Compared
         distance : float
-            Distance of the bags of both.
+            Distance of the bags of both, see `ShapeModel.weighed_distances`.
         alignment : Alignment, optional
             From the query to the match, if verification has found one.
 
@@ -261,7 +262,8 @@ class Explainer:
         difference = spectral_difference(self._sample, match.sample)
         factor = _digits(math.sqrt(match.shape.area / self._query.shape.area))
         is_rigid = own is not None and other is not None and not may_be_bent(own, other)
-        if is_rigid or difference > self._settings.other_spectrum:
+        is_known = shared_modes(self._sample, match.sample) >= self._settings.fewest_modes
+        if is_rigid or not is_known or difference > self._settings.other_spectrum:
             return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
         if self._pose_probability(difference, self._settings.least_residual, distance) < 0.5:
             return Evidence("similar", factor=factor, spectral_difference=_digits(difference))
@@ -290,7 +292,7 @@ def pose_features(spectral_difference: float, orthogonality: float, distance: fl
     spectral_difference, orthogonality : float
         See `Isometry`.
     distance : float
-        Distance of the bags.
+        Distance of the bags, see `ShapeModel.weighed_distances`.
 
     Returns
     -------

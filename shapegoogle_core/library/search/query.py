@@ -95,6 +95,10 @@ class Query:
         examples = [(one, model.embed(one)) for one in bags]
         self._like = [model.comparable(*example) for example in examples]
         self._unlike = [model.comparable(round_bags(signature.bags)[None]) for signature in unlike]
+        own = [model.background_distances(*example) for example in examples]
+        self._background_distance = (
+            None if model.background is None else float(pool_distances(np.array(own, np.float64))[0])
+        )
         self.several = len(like) > 1
         self.has_unlike = bool(unlike)
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]
@@ -128,6 +132,23 @@ class Query:
             # Copies of both kinds of examples too: the user does not want them.
             distances[copies] = np.inf
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
+
+    def typical_distances(self, bags: NDArray[np.float32]) -> FloatArray | None:
+        """Compute the typical distances of shapes and query, see `ShapeModel.typical_distances`.
+
+        Parameters
+        ----------
+        bags : (n, B) array
+
+        Returns
+        -------
+        typical : (n,) array or None
+            Pooled over the examples as `distances` are; None for a model without a background.
+        """
+        others = self._model.background_distances(bags)
+        if others is None or self._background_distance is None:
+            return None
+        return np.sqrt(self._background_distance * others)
 
     def nearest_samples(self, bags: NDArray[np.float32]) -> NDArray[np.intp]:
         """Find the nearest example of each shape, among those with a surface.

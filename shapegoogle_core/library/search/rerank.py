@@ -115,7 +115,8 @@ class Reranker:
         else:
             chosen = np.arange(len(distances))
         records = self._store.shapes([shape_ids[position] for position in chosen])
-        similarities = self._model.similarity(distances[chosen])
+        typical = query.typical_distances(bags[chosen])
+        similarities = self._model.similarity(distances[chosen], typical)
         matches = [
             Match(
                 name=record.name,
@@ -123,6 +124,7 @@ class Reranker:
                 object_name=record.object_name,
                 distance=float(distance),
                 bag_distance=float(distance),
+                typical_distance=None if typical is None else float(typical[number]),
                 similarity=float(similarity),
                 shape_id=record.shape_id,
                 vertex_count=record.vertex_count,
@@ -130,6 +132,8 @@ class Reranker:
                 area=record.area,
                 placement_count=record.placement_count,
             )
-            for record, distance, similarity in zip(records, distances[chosen], similarities, strict=True)
+            for number, (record, distance, similarity) in enumerate(
+                zip(records, distances[chosen], similarities, strict=True)
+            )
         ]
         return heapq.nsmallest(count, [*best, *matches], key=lambda match: match.rank_key)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.match import Match, typical_distances
 from shapegoogle_core.library.search.candidates import NearestCodes, SharedWords
 from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
@@ -116,7 +116,7 @@ class Search:
         if others and any(match.alignment is not None for match in best):
             # Where geometry has found nothing, the same bags are a weaker sign than without verification.
             similarities = self._model.similarity(
-                np.array([match.distance for match in others]), verified=True
+                [match.distance for match in others], typical_distances(others), verified=True
             )
             others = [
                 replace(match, similarity=float(similarity))

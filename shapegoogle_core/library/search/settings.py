@@ -158,6 +158,8 @@ class EvidenceSettings:
     least_residual : float
         Deviation from a rotation that the best functional maps between two poses have. Where the probability
         of another pose is too small even with this one, no map is computed.
+    fewest_modes : int
+        Number of eigenfunctions that must vary on both surfaces for another pose to be considered.
     pose_weights : (float, float, float)
         Weights of the logistic regression behind the probability of another pose, for the features of
         `pose_features`; made by ``python -m benchmarks evidence --calibrate``.
@@ -180,6 +182,7 @@ class EvidenceSettings:
     promising: float = 0.4
     other_spectrum: float = 0.35
     least_residual: float = 0.1
+    fewest_modes: int = 8
     pose_weights: tuple[float, float, float] = (-2.79, -0.52, -1.26)
     pose_offset: float = -9.76
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
 from shapegoogle_core.library.search.query import QuerySample, QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
@@ -151,7 +151,7 @@ class Verifier:
 
     def _doubted(self, matches: Sequence[Match]) -> list[Match]:
         distances = np.array([match.distance for match in matches])
-        similarities = self._model.similarity(distances, verified=True)
+        similarities = self._model.similarity(distances, typical_distances(matches), verified=True)
         return [
             replace(match, similarity=float(similarity))
             for match, similarity in zip(matches, similarities, strict=True)
@@ -227,7 +227,7 @@ class Verifier:
         return replace(
             pair.match,
             distance=distance,
-            similarity=float(self._model.similarity(np.array(distance), verified=True)),
+            similarity=float(self._model.similarity(distance, pair.match.typical_distance, verified=True)),
             alignment=pair.alignment if pair.is_full else None,
             aligned_sample=_sample_key(samples.of(pair.match).prepared.sample),
         )
@@ -239,6 +239,7 @@ def verify_pair(
     query: QuerySample,
     candidate: PreparedSample,
     distance: float,
+    typical: float | None = None,
     known: Alignment | None = None,
 ) -> tuple[float, Alignment]:
     """Verify one pair, as thoroughly as a search would verify any of its candidates.
@@ -251,6 +252,8 @@ def verify_pair(
     candidate : PreparedSample
     distance : float
         Distance of the bags.
+    typical : float, optional
+        Typical distance of the two, see `ShapeModel.typical_distances`.
     known : Alignment, optional
         From `align`, if it is known already.
 
@@ -264,7 +267,7 @@ def verify_pair(
     alignment = align(query.prepared, candidate) if known is None else known
     exact, _ = fit_exactly(query.prepared, candidate, alignment.frame)
     lowered = _lowered(model, settings, distance, alignment, exact)
-    if float(model.similarity(np.array(lowered), verified=True)) >= settings.likely:
+    if float(model.similarity(lowered, typical, verified=True)) >= settings.likely:
         return lowered, alignment
     frame = rough_pose(query.shared, candidate).frame
     if frame is not None:

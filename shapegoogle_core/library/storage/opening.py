@@ -82,7 +82,7 @@ def _check_place(path: Path, *, read_only: bool) -> None:
 
 
 def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) -> ShapeModel:
-    """Return the library's own model, completed by views if an earlier version made it."""
+    """Return the library's own model, completed by views and a background if an earlier version made it."""
     identifier, content = store.model()
     if given is not None:
         _check_identifier(store, identifier, given)
@@ -93,13 +93,16 @@ def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) 
     except ModelError as error:
         raise LibraryError(str(error)) from error
     _check_identifier(store, identifier, model)
-    if model.views is not None:
+    if model.views is not None and model.background is not None:
         return model
     later = as_model(model.name) if given is None and model.name in SHIPPED else given
-    if later is None or later.identifier != identifier or later.views is None:
+    if later is None or later.identifier != identifier:
         return model
-    complete = model.with_parts(views=later.views)
-    if not read_only:
+    complete = model.with_parts(
+        views=model.views or later.views, background=model.background or later.background
+    )
+    gained = (complete.views, complete.background) != (model.views, model.background)
+    if gained and not read_only:
         store.extend_model(identifier, complete.to_bytes())
     return complete
 
