@@ -63,6 +63,9 @@ COMMANDS = (
         ("joblib", "platformdirs", "skimage"),
     ),
     Command("evidence", "benchmarks.experiments.evidence", "how often the evidence of a match is right"),
+    Command(
+        "unlike", "benchmarks.experiments.unlike", "how often different assets are taken for the same shape"
+    ),
     Command("parts", "benchmarks.experiments.parts", "find whole shapes by parts of them"),
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
     Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),

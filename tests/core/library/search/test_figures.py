@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -47,7 +48,9 @@ def test_without_evidence_the_similarity_is_that_of_the_bags(
     library, _ = answers
     for match in library.query(asked, top=20, explain=0):
         bags = library.signature(match.shape_id).bags
-        expected = library.model.similarity(library.model.distances(asked.bags, bags[None]))[0]
+        distances = library.model.distances(asked.bags, bags[None])
+        typical = library.model.typical_distances(asked.bags, bags[None])
+        expected = library.model.similarity(distances, typical)[0]
         assert match.similarity == pytest.approx(expected, abs=1e-4)
 
 
@@ -70,3 +73,38 @@ def test_of_equally_near_copies_the_identical_one_comes_first(tmp_path: Path) ->
     assert [match.distance for match in matches] == [0, 0, 0]
     assert [match.name for match in matches] == ["b", "a", "c"]
     assert (first.name, first.evidence.kind if first.evidence else "") == ("b", "identical")
+
+
+def test_plain_shapes_do_not_pass_for_each_other(tmp_path: Path) -> None:
+    """Bags of a cube, a ball, a slab and a rock are almost equal; only a copy of the cube is the cube."""
+    box, ball = trimesh.creation.box(), trimesh.creation.icosphere(3)
+    slab = trimesh.creation.box((1, 1.3, 0.8))
+    stretched = (ball.vertices * [1, 1.2, 0.8], ball.faces)
+    with sg.Library.open(tmp_path / "plain.sglib") as library:
+        for name, mesh in {"box": box, "ball": ball, "slab": slab, "egg": stretched}.items():
+            library.add(mesh, name)
+        found = {match.name: match for match in library.query(box)}
+        assert found["box"].similarity == 1
+        assert found["box"].evidence is not None
+        assert found["box"].evidence.kind == "identical"
+        for name in ("ball", "slab", "egg"):
+            evidence = found[name].evidence
+            assert evidence is not None
+            assert found[name].similarity < 0.9, name
+            assert evidence.kind != "re-posed", name
+            assert sg.compare(box, {"ball": ball, "slab": slab, "egg": stretched}[name]).similarity < 0.9
+
+
+def joined(parts: list[trimesh.Trimesh]) -> sg.Mesh:
+    count = len(parts[0].vertices)
+    faces = np.concatenate([part.faces + number * count for number, part in enumerate(parts)])
+    return sg.Mesh(np.concatenate([part.vertices for part in parts]), faces)
+
+
+def test_shapes_of_many_parts_are_not_called_another_pose() -> None:
+    """With more parts than eigenfunctions all of these are constant, which says nothing about the parts."""
+    cubes = [trimesh.creation.box().apply_translation([2 * i, 0, 0]) for i in range(30)]
+    balls = [trimesh.creation.icosphere(1).apply_translation([0, 3 * i, 0]) for i in range(30)]
+    evidence = sg.compare(joined(cubes), joined(balls)).evidence
+    assert evidence is not None
+    assert evidence.kind == "similar"
