@@ -8,7 +8,7 @@ verified, whatever else was found.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.kinds import Compared, Explainer
@@ -23,6 +23,8 @@ __all__ = ["BagFigures", "PairFigures"]
 
 # Least similarity of another triangulation of the same surface, which bags may find less alike.
 _SAME_SURFACE = 0.99
+# Least probability of "re-posed".
+_LIKELY = 0.5
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class PairFigures:
             return max(by_bags, _SAME_SURFACE), other
         weighed = float(self._model.weighed_distances(bags.distance, bags.typical))
         if by_bags >= self._certain:
-            return by_bags, self._explainer.relate(match, weighed)
+            return by_bags, _limited(self._explainer.relate(match, weighed), by_bags, bags, weighed)
         candidate = PreparedSample(match.sample)
         verified, alignment = verify_pair(
             self._model,
@@ -109,4 +111,16 @@ class PairFigures:
             alignment,
         )
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
-        return similarity, self._explainer.relate(match, weighed, alignment)
+        evidence = self._explainer.relate(match, weighed, alignment)
+        return similarity, _limited(evidence, similarity, bags, weighed)
+
+
+def _limited(evidence: Evidence, similarity: float, bags: BagFigures, weighed: float) -> Evidence:
+    """Call a plain shape another pose only as far as it is the same shape.
+
+    Eigenfunctions of two lumps agree as those of two poses do.
+    """
+    if evidence.probability is None or weighed <= bags.distance or evidence.probability <= similarity:
+        return evidence
+    kind = evidence.kind if evidence.kind != "re-posed" or similarity >= _LIKELY else "similar"
+    return replace(evidence, kind=kind, probability=float(f"{similarity:.4g}"))
