@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 from shapegoogle_core.registration.alignment import Alignment as Alignment
-from shapegoogle_core.registration.alignment import align as align
+from shapegoogle_core.registration.aligning.align import align as align
+from shapegoogle_core.registration.aligning.align import align_all as align_all
 from shapegoogle_core.registration.alignment import measure as measure
 from shapegoogle_core.registration.fit.exact_fit import RoughPose as RoughPose
 from shapegoogle_core.registration.fit.exact_fit import fit_exactly as fit_exactly
 from shapegoogle_core.registration.fit.exact_fit import rough_pose as rough_pose
+from shapegoogle_core.registration.fit.exact_fit import rough_poses as rough_poses
 from shapegoogle_core.registration.fit.part_pose import PartPose as PartPose
 from shapegoogle_core.registration.fit.part_pose import PartPoses as PartPoses
 from shapegoogle_core.registration.fit.surface_fit import Fit as Fit

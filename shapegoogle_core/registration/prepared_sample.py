@@ -3,25 +3,30 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from shapegoogle_core.registration.medial_axis import AxisMeasures, measure_axis
+from shapegoogle_core.registration.aligning.nearest_field import NearestField
+from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["PART_SCALES", "SCALES", "SHARED_SCALES", "PreparedSample", "point_distances"]
+__all__ = ["PART_SCALES", "SCALES", "SHARED_SCALES", "PreparedSample"]
 
 # All samples have unit area. So a part is larger than in its whole, and whatever is not swollen of a swollen
 # shape is smaller than in the original: the query is tried at several scales.
-SCALES = (1.0, 0.85, 1.2, 0.7)
-"""Scales of the query that an alignment tries."""
+SCALES = (1.0, 0.85, 0.7)
+"""Scales of the query that an alignment tries besides guessed ones."""
 
 PART_SCALES = (1.0, 0.85, 0.7, 0.6)
 """Scales for a query that may be a part of the candidate, down to a third of its area."""
 
-SHARED_SCALES = (*SCALES, 0.6)
+SHARED_SCALES = (1.0, 0.85, 1.2, 0.7, 0.6)
 """Scales for a search for shapes that share parts with the query."""
 
 # Only this many of the query's keypoints are paired with the candidate's.
@@ -47,6 +52,26 @@ class PreparedSample:
         keypoints = len(sample.descriptors)
         self.key_points = sample.points[:keypoints].astype(np.float32)
         self.key_centers = self.centers[:keypoints].astype(np.float32)
+        self._known_cells: dict[int, NDArray[np.int32]] = {}
+        self._known_scales: dict[
+            float, tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
+        ] = {}
+
+    def at_other_scales(self, scales: tuple[float, ...]) -> Self:
+        """Return the same sample to be tried at other scales, with everything that is known of it.
+
+        Parameters
+        ----------
+        scales : tuple of float
+
+        Returns
+        -------
+        prepared : PreparedSample
+        """
+        other = copy(self)
+        other.scales = scales
+        other.__dict__.pop("at_scales", None)
+        return other
 
     @cached_property
     def tree(self) -> cKDTree:
@@ -58,38 +83,78 @@ class PreparedSample:
         """Search tree of the points of the medial axis."""
         return cKDTree(self.centers)
 
+    def cells(self, count: int) -> NDArray[np.int32]:
+        """Assign each point to the nearest of the first points.
+
+        Parameters
+        ----------
+        count : int
+            Number of these.
+
+        Returns
+        -------
+        cells : (m + 1,) array of int32
+            The last one is `count`: where `NearestField` finds nothing, there is no cell.
+        """
+        if count not in self._known_cells:
+            _, nearest = cKDTree(self.points[:count]).query(self.points)
+            self._known_cells[count] = np.append(nearest, count).astype(np.int32)
+        return self._known_cells[count]
+
+    @cached_property
+    def axis(self) -> AxisMeasures:
+        """Measures of the medial axis."""
+        return measure_axis(self.sample)
+
+    @cached_property
+    def field(self) -> NearestField:
+        """The nearest of the points."""
+        return NearestField(self.points)
+
+    @cached_property
+    def field_normals(self) -> NDArray[np.float32]:
+        """(m + 1, 3) normals of the points of the field; that of the one far away is 0."""
+        return np.concatenate([self.normals, np.zeros((1, 3))]).astype(np.float32)
+
+    @cached_property
+    def center_field(self) -> NearestField:
+        """The nearest of the points of the medial axis."""
+        return NearestField(self.centers)
+
     @cached_property
     def at_scales(self) -> tuple[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]], ...]:
         """Keypoints at each scale: descriptors, distances between points, distances between ball centres."""
-        few = slice(_QUERY_KEYPOINTS)
-        points, centers = point_distances(self.key_points[few]), point_distances(self.key_centers[few])
-        return tuple(
-            (
+        return tuple(self.at_scale(scale) for scale in self.scales)
+
+    def at_scale(
+        self, scale: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+        """Compute the keypoints at one scale, each scale once.
+
+        Parameters
+        ----------
+        scale : float
+
+        Returns
+        -------
+        descriptors, distances, center_distances : arrays of float32
+            As in `at_scales`.
+        """
+        if scale not in self._known_scales:
+            points, centers = self._distances
+            self._known_scales[scale] = (
                 self.sample.descriptors_at(scale, _QUERY_KEYPOINTS),
                 np.float32(scale) * points,
                 np.float32(scale) * centers,
             )
-            for scale in self.scales
-        )
+        return self._known_scales[scale]
+
+    @cached_property
+    def _distances(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        few = slice(_QUERY_KEYPOINTS)
+        return point_distances(self.key_points[few]), point_distances(self.key_centers[few])
 
     @cached_property
     def half_squares(self) -> NDArray[np.float32]:
         """(k,) half the squared length of each descriptor."""
         return np.asarray((self.sample.descriptors**2).sum(axis=1) / 2)
-
-
-def point_distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Compute the distances between all points of each set.
-
-    Parameters
-    ----------
-    points : (..., n, 3) array of float32
-
-    Returns
-    -------
-    distances : (..., n, n) array of float32
-        By one matrix product: fast, and exact to the square root of the rounding error.
-    """
-    squares = (points**2).sum(axis=-1)
-    squared = squares[..., :, None] + squares[..., None, :] - 2 * points @ points.swapaxes(-1, -2)
-    return np.asarray(np.sqrt(np.maximum(squared, 0, out=squared), out=squared))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import struct
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Self
 
@@ -103,7 +104,7 @@ class SurfaceSample:
     center: FloatArray
     unit: float
 
-    @property
+    @cached_property
     def centers(self) -> FloatArray:
         """(m, 3) points of the medial axis: the centres of the medial balls."""
         return self.points - self.radii[:, None] * self.normals

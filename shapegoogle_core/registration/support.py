@@ -2,7 +2,7 @@
 """Spatial support: a fast test of which surfaces may have something in common with a query.
 
 Most pairs of points that look alike are wrong, but right ones are compatible with each other (see
-`correspondences`), wrong ones with few. Fewer pairs than for an alignment are enough to decide whether one is
+`aligning.motions`), wrong ones with few. Fewer pairs than for an alignment are enough to decide whether one is
 worthwhile, if they have to agree more closely. docs/measurements/parts.md has the measurements behind the
 constants.
 """
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.correspondences import compatibility
+from shapegoogle_core.registration.aligning.motions import compatibility
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 from shapegoogle_core.registration.sample import SurfaceSample
 
@@ -38,6 +38,7 @@ def supports(
     candidates: Sequence[SurfaceSample],
     compared: NDArray[np.bool_],
     *,
+    keypoints: int = KEYPOINTS,
     batch_size: int = 16,
 ) -> NDArray[np.float32]:
     """Measure the spatial support of candidates at each of the query's scales.
@@ -49,6 +50,8 @@ def supports(
         All with the same number of keypoints.
     compared : (n, s) array of bool
         At which of the query's s scales each of the n candidates is compared.
+    keypoints : int, optional
+        Number of the query's keypoints that are paired.
     batch_size : int, optional
         Number of candidates compared together: few, so that their matrices stay in the processor's cache.
 
@@ -59,38 +62,50 @@ def supports(
         with it and with one of its strongest supporters, averaged over these. 0 where it was not compared.
     """
     found = np.zeros(compared.shape, np.float32)
-    for start in range(0, len(candidates), batch_size):
-        portion = slice(start, start + batch_size)
-        prepared = [PreparedSample(sample) for sample in candidates[portion]]
-        stacked = (
-            np.stack([candidate.sample.descriptors for candidate in prepared]),
-            np.stack([candidate.half_squares for candidate in prepared]),
-            np.stack([candidate.key_points for candidate in prepared]),
-            np.stack([candidate.key_centers for candidate in prepared]),
-        )
-        for scale in np.flatnonzero(compared[portion].any(axis=0)):
-            rows = np.flatnonzero(compared[portion, scale])
-            found[start + rows, scale] = _supports_at(query, int(scale), *(array[rows] for array in stacked))
+    rows = np.flatnonzero(compared.any(axis=1))
+    if len(rows) == 0:
+        return found
+    chosen = [candidates[row] for row in rows]
+    descriptors = np.stack([candidate.descriptors for candidate in chosen])
+    half_squares = np.einsum("bkd,bkd->bk", descriptors, descriptors) / 2
+    few = slice(descriptors.shape[1])
+    points, centers = (
+        np.stack([getattr(candidate, name)[few] for candidate in chosen]).astype(np.float32)
+        for name in ("points", "centers")
+    )
+    for scale in range(compared.shape[1]):
+        asked = np.flatnonzero(compared[rows, scale])
+        for start in range(0, len(asked), batch_size):
+            some = asked[start : start + batch_size]
+            found[rows[some], scale] = _supports_at(
+                query, scale, keypoints, descriptors[some], half_squares[some], points[some], centers[some]
+            )
     return found
 
 
 def _supports_at(
     query: PreparedSample,
     scale: int,
+    keypoints: int,
     descriptors: NDArray[np.float32],
     half_squares: NDArray[np.float32],
     points: NDArray[np.float32],
     centers: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """Return the (b,) supports of b candidates with k keypoints each, given as arrays (b, k, ...)."""
-    query_descriptors, distances, center_distances = (array[:KEYPOINTS] for array in query.at_scales[scale])
-    counterparts = (half_squares[:, None] - query_descriptors @ descriptors.transpose(0, 2, 1)).argmin(axis=2)
+    query_descriptors, distances, center_distances = (
+        array[:keypoints] for array in query.at_scale(query.scales[scale])
+    )
+    likeness = query_descriptors @ descriptors.transpose(0, 2, 1)
+    likeness -= half_squares[:, None]
+    counterparts = likeness.argmax(axis=2)
+    batch = np.arange(len(counterparts))[:, None]
     compatible = compatibility(
         counterparts,
-        distances[:, :KEYPOINTS],
-        center_distances[:, :KEYPOINTS],
-        np.take_along_axis(points, counterparts[..., None], axis=1),
-        np.take_along_axis(centers, counterparts[..., None], axis=1),
+        distances[:, :keypoints],
+        center_distances[:, :keypoints],
+        points[batch, counterparts],
+        centers[batch, counterparts],
         TOLERANCE,
     )
     second_order = compatible * (compatible @ compatible)

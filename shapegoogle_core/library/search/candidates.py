@@ -16,7 +16,7 @@ from shapegoogle_core.library.search.codes.view_index import ViewIndex
 from shapegoogle_core.library.search.codes.word_index import WordIndex
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import CandidateSettings
-from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, stored_samples
+from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, remembered, stored_samples
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.views import CODE_BYTES
@@ -182,7 +182,9 @@ class SharedWords:
             for scale, shape_ids in enumerate(words.nearest(weights, self._settings.sharing, among)):
                 for rank, shape_id in enumerate(shape_ids.tolist()):
                     ranks.setdefault(shape_id, {})[scale] = rank
-            found = candidate_supports(self._surfaces, example.shared, ranks)
+            surfaces = remembered(self._surfaces, samples.surfaces)
+            found = candidate_supports(surfaces, example.shared, ranks, finely=self._settings.supported)
+            example.supports |= found
             # Removed since their words were read.
             words.discard(set(ranks).difference(found))
             pairs += [

@@ -199,15 +199,22 @@ class QuerySample:
     Parameters
     ----------
     sample : SurfaceSample
+
+    Attributes
+    ----------
+    prepared : PreparedSample
+    supports : dict of int to array
+        What is known of the support of shapes at each of `SHARED_SCALES`, by shape id.
     """
 
     def __init__(self, sample: SurfaceSample) -> None:
         self.prepared = PreparedSample(sample)
+        self.supports: dict[int, NDArray[np.float32]] = {}
 
     @cached_property
     def shared(self) -> PreparedSample:
         """The sample at more scales, which only searches for shapes with common parts need."""
-        return PreparedSample(self.prepared.sample, SHARED_SCALES)
+        return self.prepared.at_other_scales(SHARED_SCALES)
 
 
 class QuerySamples:
@@ -221,12 +228,19 @@ class QuerySamples:
     nearest : callable
         Finds the position of the sample that each of some matches is aligned with, by shape id; where it
         names none, the first one is used. Called only if there are several samples.
+
+    Attributes
+    ----------
+    examples : list of QuerySample
+    surfaces : dict of int to SurfaceSample or None
+        Samples of the shapes that this search has read, by shape id; see `remembered`.
     """
 
     def __init__(
         self, samples: Sequence[SurfaceSample], nearest: Callable[[Sequence[Match]], Mapping[int, int]]
     ) -> None:
         self.examples = [QuerySample(sample) for sample in samples]
+        self.surfaces: dict[int, SurfaceSample | None] = {}
         self._nearest = nearest
         self._chosen: dict[int, int] = {}
 

@@ -95,6 +95,10 @@ class VerificationSettings:
         their local words alone.
     support_gain : float
         k in d exp(-k support), which orders these; d is the distance of the bags.
+    finely : int
+        Number of these further matches that are aligned finely, those that agree most after a rough alignment.
+    rough_fits : int
+        Number of shapes with common local words, the most promising ones, that are aligned roughly.
     exact_fits : int
         Number of shapes with common local words, roughly aligned, that are fitted exactly.
     exact_fits_of_aligned : int
@@ -110,11 +114,13 @@ class VerificationSettings:
     certain_of_several: float = 0.5
     first: int = 12
     likely: float = 0.9
-    next: int = 48
+    next: int = 40
     next_relatives: int = 16
     support_gain: float = 5.0
-    exact_fits: int = 20
-    exact_fits_of_aligned: int = 12
+    finely: int = 24
+    rough_fits: int = 80
+    exact_fits: int = 10
+    exact_fits_of_aligned: int = 8
     exact_from: float = 0.5
     exact_gain: float = 8.0
     surely_exact: float = 0.7

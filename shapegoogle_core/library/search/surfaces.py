@@ -14,10 +14,12 @@ from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import PreparedSample, SurfaceSample, supports
 
-__all__ = ["Surfaces", "candidate_supports", "prepared_candidates", "stored_samples"]
+__all__ = ["Surfaces", "candidate_supports", "prepared_candidates", "remembered", "stored_samples"]
 
 # Samples read at once: 4 MB.
 _AT_ONCE = 256
+# Keypoints for the first, rough support, and the number of shapes compared together.
+_FEW, _FEW_AT_ONCE = 32, 64
 
 
 Surfaces = Callable[[Sequence[int]], Iterator[tuple[int, SurfaceSample]]]
@@ -53,6 +55,33 @@ def stored_samples(
             yield shape_id, unpack_sample(store, model, shape_id, content)
 
 
+def remembered(surfaces: Surfaces, known: dict[int, SurfaceSample | None]) -> Surfaces:
+    """Make surfaces that are read only once.
+
+    Parameters
+    ----------
+    surfaces : Surfaces
+    known : dict of int to SurfaceSample or None
+        By shape id; None for a shape without a surface. Filled by reading.
+
+    Returns
+    -------
+    surfaces : Surfaces
+    """
+
+    def read(shape_ids: Sequence[int]) -> Iterator[tuple[int, SurfaceSample]]:
+        missing = [shape_id for shape_id in shape_ids if shape_id not in known]
+        if missing:
+            known.update(dict.fromkeys(missing))
+            known.update(surfaces(missing))
+        for shape_id in shape_ids:
+            sample = known[shape_id]
+            if sample is not None:
+                yield shape_id, sample
+
+    return read
+
+
 def prepared_candidates(
     surfaces: Surfaces, matches: Sequence[Match]
 ) -> Iterator[tuple[Match, PreparedSample | None]]:
@@ -75,7 +104,11 @@ def prepared_candidates(
 
 
 def candidate_supports(
-    surfaces: Surfaces, query: PreparedSample, scales: Mapping[int, Collection[int]]
+    surfaces: Surfaces,
+    query: PreparedSample,
+    scales: Mapping[int, Collection[int]],
+    *,
+    finely: int | None = None,
 ) -> dict[int, NDArray[np.float32]]:
     """Compute the support in space that shapes have from a query, see `supports`.
 
@@ -85,18 +118,35 @@ def candidate_supports(
     query : PreparedSample
     scales : mapping of int to collection of int
         By the ids of the shapes: positions of the query's scales to try.
+    finely : int, optional
+        Number of pairs of shape and scale whose support is computed, those that have most from a few
+        keypoints; all by default.
 
     Returns
     -------
     supports : dict of int to (s,) array
-        By shape id; shapes without a surface are left out.
+        By shape id; shapes without a surface are left out. 0 where it was not computed.
     """
-    found: dict[int, NDArray[np.float32]] = {}
+    found: dict[int, SurfaceSample] = {}
+    rough: list[NDArray[np.float32]] = []
     shape_ids = list(scales)
     for start in range(0, len(shape_ids), _AT_ONCE):
         samples = dict(surfaces(shape_ids[start : start + _AT_ONCE]))
         wanted = np.zeros((len(samples), len(query.scales)), bool)
         for row, shape_id in enumerate(samples):
             wanted[row, list(scales[shape_id])] = True
-        found |= zip(samples, supports(query, list(samples.values()), wanted), strict=True)
-    return found
+        found |= samples
+        pairs = finely is None or not samples
+        rough.append(
+            wanted.astype(np.float32)
+            if pairs
+            else supports(query, list(samples.values()), wanted, keypoints=_FEW, batch_size=_FEW_AT_ONCE)
+        )
+    if not found:
+        return {}
+    chosen = np.concatenate(rough)
+    least = 0.0
+    if finely is not None and finely < np.count_nonzero(chosen):
+        least = float(np.partition(chosen.ravel(), -finely)[-finely])
+    wanted = (chosen > 0) & (chosen >= least)
+    return dict(zip(found, supports(query, list(found.values()), wanted), strict=True))

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
 from shapegoogle_core.library.search.query import QuerySample, QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
-from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates
+from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates, remembered
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,
@@ -31,9 +31,10 @@ from shapegoogle_core.registration import (
     RoughPose,
     SurfaceSample,
     align,
+    align_all,
     fit_exactly,
     measure,
-    rough_pose,
+    rough_poses,
 )
 
 __all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair"]
@@ -46,8 +47,8 @@ class Sharing:
     Attributes
     ----------
     scales : mapping of int to collection of int
-        By shape id: positions of the `SHARED_SCALES` of the query to try. Some of them may be among the best
-        by their bags.
+        By shape id, the most promising first: positions of the `SHARED_SCALES` of the query to try. Some of
+        them may be among the best by their bags.
     relatives : sequence of Match
         Those that are not among the best by their bags.
     """
@@ -141,7 +142,7 @@ class Verifier:
                     # The bags of shapes that only words propose are far away: they would not be among the
                     # others.
                     chosen += self._promising(samples, relatives)[: settings.next_relatives]
-                    for shape_id, pair in self._aligned(samples, chosen).items():
+                    for shape_id, pair in self._aligned(samples, chosen, settings.finely).items():
                         known = pairs.get(shape_id)
                         if known is None or self._distance(pair) <= self._distance(known):
                             pairs[shape_id] = pair
@@ -157,14 +158,22 @@ class Verifier:
             for match, similarity in zip(matches, similarities, strict=True)
         ]
 
-    def _aligned(self, samples: QuerySamples, matches: Sequence[Match]) -> dict[int, _Pair]:
-        """Align matches; fit those exactly that cover most of the query."""
-        pairs = {
-            match.shape_id: _Pair(
-                match, prepared, None if prepared is None else align(samples.of(match).prepared, prepared)
-            )
-            for match, prepared in prepared_candidates(self._surfaces, matches)
-        }
+    def _aligned(
+        self, samples: QuerySamples, matches: Sequence[Match], finely: int | None = None
+    ) -> dict[int, _Pair]:
+        """Align matches, or those that agree most of them; fit those exactly that cover most of the query."""
+        pairs: dict[int, _Pair] = {}
+        surfaces = remembered(self._surfaces, samples.surfaces)
+        candidates = list(prepared_candidates(surfaces, matches))
+        for example in samples.examples:
+            own = [pair for pair in candidates if samples.of(pair[0]) is example]
+            pairs |= {match.shape_id: _Pair(match, None, None) for match, _ in own}
+            known = [(match, prepared) for match, prepared in own if prepared is not None]
+            among = [prepared.sample for _, prepared in known]
+            for (match, prepared), alignment in zip(
+                known, align_all(example.prepared, among, finely=finely), strict=True
+            ):
+                pairs[match.shape_id] = _Pair(match, prepared, alignment)
         self._fit_covering(samples, pairs.values())
         return pairs
 
@@ -176,18 +185,24 @@ class Verifier:
         for _, pair in covering[: self._settings.exact_fits_of_aligned]:
             if pair.prepared is not None and pair.alignment is not None:
                 query = samples.of(pair.match).prepared
-                pair.exact, _ = fit_exactly(query, pair.prepared, pair.alignment.frame)
+                pair.exact, _ = fit_exactly(
+                    query, pair.prepared, pair.alignment.frame, hopeless=self._settings.exact_from
+                )
 
     def _promising(self, samples: QuerySamples, matches: Sequence[Match]) -> list[Match]:
         """Order matches by their bags and their support in space."""
         promises = []
+        surfaces = remembered(self._surfaces, samples.surfaces)
         scales = range(len(SHARED_SCALES))
         for example in samples.examples:
             own = [match for match in matches if samples.of(match) is example]
-            asked = {match.shape_id: scales for match in own}
-            supported = candidate_supports(self._surfaces, example.shared, asked)
+            asked = {match.shape_id: scales for match in own if match.shape_id not in example.supports}
+            example.supports |= candidate_supports(
+                surfaces, example.shared, asked, finely=2 * self._settings.next
+            )
             for match in own:
-                support = float(supported[match.shape_id].max()) if match.shape_id in supported else 0.0
+                known = example.supports.get(match.shape_id)
+                support = 0.0 if known is None else float(known.max())
                 promise = match.distance * math.exp(-self._settings.support_gain * support)
                 promises.append((promise, match))
         promises.sort(key=lambda pair: (pair[0], pair[1].rank_key))
@@ -196,20 +211,27 @@ class Verifier:
     def _fitted(self, samples: QuerySamples, matches: Sequence[Match], sharing: Sharing) -> dict[int, _Pair]:
         """Align the query roughly with matches that may share parts with it; fit it exactly to the best."""
         poses: list[tuple[Match, RoughPose]] = []
-        sharers = [match for match in matches if match.shape_id in sharing.scales]
-        for match, prepared in prepared_candidates(self._surfaces, sharers):
-            if prepared is not None:
-                scales = sorted(sharing.scales[match.shape_id])
-                poses.append((match, rough_pose(samples.of(match).shared, prepared, scales)))
+        surfaces = remembered(self._surfaces, samples.surfaces)
+        for example in samples.examples:
+            own = {match.shape_id: match for match in matches if samples.of(match) is example}
+            sharers = [own[shape_id] for shape_id in sharing.scales if shape_id in own]
+            sharers = sharers[: self._settings.rough_fits]
+            known = dict(surfaces([match.shape_id for match in sharers]))
+            sharers = [match for match in sharers if match.shape_id in known]
+            tried = [sharing.scales[match.shape_id] for match in sharers]
+            among = [known[match.shape_id] for match in sharers]
+            poses += zip(sharers, rough_poses(example.shared, among, tried), strict=True)
         best = sorted(poses, key=lambda pose: (-pose[1].covered, pose[0].rank_key))
         best = best[: self._settings.exact_fits]
         pairs = {}
-        candidates = prepared_candidates(self._surfaces, [match for match, _ in best])
+        candidates = prepared_candidates(surfaces, [match for match, _ in best])
         for (match, prepared), (_, pose) in zip(candidates, best, strict=True):
             frame = pose.frame
             if prepared is not None and frame is not None:
                 query = samples.of(match).shared
-                exact, frame = fit_exactly(query, prepared, frame)
+                exact, frame = fit_exactly(query, prepared, frame, hopeless=self._settings.exact_from)
+                if exact < self._settings.exact_from:
+                    continue
                 alignment = measure(query, prepared, frame)
                 pairs[match.shape_id] = _Pair(match, prepared, alignment, exact, is_full=False)
         return pairs
@@ -269,7 +291,8 @@ def verify_pair(
     lowered = _lowered(model, settings, distance, alignment, exact)
     if float(model.similarity(lowered, typical, verified=True)) >= settings.likely:
         return lowered, alignment
-    frame = rough_pose(query.shared, candidate).frame
+    (pose,) = rough_poses(query.shared, [candidate.sample], [range(len(SHARED_SCALES))])
+    frame = pose.frame
     if frame is not None:
         exact, frame = fit_exactly(query.shared, candidate, frame)
         other = measure(query.shared, candidate, frame)

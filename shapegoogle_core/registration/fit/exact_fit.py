@@ -9,22 +9,35 @@ n and m, (p - q) · (n + m) = 0: this symmetric distance is exact to second orde
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.correspondences import correspondences, motions
+from shapegoogle_core.registration.aligning.motions import joined, paired_motions
+from shapegoogle_core.registration.aligning.sample_stack import SampleStack, alike
+from shapegoogle_core.registration.aligning.scoring import (
+    Resolution,
+    best_motions,
+    refined_motions,
+    scores_of_query,
+)
 from shapegoogle_core.registration.frames import Frame, height_derivatives, stepped
 from shapegoogle_core.registration.prepared_sample import PreparedSample
+from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["RoughPose", "fit_exactly", "rough_pose"]
+__all__ = ["RoughPose", "fit_exactly", "rough_pose", "rough_poses"]
 
 # All lengths in this module are in units of the candidate's √area.
-# Rough pose: number of groups of correspondences at each scale; number of the query's points, and tolerance.
+# Rough pose: number of motions at each scale; number of the query's points, and tolerance.
 _GROUPS = 8
 _POINTS, _TOLERANCE = 64, 0.05
+# Of many candidates: score by which some motions are refined, steps of that, and the score that decides.
+_REFINED = 3
+_ROUGH = Resolution(128, 40, 0.05)
+_ROUGH_STEPS = ((200, 0.07), (200, 0.05))
+_LESS_ROUGH = Resolution(400, 96, 0.03)
 # Steps of the fit: number of the query's points, tolerance of the distances.
 _STEPS = (
     (120, 0.1),
@@ -61,49 +74,77 @@ class RoughPose:
     frame: Frame | None
 
 
-def rough_pose(
-    query: PreparedSample, candidate: PreparedSample, scales_tried: Sequence[int] | None = None
-) -> RoughPose:
+def rough_pose(query: PreparedSample, candidate: PreparedSample) -> RoughPose:
     """Align a query fast and roughly with a candidate, of which it may be only a part.
 
     Parameters
     ----------
     query, candidate : PreparedSample
-    scales_tried : sequence of int, optional
-        Indices of the query's scales to try; all by default.
 
     Returns
     -------
     pose : RoughPose
         The one that puts the largest share of the query on the candidate, whatever else the candidate has.
     """
-    tried = range(len(query.scales)) if scales_tried is None else scales_tried
-    best = RoughPose(0.0, None)
+    stack, row = SampleStack.of([candidate.sample]), np.zeros(1, int)
+    found = joined([paired_motions(query, stack, row, scale, _GROUPS) for scale in query.scales])
+    motions = found.within(_SMALLEST_SCALE, _LARGEST_SCALE)
+    if len(motions) == 0:
+        return RoughPose(0.0, None)
     points, normals = query.points[:_POINTS], query.normals[:_POINTS]
-    for scale in tried:
-        counterparts, second_order = correspondences(query, candidate, scale)
-        scales, rotations, translations = motions(query, candidate, counterparts, second_order, _GROUPS)
-        possible = (scales > _SMALLEST_SCALE) & (scales < _LARGEST_SCALE)
-        if not possible.any():
+    turns = motions.rotations.transpose(0, 2, 1)
+    moved = motions.scales[:, None, None] * (points @ turns) + motions.translations[:, None]
+    distances, nearest = candidate.tree.query(moved.reshape(-1, 3), distance_upper_bound=2 * _TOLERANCE)
+    # A point without a neighbour gets an infinite distance and the index after the last one.
+    nearest = np.minimum(nearest, len(candidate.points) - 1).reshape(moved.shape[:2])
+    agreement = np.abs(((normals @ turns) * candidate.normals[nearest]).sum(axis=2))
+    near = np.exp(-((np.asarray(distances).reshape(moved.shape[:2]) / _TOLERANCE) ** 2))
+    covered = (near * agreement).mean(axis=1)
+    first = int(covered.argmax())
+    return RoughPose(float(covered[first]), motions.frame(first))
+
+
+def rough_poses(
+    query: PreparedSample, candidates: Sequence[SurfaceSample], scales_tried: Sequence[Collection[int]]
+) -> list[RoughPose]:
+    """Align a query fast and roughly with many candidates, each of which it may be a part of.
+
+    More thorough than `rough_pose`, but slower for a query that is aligned with one candidate only.
+
+    Parameters
+    ----------
+    query : PreparedSample
+    candidates : sequence of SurfaceSample
+    scales_tried : sequence of collection of int
+        For each candidate, indices of the query's scales to try.
+
+    Returns
+    -------
+    poses : list of RoughPose
+        Independent of each other.
+    """
+    poses = [RoughPose(0.0, None)] * len(candidates)
+    for group in alike(candidates):
+        stack = SampleStack.of([candidates[place] for place in group])
+        found = []
+        for number, scale in enumerate(query.scales):
+            rows = np.array([row for row, place in enumerate(group) if number in scales_tried[place]], int)
+            if len(rows):
+                found.append(paired_motions(query, stack, rows, scale, _GROUPS))
+        if not found:
             continue
-        scales, rotations, translations = scales[possible], rotations[possible], translations[possible]
-        turns = rotations.transpose(0, 2, 1)
-        moved = scales[:, None, None] * (points @ turns) + translations[:, None]
-        reach = 2 * _TOLERANCE
-        distances, nearest = candidate.tree.query(moved.reshape(-1, 3), distance_upper_bound=reach)
-        # A point without a neighbour gets an infinite distance and the index after the last one.
-        nearest = np.minimum(nearest, len(candidate.points) - 1).reshape(moved.shape[:2])
-        agreement = np.abs(((normals @ turns) * candidate.normals[nearest]).sum(axis=2))
-        near = np.exp(-((np.asarray(distances).reshape(moved.shape[:2]) / _TOLERANCE) ** 2))
-        covered = (near * agreement).mean(axis=1)
-        first = int(covered.argmax())
-        if covered[first] > best.covered:
-            frame = Frame(float(scales[first]), rotations[first], translations[first])
-            best = RoughPose(float(covered[first]), frame)
-    return best
+        motions = joined(found).within(_SMALLEST_SCALE, _LARGEST_SCALE)
+        motions, _ = best_motions(motions, scores_of_query(query, stack, motions, _ROUGH), _REFINED)
+        motions = refined_motions(query, stack, motions, _ROUGH_STEPS, (_SMALLEST_SCALE, _LARGEST_SCALE))
+        motions, scores = best_motions(motions, scores_of_query(query, stack, motions, _LESS_ROUGH), 1)
+        for position, row in enumerate(motions.rows.tolist()):
+            poses[group[row]] = RoughPose(float(scores[position]), motions.frame(position))
+    return poses
 
 
-def fit_exactly(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> tuple[float, Frame]:
+def fit_exactly(
+    query: PreparedSample, candidate: PreparedSample, frame: Frame, *, hopeless: float = 0.0
+) -> tuple[float, Frame]:
     """Fit a query to a candidate, and measure the share of it that lies exactly on the candidate.
 
     Gauss-Newton iterations on the symmetric distances, with robust weights and a free scale.
@@ -113,6 +154,8 @@ def fit_exactly(query: PreparedSample, candidate: PreparedSample, frame: Frame) 
     query, candidate : PreparedSample
     frame : Frame
         Initial frame from the query to the candidate.
+    hopeless : float, optional
+        Share of the query near the candidate below which the fit is not continued.
 
     Returns
     -------
@@ -125,7 +168,7 @@ def fit_exactly(query: PreparedSample, candidate: PreparedSample, frame: Frame) 
     for count, tolerance in _STEPS:
         arms, heights, normals, paired = _heights(query, candidate, frame, count)
         weights = np.exp(-((heights / tolerance) ** 2)) * paired
-        if np.count_nonzero(weights > 0.1) < _FEWEST:
+        if np.count_nonzero(weights > 0.1) < _FEWEST or (hopeless and weights.mean() < hopeless):
             break
         step = _step(frame, arms, normals, heights, weights)
         if not _SMALLEST_SCALE < step.scale < _LARGEST_SCALE:

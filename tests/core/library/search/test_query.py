@@ -20,7 +20,7 @@ from shapegoogle_core.library.search.query import FARTHEST, Query, pool_distance
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings, VerificationSettings
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.preprocessing import PreprocessingSettings
-from shapegoogle_core.registration import Alignment, PreparedSample, SampleSettings, align
+from shapegoogle_core.registration import Alignment, PreparedSample, SampleSettings, SurfaceSample, align_all
 
 SHAPES = 60
 
@@ -248,11 +248,13 @@ class TestMeshes:
         """Several examples take no more alignments than one, and the copy of one stops none."""
         aligned = []
 
-        def watched(query: PreparedSample, other: PreparedSample) -> Alignment:
-            aligned.append(query)
-            return align(query, other)
+        def watched(
+            query: PreparedSample, others: Sequence[SurfaceSample], *, finely: int | None = None
+        ) -> list[Alignment | None]:
+            aligned.extend(query for _ in others)
+            return align_all(query, others, finely=finely)
 
-        monkeypatch.setattr("shapegoogle_core.library.search.verify.align", watched)
+        monkeypatch.setattr("shapegoogle_core.library.search.verify.align_all", watched)
         model = library.model
         examples = [model.describe(poses[kind][0]) for kind in ("horse", "human")]
         always = SearchSettings(verification=VerificationSettings(certain_of_several=2.0))
@@ -268,7 +270,7 @@ class TestMeshes:
         self, path: Path, library: Library, poses: dict[str, list[Mesh]], monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(
-            "shapegoogle_core.library.search.verify.align", None
+            "shapegoogle_core.library.search.verify.align_all", None
         )  # would fail if it were called
         examples = [library.model.describe(mesh) for mesh in poses["horse"][:2]]
         bare = [replace(example, sample=None) for example in examples]

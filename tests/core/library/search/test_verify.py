@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -27,9 +27,11 @@ from shapegoogle_core.registration import (
     PreparedSample,
     RoughPose,
     SampleSettings,
+    SurfaceSample,
     align,
+    align_all,
     fit_local_words,
-    rough_pose,
+    rough_poses,
     sample_surface,
 )
 
@@ -42,17 +44,22 @@ def execute(library: Library, statement: str, *parameters: object) -> None:
         connection.execute(statement, parameters)
 
 
-def watch_alignments(
-    module: str, monkeypatch: pytest.MonkeyPatch
-) -> list[tuple[PreparedSample, PreparedSample]]:
-    """Pairs of query and candidate that a module aligns from now on."""
-    aligned: list[tuple[PreparedSample, PreparedSample]] = []
+def watch_alignments(module: str, monkeypatch: pytest.MonkeyPatch) -> list[SurfaceSample]:
+    """Samples of the queries that a module aligns from now on, once for each candidate."""
+    aligned: list[SurfaceSample] = []
 
     def watched(query: PreparedSample, candidate: PreparedSample) -> Alignment:
-        aligned.append((query, candidate))
+        aligned.append(query.sample)
         return align(query, candidate)
 
+    def all_watched(
+        query: PreparedSample, candidates: Sequence[SurfaceSample], *, finely: int | None = None
+    ) -> list[Alignment | None]:
+        aligned.extend(query.sample for _ in candidates)
+        return align_all(query, candidates, finely=finely)
+
     monkeypatch.setattr(f"{module}.align", watched)
+    monkeypatch.setattr(f"{module}.align_all", all_watched)
     return aligned
 
 
@@ -215,10 +222,10 @@ def test_alignments_of_verification_are_not_computed_again(
     plain = [replace(match, alignment=None) for match in matches]
     aligned = watch_alignments(VERIFY, monkeypatch)
     anew = library.explain([signature], plain)
-    computed = sum(query.sample is signature.sample for query, _ in aligned)
+    computed = sum(sample is signature.sample for sample in aligned)
     aligned.clear()
     passed_on = library.explain([signature], matches)
-    again = sum(query.sample is signature.sample for query, _ in aligned)
+    again = sum(sample is signature.sample for sample in aligned)
     assert again == 0 < computed
     assert [kind_of(match) for match in passed_on] == [kind_of(match) for match in anew]
     assert library.query(signature, top=3) == passed_on
@@ -280,7 +287,8 @@ class TestPartsIndex:
         query = library.model.describe(transform(shapes_in_it[8], "partial", 4, seed=0))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         far_away = Frame(1.0, np.eye(3), np.full(3, 10.0))
-        monkeypatch.setattr(f"{VERIFY}.rough_pose", lambda *_: RoughPose(covered=1.0, frame=far_away))
+        wrong = RoughPose(covered=1.0, frame=far_away)
+        monkeypatch.setattr(f"{VERIFY}.rough_poses", lambda _query, among, _scales: [wrong] * len(among))
         few = CandidateSettings(count=3, per_match=1, oversampling=1)
         with reopened(library, few, first=2) as other:
             assert other.query(strange, top=1, explain=0)[0].name == "shape 8"
@@ -293,11 +301,13 @@ class TestPartsIndex:
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         aligned = []
 
-        def watched(query: PreparedSample, candidate: PreparedSample, among: Sequence[int]) -> RoughPose:
-            aligned.append(candidate.points)
-            return rough_pose(query, candidate, among)
+        def watched(
+            query: PreparedSample, among: Sequence[SurfaceSample], scales: Sequence[Collection[int]]
+        ) -> list[RoughPose]:
+            aligned.extend(sample.points for sample in among)
+            return rough_poses(query, among, scales)
 
-        monkeypatch.setattr(f"{VERIFY}.rough_pose", watched)
+        monkeypatch.setattr(f"{VERIFY}.rough_poses", watched)
         with reopened(library, CandidateSettings(supported=1), first=1, likely=2.0) as other:
             assert other.query(strange, top=1, explain=0)[0].name == "shape 8"
         (points,) = aligned
