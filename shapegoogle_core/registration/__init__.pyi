@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-from shapegoogle_core.registration.alignment import Alignment as Alignment
 from shapegoogle_core.registration.aligning.align import align as align
 from shapegoogle_core.registration.aligning.align import align_all as align_all
+from shapegoogle_core.registration.alignment import Alignment as Alignment
 from shapegoogle_core.registration.alignment import measure as measure
 from shapegoogle_core.registration.fit.exact_fit import RoughPose as RoughPose
 from shapegoogle_core.registration.fit.exact_fit import fit_exactly as fit_exactly

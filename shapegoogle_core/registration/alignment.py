@@ -86,7 +86,9 @@ def measure(query: PreparedSample, candidate: PreparedSample, frame: Frame) -> A
     """
     points, normals = frame.apply(query.points), query.normals @ frame.rotation.T
     on_candidate, on_query = _nearest(points, candidate.points)
-    query_covered = _coverage(points, normals, candidate.points[on_candidate], candidate.normals[on_candidate])
+    query_covered = _coverage(
+        points, normals, candidate.points[on_candidate], candidate.normals[on_candidate]
+    )
     candidate_covered = _coverage(candidate.points, candidate.normals, points[on_query], normals[on_query])
     centers = frame.apply(query.centers)
     on_candidate, on_query = _nearest(centers, candidate.centers)
@@ -106,7 +108,7 @@ def _most_near(points: NDArray[np.float32], others: NDArray[np.float32]) -> NDAr
     half_squares = (others**2).sum(axis=1, keepdims=True) / 2
     ones = np.ones((len(points), 1), np.float32)
     products = np.concatenate([points, ones], axis=1) @ np.concatenate([others, -half_squares], axis=1).T
-    return products.argmax(axis=1)
+    return np.asarray(products.argmax(axis=1))
 
 
 def _coverage(

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from shapegoogle_core.registration.medial_axis import AxisMeasures, measure_axis
 from shapegoogle_core.registration.aligning.nearest_field import NearestField
+from shapegoogle_core.registration.medial_axis import AxisMeasures, measure_axis
 from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.sample import SurfaceSample
 
@@ -126,9 +126,7 @@ class PreparedSample:
         """Keypoints at each scale: descriptors, distances between points, distances between ball centres."""
         return tuple(self.at_scale(scale) for scale in self.scales)
 
-    def at_scale(
-        self, scale: float
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    def at_scale(self, scale: float) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
         """Compute the keypoints at one scale, each scale once.
 
         Parameters
@@ -153,8 +151,3 @@ class PreparedSample:
     def _distances(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         few = slice(_QUERY_KEYPOINTS)
         return point_distances(self.key_points[few]), point_distances(self.key_centers[few])
-
-    @cached_property
-    def half_squares(self) -> NDArray[np.float32]:
-        """(k,) half the squared length of each descriptor."""
-        return np.asarray((self.sample.descriptors**2).sum(axis=1) / 2)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Spatial support: a fast test of which surfaces may have something in common with a query.
 
-Most pairs of points that look alike are wrong, but right ones are compatible with each other (see
-`aligning.motions`), wrong ones with few. Fewer pairs than for an alignment are enough to decide whether one is
+Most pairs of points that look alike are wrong, but right ones are compatible with each other, wrong ones with
+few (see `aligning.motions`). Fewer pairs than for an alignment are enough to decide whether one is
 worthwhile, if they have to agree more closely. docs/measurements/parts.md has the measurements behind the
 constants.
 """
@@ -65,7 +65,7 @@ def supports(
     rows = np.flatnonzero(compared.any(axis=1))
     if len(rows) == 0:
         return found
-    chosen = [candidates[row] for row in rows]
+    chosen = [candidates[row] for row in rows.tolist()]
     descriptors = np.stack([candidate.descriptors for candidate in chosen])
     half_squares = np.einsum("bkd,bkd->bk", descriptors, descriptors) / 2
     few = slice(descriptors.shape[1])

@@ -96,7 +96,8 @@ class VerificationSettings:
     support_gain : float
         k in d exp(-k support), which orders these; d is the distance of the bags.
     finely : int
-        Number of these further matches that are aligned finely, those that agree most after a rough alignment.
+        Number of these further matches that are aligned finely: those that agree most after a rough
+        alignment.
     rough_fits : int
         Number of shapes with common local words, the most promising ones, that are aligned roughly.
     exact_fits : int

@@ -22,7 +22,12 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
 from shapegoogle_core.library.search.query import QuerySample, QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
-from shapegoogle_core.library.search.surfaces import Surfaces, candidate_supports, prepared_candidates, remembered
+from shapegoogle_core.library.search.surfaces import (
+    Surfaces,
+    candidate_supports,
+    prepared_candidates,
+    remembered,
+)
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,

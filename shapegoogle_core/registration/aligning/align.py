@@ -4,8 +4,8 @@
 Many motions of each candidate are scored by few points; the best are refined by iterated closest points (Besl
 and McKay 1992) with robust weights and a free scale, and scored by more points.
 
-A motion is chosen by how much of *both* shapes it covers. The share of the query alone would favour a query that
-is shrunk until it fits into anything.
+A motion is chosen by how much of *both* shapes it covers. The share of the query alone would favour a query
+that is shrunk until it fits into anything.
 """
 
 from __future__ import annotations
@@ -94,7 +94,9 @@ def align_all(
     rough = [_rough_motions(query, stack) for _, stack in stacks]
     least = -np.inf
     if finely is not None and finely < len(candidates):
-        best = np.concatenate([scores[np.unique(motions.rows, return_index=True)[1]] for motions, scores in rough])
+        best = np.concatenate(
+            [scores[np.unique(motions.rows, return_index=True)[1]] for motions, scores in rough]
+        )
         if finely < len(best):
             least = np.partition(best, -finely)[-finely] if finely else np.inf
     found: list[Alignment | None] = [None] * len(candidates)

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration.aligning.sample_stack import SampleStack
 from shapegoogle_core.registration.frames import Frame, similarity_transformations
 from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.prepared_sample import PreparedSample
-from shapegoogle_core.registration.aligning.sample_stack import SampleStack
 
 __all__ = ["Motions", "axis_motions", "compatibility", "joined", "paired_motions"]
 
@@ -32,7 +32,9 @@ _SIZE_RATIO = 0.93
 _AT_ONCE = 16
 # Proper rotations that take the coordinate axes to each other.
 _SIGNED = [
-    np.diag(signs).astype(float)[list(order)] for order in permutations(range(3)) for signs in product((1, -1), repeat=3)
+    np.diag(signs).astype(float)[list(order)]
+    for order in permutations(range(3))
+    for signs in product((1, -1), repeat=3)
 ]
 _AXIS_ROTATIONS = np.array([matrix for matrix in _SIGNED if np.linalg.det(matrix) > 0])
 
@@ -56,7 +58,9 @@ class Motions:
 
     def __getitem__(self, chosen: NDArray[np.intp] | NDArray[np.bool_]) -> Motions:
         """Choose some of the motions."""
-        return Motions(self.rows[chosen], self.scales[chosen], self.rotations[chosen], self.translations[chosen])
+        return Motions(
+            self.rows[chosen], self.scales[chosen], self.rotations[chosen], self.translations[chosen]
+        )
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -166,7 +170,9 @@ def _paired(
     others = np.concatenate([points[batch, members], centers[batch, members]], axis=2)
     size = len(rows) * members.shape[1]
     fitted = similarity_transformations(
-        own.reshape(size, -1, 3), others.reshape(size, -1, 3).astype(np.float64), np.tile(weights, 2).reshape(size, -1)
+        own.reshape(size, -1, 3),
+        others.reshape(size, -1, 3).astype(np.float64),
+        np.tile(weights, 2).reshape(size, -1),
     )
     return Motions(np.repeat(rows, members.shape[1]), *fitted)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Scores of many motions of a query onto many candidates, and their refinement.
 
-Points of the candidates are moved to the query, whose nearest points are looked up in a `NearestField`, so that
-nothing is prepared for a candidate.
+Points of the candidates are moved to the query, whose nearest points are looked up in a `NearestField`, so
+that nothing is prepared for a candidate.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def _cosines(
 ) -> NDArray[np.float32]:
     """Return the cosines between the normals of the first points and those of the nearest points."""
     turned = candidates.normals[motions.rows, : nearest.shape[1]] @ motions.rotations.astype(np.float32)
-    return np.einsum("hni,hni->hn", turned, query.field_normals[nearest])
+    return np.asarray(np.einsum("hni,hni->hn", turned, query.field_normals[nearest]))
 
 
 def _near(

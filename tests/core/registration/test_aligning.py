@@ -14,7 +14,13 @@ from threadpoolctl import threadpool_limits
 from benchmarks.creatures import make_creature
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.model.augmentation import transform
-from shapegoogle_core.registration import PreparedSample, SampleSettings, SurfaceSample, align_all, sample_surface
+from shapegoogle_core.registration import (
+    PreparedSample,
+    SampleSettings,
+    SurfaceSample,
+    align_all,
+    sample_surface,
+)
 from shapegoogle_core.registration.aligning.nearest_field import NearestField
 from shapegoogle_core.registration.medial_axis import measure_axis
 

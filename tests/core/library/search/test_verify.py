@@ -18,6 +18,7 @@ from shapegoogle_core import Library, Match, Mesh, ShapeModel, compute_spectrum
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings, VerificationSettings
 from shapegoogle_core.library.search.verify import known_alignment
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation import transform
 from shapegoogle_core.preprocessing import PreprocessingSettings
 from shapegoogle_core.registration import (
@@ -299,7 +300,7 @@ class TestPartsIndex:
         """All have some of the words; only one place is given away, by what agrees in space."""
         query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
-        aligned = []
+        aligned: list[FloatArray] = []
 
         def watched(
             query: PreparedSample, among: Sequence[SurfaceSample], scales: Sequence[Collection[int]]
