@@ -4,7 +4,8 @@
     python -m benchmarks parts [--individuals N] [--queries N] [--jobs N]
 
 missing   creatures with a third, a half and two thirds cut off, re-meshed halves, and "partial" of the
-          benchmark at strength 5 (30 % missing and five holes): the rank of the whole
+          benchmark at strength 5 (30 % missing and five holes): the rank of the whole; also with a third and
+          a half cut off in another pose than the whole has in the library
 shared    half a creature that two shapes of the library share, each joined to another creature: how often
           both are among the first two, five and ten
 
@@ -35,6 +36,7 @@ __all__ = ["add_options", "run"]
 
 FIRST_SEED = 4_000
 CUTS = {"a third missing": 2 / 3, "half missing": 1 / 2, "two thirds missing": 1 / 3}
+POSED_CUTS = ("a third missing", "half missing")
 TOP = 50
 
 
@@ -52,10 +54,13 @@ def parts(job: tuple[str, int]) -> dict[str, ShapeSignature]:
     """Describe the rest of a creature after each kind of cut, rotated."""
     kind, seed = job
     random = np.random.default_rng([seed, len(kind)])
-    mesh = make_creature(kind, seed).pose(0)
+    creature = make_creature(kind, seed)
+    mesh, posed = creature.pose(0), creature.pose(1)
     meshes = {name: cut(mesh, random.normal(size=3), share) for name, share in CUTS.items()}
     meshes["partial, strength 5"] = transform(mesh, "partial", 5, int(random.integers(2**31)))
     meshes["half missing, another mesh"] = remeshed(meshes["half missing"], random)
+    for name in POSED_CUTS:
+        meshes[f"{name}, another pose"] = cut(posed, random.normal(size=3), CUTS[name])
     turn = Rotation.random(random_state=seed).as_matrix()
     return {name: _describe(Mesh(part.vertices @ turn.T, part.faces)) for name, part in meshes.items()}
 

@@ -32,6 +32,7 @@ __all__ = ["align", "align_all"]
 
 _BOUNDS = 0.5, 2.3  # of the scale
 _GROUPS = 6  # motions from pairs of points at each scale
+_KEYPOINTS = 96  # of the query that are paired
 # The scale that is guessed from the two axes, also somewhat smaller, is one of the powers of this ratio: the
 # query is described anew for each scale.
 _SCALE_RATIO = 1.15
@@ -127,7 +128,9 @@ def _possible(query: PreparedSample, candidates: SampleStack) -> Motions:
     """List motions of each candidate, from pairs of points at several scales and from principal axes."""
     every = np.arange(len(candidates.points))
     motions = [axis_motions(query, candidates)]
-    motions += [paired_motions(query, candidates, every, scale, _GROUPS) for scale in query.scales]
+    motions += [
+        paired_motions(query, candidates, every, scale, _GROUPS, _KEYPOINTS) for scale in query.scales
+    ]
     sizes = np.array([axis.size for axis in candidates.axes]) / query.axis.size
     for factor in _GUESSES:
         powers = np.rint(np.log(np.clip(factor * sizes, *_BOUNDS)) / np.log(_SCALE_RATIO)).astype(int)
@@ -135,5 +138,5 @@ def _possible(query: PreparedSample, candidates: SampleStack) -> Motions:
             scale = _SCALE_RATIO**power
             if all(abs(scale / known - 1) > _SAME_SCALE for known in query.scales):
                 rows = np.flatnonzero(powers == power)
-                motions.append(paired_motions(query, candidates, rows, scale, _GROUPS))
+                motions.append(paired_motions(query, candidates, rows, scale, _GROUPS, _KEYPOINTS))
     return joined(motions)

@@ -25,7 +25,6 @@ __all__ = ["Motions", "axis_motions", "compatibility", "joined", "paired_motions
 # Largest difference of two distances of compatible pairs, in units of √area.
 _TOLERANCE = 0.05
 _GROUP_SIZE = 16
-_KEYPOINTS = 96  # of the query
 # True scale by that at which two axes have the same size: a swollen limb is a little longer too.
 _SIZE_RATIO = 0.93
 # Candidates compared at once: few, so that their matrices stay in the processor's cache.
@@ -125,7 +124,12 @@ def compatibility(
 
 
 def paired_motions(
-    query: PreparedSample, candidates: SampleStack, rows: NDArray[np.intp], scale: float, groups: int
+    query: PreparedSample,
+    candidates: SampleStack,
+    rows: NDArray[np.intp],
+    scale: float,
+    groups: int,
+    keypoints: int | None = None,
 ) -> Motions:
     """Fit a motion to each group of pairs of keypoints that support each other.
 
@@ -139,23 +143,30 @@ def paired_motions(
         Size at which the query is compared.
     groups : int
         Number of motions for each candidate.
+    keypoints : int, optional
+        Number of the query's keypoints that are paired; by default all that may be.
 
     Returns
     -------
     motions : Motions
     """
     found = [
-        _paired(query, candidates, rows[start : start + _AT_ONCE], scale, groups)
+        _paired(query, candidates, rows[start : start + _AT_ONCE], scale, groups, keypoints)
         for start in range(0, len(rows), _AT_ONCE)
     ]
     return joined(found)
 
 
 def _paired(
-    query: PreparedSample, candidates: SampleStack, rows: NDArray[np.intp], scale: float, groups: int
+    query: PreparedSample,
+    candidates: SampleStack,
+    rows: NDArray[np.intp],
+    scale: float,
+    groups: int,
+    keypoints: int | None,
 ) -> Motions:
-    descriptors, distances, center_distances = (array[:_KEYPOINTS] for array in query.at_scale(scale))
-    distances, center_distances = distances[:, :_KEYPOINTS], center_distances[:, :_KEYPOINTS]
+    descriptors, distances, center_distances = (array[:keypoints] for array in query.at_scale(scale))
+    distances, center_distances = distances[:, :keypoints], center_distances[:, :keypoints]
     likeness = descriptors @ candidates.descriptors[rows].transpose(0, 2, 1)
     likeness -= candidates.half_squares[rows, None]
     counterparts = likeness.argmax(axis=2)

@@ -246,7 +246,7 @@ class TestMeshes:
         self, path: Path, library: Library, poses: dict[str, list[Mesh]], monkeypatch: pytest.MonkeyPatch
     ) -> None:
         """Several examples take no more alignments than one, and the copy of one stops none."""
-        aligned = []
+        aligned: list[PreparedSample] = []
 
         def watched(
             query: PreparedSample, others: Sequence[SurfaceSample], *, finely: int | None = None
