@@ -139,9 +139,7 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, se
 def test_a_fault_is_copied_with_its_details(addon: ModuleType, session: Any) -> None:
     """Nobody can ask a button for --verbose."""
     module = importlib.import_module(f"{addon.__name__}.library.index")
-    reason = (
-        "'a.blend' was lost; index it again, and report it with what --verbose shows if that happens again"
-    )
+    reason = "'a.blend' was lost; index it again, and report it with what --verbose shows"
     outcomes = [
         FileOutcome(Path("/x/a.blend"), "failed", reason, "Traceback of a\n  line 3\n"),
         FileOutcome(Path("/x/b.off"), "failed", "'b.off' is damaged"),

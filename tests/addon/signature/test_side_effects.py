@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -64,6 +65,21 @@ class TestShading:
         assert shading(view) == ("RENDERED", "OBJECT")
         bpy.ops.ed.undo()
         assert shading(view) == ("SOLID", "VERTEX")
+
+    def test_it_is_restored_for_another_file_and_stays_for_a_painted_one(
+        self, view: Any, tmp_path: Path
+    ) -> None:
+        """A file that is opened without its own windows keeps the views of the one before."""
+        plain, painted = (str(tmp_path / f"{name}.blend") for name in ("plain", "painted"))
+        add_blob(3)
+        bpy.ops.wm.save_as_mainfile(filepath=plain, copy=True)
+        paint("HKS")
+        bpy.ops.wm.save_as_mainfile(filepath=painted, copy=True)
+        bpy.ops.wm.open_mainfile(filepath=painted, load_ui=False)
+        assert shading(view) == ("SOLID", "VERTEX")
+        bpy.ops.wm.open_mainfile(filepath=plain, load_ui=False)
+        assert shading(view) == ("RENDERED", "OBJECT")
+        assert not view.id_data.keys()
 
     def test_what_the_user_has_chosen_since_stays(self, view: Any) -> None:
         add_blob(3)

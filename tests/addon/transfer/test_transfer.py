@@ -120,6 +120,26 @@ def test_weights_colors_and_uvs_arrive(pair: Any, capfd: pytest.CaptureFixture[s
     assert (corners.domain, corners.data_type) == ("CORNER", "BYTE_COLOR")
 
 
+def test_a_rig_stands_for_its_mesh(pair: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    """Both as what is active, and as what else is deformed by it: a hidden mesh is not meant."""
+    _, target, sphere = pair
+    rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.collection.objects.link(rig)
+    hidden = bpy.data.objects.new("Proxy", target.data.copy())
+    bpy.context.collection.objects.link(hidden)
+    for item in (target, hidden):
+        item.modifiers.new("Armature", "ARMATURE").object = rig
+    hidden.hide_set(True)
+    bpy.context.view_layer.objects.active = rig
+    session = bpy.context.window_manager.shape_google
+    session.transfer_colors = session.transfer_uvs = False
+    choose("Source", open_source())
+    assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
+    assert "from 'Source' to 'Target'" in capfd.readouterr().out
+    assert np.abs(weights_of(target, "high") - (1 + sphere[:, 2]) / 2).mean() < 0.02
+    assert not hidden.vertex_groups
+
+
 def test_no_face_spans_a_seam(pair: Any) -> None:
     _, target, sphere = pair
     choose("Source", open_source())
