@@ -207,10 +207,10 @@ class Window:
         """
         # Nothing in a panel moves, so a button is looked for where it was.
         known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
-        if known in self._places and action in self._button_at(*self._places[known]):
-            self.settle()
-            if action in (self.ask("button") or ""):
-                return self._places[known]
+        if known in self._places:
+            x, y = self._places[known]
+            if self._confirmed(action, x, (y,)):
+                return x, y
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
             seen = 0
@@ -219,13 +219,13 @@ class Window:
                 for y in range(top + 8, bottom - 4, STEP):
                     button = self._button_at(x, y)
                     if action in button and button != before:
-                        time.sleep(0.3)
                         # A slow Blender may have answered for the place before.
-                        if action in (self.ask("button") or ""):
+                        place = self._confirmed(action, x, (y, y - STEP))
+                        if place is not None:
                             if seen == occurrence:
                                 known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
-                                self._places[known] = x, y
-                                return x, y
+                                self._places[known] = place
+                                return place
                             seen += 1
                     before = button
             scrolled = self.ask("scrolled")
@@ -233,6 +233,15 @@ class Window:
             self.tool("click", "--repeat", 12, "--delay", 10, 5)
             self.settle()
             assert self.ask("scrolled") != scrolled, f"no button in the sidebar does {action!r}"
+
+    def _confirmed(self, action: str, x: float, heights: Sequence[float]) -> tuple[float, float] | None:
+        """Find out with patience at which of some places a button is; the pointer stays there."""
+        for y in heights:
+            self.move(x, y)
+            time.sleep(0.3)
+            if action in (self.ask("button") or ""):
+                return x, y
+        return None
 
     def press(
         self, action: str, *, occurrence: int = 0, columns: Sequence[float] = HALVES

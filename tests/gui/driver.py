@@ -68,6 +68,24 @@ def scrolled() -> Any:
     return view()[2]["UI"].view2d.region_to_view(0, 0)[1]
 
 
+DRAWS = {"UI": 0, "WINDOW": 0}
+HANDLERS: list[Any] = []
+
+
+def count_draws() -> Any:
+    """How often the sidebar and the 3D view itself were drawn since the last call; the first one begins."""
+    if not HANDLERS:
+        for name in DRAWS:
+            HANDLERS.append(bpy.types.SpaceView3D.draw_handler_add(_note_draw, (name,), name, "POST_PIXEL"))
+    counted = dict(DRAWS)
+    DRAWS.update(dict.fromkeys(DRAWS, 0))
+    return counted
+
+
+def _note_draw(region_type: str) -> None:
+    DRAWS[region_type] += 1
+
+
 def view_direction() -> Any:
     """How the 3D view is turned."""
     return list(view()[1].spaces.active.region_3d.view_rotation)

@@ -32,6 +32,9 @@ def indexed(window: Any, query: Any) -> dict[str, Any]:
     window.drag(left + 0.3 * (right - left), (top + bottom) / 2, 60, 0, button=2)
     window.wait(lambda _: window.ask("view_direction") != direction, "the view turned")
     turned = window.ask("state")["session"]["indexing"]
+    window.rest()
+    window.settle()
+    window.ask("count_draws")
     seen: dict[int, str] = {}
     bar = None
 
@@ -44,7 +47,10 @@ def indexed(window: Any, query: Any) -> dict[str, Any]:
         return not session["indexing"]
 
     state = window.wait(ended, "the end of indexing")
-    return {"state": state, "seen": seen, "turned": turned, "bar": bar} | {"button": window.picture(button)}
+    draws = window.ask("count_draws")
+    return {"state": state, "draws": draws, "seen": seen, "turned": turned, "bar": bar} | {
+        "button": window.picture(button)
+    }
 
 
 @pytest.fixture
@@ -85,6 +91,8 @@ def test_index_library_goes_on_beside_a_usable_window(indexed: Any) -> None:
         assert "left" in text or (done == len(CREATURES) + 1 and text.endswith(", done"))
     assert blue(indexed["bar"]) > 0.05 > blue(indexed["button"])
     assert indexed["turned"], "indexing had ended before the view was turned"
+    # A scene of millions of faces must not be drawn several times in a second.
+    assert indexed["draws"]["WINDOW"] < indexed["draws"]["UI"] / 3, indexed["draws"]
 
 
 def test_a_file_that_cannot_be_read_is_listed_and_why(window: Any, indexed: Any, shapes: Any) -> None:

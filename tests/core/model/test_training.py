@@ -56,7 +56,7 @@ def test_training_is_reproducible(trained: ShapeModel, training_shapes: list[Tra
 
 
 def test_idf_weighs_every_bag(training_shapes: list[TrainingShape]) -> None:
-    model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=2)
+    model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=2, jobs=1)
     for weights in np.split(model.weights, np.cumsum(SMALL.channels[0].bag_sizes())[:-1]):
         assert (weights > 0).mean() > 0.9
         assert len(np.unique(weights)) > 1
@@ -67,18 +67,18 @@ def test_versions_that_cannot_be_made_are_left_out(training_shapes: list[Trainin
     flat = TrainingShape(
         "flat", (Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),)
     )
-    model = train_model([*training_shapes, flat], SMALL, versions=2)
+    model = train_model([*training_shapes, flat], SMALL, versions=2, jobs=1)
     assert np.isfinite(model.projection).all()
     nothing = [TrainingShape(f"flat {n}", (Mesh(np.zeros((5, 3)), [[0, 1, 2]]),)) for n in range(8)]
     with pytest.raises(ModelError, match="none of the training shapes"):
-        train_model(nothing, SMALL, versions=1)
+        train_model(nothing, SMALL, versions=1, jobs=1)
 
 
 @pytest.mark.parametrize("change", [{"metric": "l1"}, {"inverse_document_frequency": True}])
 def test_training_with_the_papers_distances(
     training_shapes: list[TrainingShape], change: dict[str, Any]
 ) -> None:
-    model = train_model(training_shapes, replace(SMALL, **change), versions=2)
+    model = train_model(training_shapes, replace(SMALL, **change), versions=2, jobs=1)
     bags = np.array([model.describe(shape.meshes[0]).bags for shape in training_shapes[:3]])
     distances = model.distances(bags[0], bags)
     assert distances[0] == pytest.approx(0, abs=1e-6)

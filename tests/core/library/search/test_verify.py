@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing
@@ -80,11 +81,24 @@ def shapes_in_it() -> list[Mesh]:
     return [Mesh(mesh.vertices, mesh.faces, f"shape {index}") for index, mesh in enumerate(creatures)]
 
 
-@pytest.fixture
-def library(path: Path, verifying: ShapeModel, shapes_in_it: list[Mesh]) -> Iterator[Library]:
-    with Library.open(path, verifying) as library:
-        for mesh in shapes_in_it:
+def filled(path: Path, model: ShapeModel, meshes: Sequence[Mesh]) -> Path:
+    """A library that each test gets a copy of."""
+    with Library.open(path, model) as library:
+        for mesh in meshes:
             library.add(mesh)
+    return path
+
+
+@pytest.fixture(scope="module")
+def library_file(
+    tmp_path_factory: pytest.TempPathFactory, verifying: ShapeModel, shapes_in_it: list[Mesh]
+) -> Path:
+    return filled(tmp_path_factory.mktemp("filled") / "shapes.sglib", verifying, shapes_in_it)
+
+
+@pytest.fixture
+def library(path: Path, library_file: Path) -> Iterator[Library]:
+    with Library.open(shutil.copy(library_file, path)) as library:
         yield library
 
 
@@ -255,6 +269,13 @@ def indexing(verifying: ShapeModel, shapes_in_it: list[Mesh]) -> ShapeModel:
     return replace(verifying, settings=replace(verifying.settings, local=local), local_words=words)
 
 
+@pytest.fixture(scope="module")
+def indexed_file(
+    tmp_path_factory: pytest.TempPathFactory, indexing: ShapeModel, shapes_in_it: list[Mesh]
+) -> Path:
+    return filled(tmp_path_factory.mktemp("filled") / "shapes.sglib", indexing, shapes_in_it)
+
+
 def _with_local_words(library: Library) -> list[int]:
     return [i for ids, _ in library._store.code_pages("local_words", 0, 32) for i in ids.tolist()]
 
@@ -263,11 +284,8 @@ class TestPartsIndex:
     """Local words find candidates that bags do not find."""
 
     @pytest.fixture
-    def library(self, path: Path, indexing: ShapeModel, shapes_in_it: list[Mesh]) -> Iterator[Library]:
-        with Library.open(path, indexing) as library:
-            for mesh in shapes_in_it:
-                library.add(mesh)
-            yield library
+    def library_file(self, indexed_file: Path) -> Path:
+        return indexed_file
 
     @pytest.mark.parametrize("exact", [False, True])
     def test_a_shape_far_by_its_bags_is_found(
