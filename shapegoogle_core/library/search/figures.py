@@ -14,10 +14,10 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.query import QuerySample
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.verify import verify_pair
+from shapegoogle_core.library.search.verify import verify_pair, verify_pose
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import Alignment, PreparedSample, SurfaceSample
+from shapegoogle_core.registration import Alignment, PartPose, PreparedSample, SurfaceSample
 
 __all__ = ["BagFigures", "PairFigures"]
 
@@ -25,6 +25,8 @@ __all__ = ["BagFigures", "PairFigures"]
 _SAME_SURFACE = 0.99
 # Least probability of "re-posed".
 _LIKELY = 0.5
+# Agreement in a rough position from which a thorough alignment may find more.
+_WORTHWHILE = 0.35
 
 
 @dataclass(frozen=True)
@@ -98,21 +100,39 @@ class PairFigures:
         if (other := self._explainer.other_mesh(match)) is not None:
             return max(by_bags, _SAME_SURFACE), other
         weighed = float(self._model.weighed_distances(bags.distance, bags.typical))
+        candidate = PreparedSample(match.sample, (1.0,))
+        pose = self._explainer.pose(candidate)
         if by_bags >= self._certain:
-            return by_bags, _limited(self._explainer.relate(match, weighed), by_bags, bags, weighed)
-        candidate = PreparedSample(match.sample)
-        verified, alignment = verify_pair(
-            self._model,
-            self._settings.verification,
-            self._sample,
-            candidate,
-            bags.pooled,
-            bags.pooled_typical,
-            alignment,
-        )
+            return by_bags, _limited(self._explainer.relate(match, weighed, pose), by_bags, bags, weighed)
+        verified, found = self._verify(candidate, bags, pose, alignment)
+        if found is not None:
+            pose = self._explainer.refined(candidate, pose, found)
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
-        evidence = self._explainer.relate(match, weighed, alignment)
+        evidence = self._explainer.relate(match, weighed, pose)
         return similarity, _limited(evidence, similarity, bags, weighed)
+
+    def _verify(
+        self, candidate: PreparedSample, bags: BagFigures, pose: PartPose, alignment: Alignment | None
+    ) -> tuple[float, Alignment | None]:
+        """Lower the distance of the bags as the search does, with an alignment only where it is worthwhile.
+
+        Returns the distance, and an alignment that was found for it.
+        """
+        model, settings = self._model, self._settings.verification
+        if alignment is None:
+            if not pose.is_promising:
+                return bags.pooled, None
+            if pose.frame is not None:
+                frame = pose.frame.inverse()
+                verified, agreement = verify_pose(
+                    model, settings, self._sample, candidate, bags.pooled, frame, pose.exact_of_query
+                )
+                similarity = float(model.similarity(verified, bags.pooled_typical, verified=True))
+                if agreement < _WORTHWHILE or similarity >= settings.likely:
+                    return verified, None
+        return verify_pair(
+            model, settings, self._sample, candidate, bags.pooled, bags.pooled_typical, alignment
+        )
 
 
 def _limited(evidence: Evidence, similarity: float, bags: BagFigures, weighed: float) -> Evidence:

@@ -26,6 +26,7 @@ from shapegoogle_core.registration import (
     Frame,
     IsometryTest,
     MeshMeasures,
+    PartPose,
     PartPoses,
     PreparedSample,
     Surface,
@@ -104,7 +105,7 @@ class Explainer:
     def _isometries(self) -> IsometryTest:
         return IsometryTest(self._sample)
 
-    def explain(self, match: Compared, distance: float, alignment: Alignment | None = None) -> Evidence:
+    def explain(self, match: Compared, distance: float) -> Evidence:
         """Find the kind of a match.
 
         Parameters
@@ -112,8 +113,6 @@ class Explainer:
         match : Compared
         distance : float
             Distance of the bags of both, see `ShapeModel.weighed_distances`.
-        alignment : Alignment, optional
-            From the query to the match, if verification has found one.
 
         Returns
         -------
@@ -121,24 +120,54 @@ class Explainer:
         """
         if (found := self.copy(match) or self.other_mesh(match)) is not None:
             return found
-        return self.relate(match, distance, alignment)
+        return self.relate(match, distance, self.pose(PreparedSample(match.sample, (1.0,))))
 
-    def relate(self, match: Compared, distance: float, alignment: Alignment | None = None) -> Evidence:
+    def pose(self, candidate: PreparedSample) -> PartPose:
+        """Find how a match lies on the query, or the query on it.
+
+        Parameters
+        ----------
+        candidate : PreparedSample
+            Of the match; its first scale is 1.
+
+        Returns
+        -------
+        pose : PartPose
+        """
+        return self._parts.find(candidate)
+
+    def refined(self, candidate: PreparedSample, pose: PartPose, alignment: Alignment) -> PartPose:
+        """Try the position that verification has found too; see `PartPoses.refine`.
+
+        Parameters
+        ----------
+        candidate : PreparedSample
+        pose : PartPose
+        alignment : Alignment
+            From the query to the match.
+
+        Returns
+        -------
+        pose : PartPose
+        """
+        return self._parts.refine(candidate, pose, alignment)
+
+    def relate(self, match: Compared, distance: float, pose: PartPose) -> Evidence:
         """Find the kind of a match that is another surface: a part, another pose, or none of these.
 
         Parameters
         ----------
         match : Compared
         distance : float
-        alignment : Alignment, optional
             As for `explain`.
+        pose : PartPose
+            From `pose`.
 
         Returns
         -------
         evidence : Evidence
         """
-        pose = self._parts.find(match.sample, alignment)
-        if pose is not None and pose.exact >= self._settings.promising:
+        if pose.frame is not None and pose.exact >= self._settings.promising:
             fitted = fit_surface(self._surface, self._sample, match.sample, pose.frame)
             if (part := self._part(fitted, match)) is not None:
                 return part

@@ -32,6 +32,7 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,
     Alignment,
+    Frame,
     PreparedSample,
     RoughPose,
     SurfaceSample,
@@ -42,7 +43,7 @@ from shapegoogle_core.registration import (
     rough_poses,
 )
 
-__all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair"]
+__all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair", "verify_pose"]
 
 
 @dataclass(frozen=True)
@@ -305,6 +306,43 @@ def verify_pair(
         if again < lowered:
             return again, other
     return lowered, alignment
+
+
+def verify_pose(
+    model: ShapeModel,
+    settings: VerificationSettings,
+    query: QuerySample,
+    candidate: PreparedSample,
+    distance: float,
+    frame: Frame,
+    exact: float | None = None,
+) -> tuple[float, float]:
+    """Verify one pair in a known position.
+
+    Parameters
+    ----------
+    model : ShapeModel
+    settings : VerificationSettings
+    query : QuerySample
+    candidate : PreparedSample
+    distance : float
+        Distance of the bags.
+    frame : Frame
+        From the query to the candidate.
+    exact : float, optional
+        Share of the query that fits exactly there; computed if left out.
+
+    Returns
+    -------
+    distance : float
+        Lowered by how well the surfaces fit.
+    agreement : float
+        See `Alignment`.
+    """
+    alignment = measure(query.prepared, candidate, frame)
+    if exact is None:
+        exact, _ = fit_exactly(query.prepared, candidate, frame)
+    return _lowered(model, settings, distance, alignment, exact), alignment.agreement
 
 
 def _lowered(

@@ -31,14 +31,30 @@ class PartPose:
 
     Attributes
     ----------
-    frame : Frame
-        From the candidate to the query.
+    covered : float
+        Share of one of the two surfaces that lies roughly on the other, from 0 to 1.
     exact : float
-        Share of one of the two surfaces that lies exactly on the other, see `fit_exactly`.
+        Share of one of them that lies exactly on the other, see `fit_exactly`; 0 without a frame.
+    of_query : bool
+        Whether it is the query that lies on the candidate.
+    frame : Frame or None
+        From the candidate to the query; None if in no position that was tried enough lies roughly on it.
     """
 
-    frame: Frame
-    exact: float
+    covered: float
+    exact: float = 0.0
+    of_query: bool = True
+    frame: Frame | None = None
+
+    @property
+    def exact_of_query(self) -> float | None:
+        """Share of the query that lies exactly on the candidate; None if it is not known."""
+        return self.exact if self.of_query else None
+
+    @property
+    def is_promising(self) -> bool:
+        """Whether enough of one surface lies roughly on the other for a closer look."""
+        return self.covered >= _ROUGHLY
 
 
 class PartPoses:
@@ -63,37 +79,53 @@ class PartPoses:
         scales = [1 / scale for scale in PART_SCALES if scale < 1]
         return [(scale, PreparedSample(_enlarged(self._sample, scale), (1.0,))) for scale in scales]
 
-    def find(self, candidate: SurfaceSample, alignment: Alignment | None = None) -> PartPose | None:
-        """Find the position in which most of one surface lies exactly on the other.
+    def find(self, candidate: PreparedSample) -> PartPose:
+        """Find the position in which most of one surface lies on the other.
 
         Parameters
         ----------
-        candidate : SurfaceSample
-        alignment : Alignment, optional
-            From the query to the candidate, if one is known.
+        candidate : PreparedSample
+            Its first scale is 1.
 
         Returns
         -------
-        pose : PartPose or None
-            None if in no position that was tried enough lies roughly on the other.
+        pose : PartPose
         """
-        prepared = PreparedSample(candidate, (1.0,))
-        found: list[PartPose] = []
-        if alignment is not None and alignment.query_covered[-1] >= _ALIGNED:
-            exact, frame = fit_exactly(self._as_part, prepared, alignment.frame)
-            found.append(PartPose(frame.inverse(), exact))
-        forth = rough_pose(self._as_part, prepared)
-        if forth.frame is not None and forth.covered >= _ROUGHLY:
-            exact, frame = fit_exactly(self._as_part, prepared, forth.frame)
-            found.append(PartPose(frame.inverse(), exact))
-        poses = [(rough_pose(prepared, whole), scale, whole) for scale, whole in self._as_whole]
+        forth = rough_pose(self._as_part, candidate)
+        found = [PartPose(forth.covered)]
+        if forth.frame is not None and found[0].is_promising:
+            exact, frame = fit_exactly(self._as_part, candidate, forth.frame)
+            found.append(PartPose(forth.covered, exact, frame=frame.inverse()))
+        poses = [(rough_pose(candidate, whole, (0,)), scale, whole) for scale, whole in self._as_whole]
         back, scale, whole = max(poses, key=lambda pose: pose[0].covered)
-        if back.frame is not None and back.covered >= _ROUGHLY:
-            exact, frame = fit_exactly(prepared, whole, back.frame)
-            found.append(
-                PartPose(Frame(frame.scale / scale, frame.rotation, frame.translation / scale), exact)
-            )
-        return max(found, key=lambda pose: pose.exact, default=None)
+        found.append(PartPose(back.covered))
+        if back.frame is not None and found[-1].is_promising:
+            exact, frame = fit_exactly(candidate, whole, back.frame)
+            frame = Frame(frame.scale / scale, frame.rotation, frame.translation / scale)
+            found.append(PartPose(back.covered, exact, of_query=False, frame=frame))
+        return max(found, key=lambda pose: (pose.exact, pose.covered))
+
+    def refine(self, candidate: PreparedSample, pose: PartPose, alignment: Alignment) -> PartPose:
+        """Try the position of an alignment too.
+
+        Parameters
+        ----------
+        candidate : PreparedSample
+        pose : PartPose
+            From `find`.
+        alignment : Alignment
+            From the query to the candidate.
+
+        Returns
+        -------
+        pose : PartPose
+            The better one of both.
+        """
+        if alignment.query_covered[-1] < _ALIGNED:
+            return pose
+        exact, frame = fit_exactly(self._as_part, candidate, alignment.frame)
+        covered = max(pose.covered, float(alignment.query_covered[-1]))
+        return pose if exact <= pose.exact else PartPose(covered, exact, frame=frame.inverse())
 
 
 def _enlarged(sample: SurfaceSample, scale: float) -> SurfaceSample:
