@@ -14,10 +14,10 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.query import QuerySample
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.verify import verify_pair, verify_pose
+from shapegoogle_core.library.search.verify import lowered_distance
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import Alignment, PartPose, PreparedSample, SurfaceSample
+from shapegoogle_core.registration import Alignment, PartPose, PreparedSample, SurfaceSample, align, measure
 
 __all__ = ["BagFigures", "PairFigures"]
 
@@ -26,7 +26,7 @@ _SAME_SURFACE = 0.99
 # Least probability of "re-posed".
 _LIKELY = 0.5
 # Agreement in a rough position from which a thorough alignment may find more.
-_WORTHWHILE = 0.35
+_WORTHWHILE = 0.3
 
 
 @dataclass(frozen=True)
@@ -104,35 +104,35 @@ class PairFigures:
         pose = self._explainer.pose(candidate)
         if by_bags >= self._certain:
             return by_bags, _limited(self._explainer.relate(match, weighed, pose), by_bags, bags, weighed)
-        verified, found = self._verify(candidate, bags, pose, alignment)
-        if found is not None:
-            pose = self._explainer.refined(candidate, pose, found)
+        verified, pose = self._verify(candidate, bags, pose, alignment)
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
         evidence = self._explainer.relate(match, weighed, pose)
         return similarity, _limited(evidence, similarity, bags, weighed)
 
     def _verify(
         self, candidate: PreparedSample, bags: BagFigures, pose: PartPose, alignment: Alignment | None
-    ) -> tuple[float, Alignment | None]:
-        """Lower the distance of the bags as the search does, with an alignment only where it is worthwhile.
+    ) -> tuple[float, PartPose]:
+        """Lower the distance of the bags as a search does; align thoroughly only where it is worthwhile.
 
-        Returns the distance, and an alignment that was found for it.
+        Whether it is depends on the pair, and not on what the search has aligned. Returns the distance, and
+        the better pose if the alignment has found one.
         """
-        model, settings = self._model, self._settings.verification
-        if alignment is None:
-            if not pose.is_promising:
-                return bags.pooled, None
-            if pose.frame is not None:
-                frame = pose.frame.inverse()
-                verified, agreement = verify_pose(
-                    model, settings, self._sample, candidate, bags.pooled, frame, pose.exact_of_query
-                )
-                similarity = float(model.similarity(verified, bags.pooled_typical, verified=True))
-                if agreement < _WORTHWHILE or similarity >= settings.likely:
-                    return verified, None
-        return verify_pair(
-            model, settings, self._sample, candidate, bags.pooled, bags.pooled_typical, alignment
-        )
+        if not pose.is_promising or pose.frame is None:
+            return bags.pooled, pose
+        query = self._sample.prepared
+        found = measure(query, candidate, pose.frame.inverse())
+        verified = self._lowered(bags, found, pose)
+        similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
+        is_certain = similarity >= self._settings.verification.likely
+        if is_certain or (pose.of_query and found.agreement < _WORTHWHILE):
+            return verified, pose
+        alignment = align(query, candidate) if alignment is None else alignment
+        pose = self._explainer.refined(candidate, pose, alignment)
+        return min(verified, self._lowered(bags, alignment, pose)), pose
+
+    def _lowered(self, bags: BagFigures, alignment: Alignment, pose: PartPose) -> float:
+        exact = pose.exact if pose.of_query else 0.0
+        return lowered_distance(self._model, self._settings.verification, bags.pooled, alignment, exact)
 
 
 def _limited(evidence: Evidence, similarity: float, bags: BagFigures, weighed: float) -> Evidence:

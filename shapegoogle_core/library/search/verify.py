@@ -32,7 +32,6 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,
     Alignment,
-    Frame,
     PreparedSample,
     RoughPose,
     SurfaceSample,
@@ -43,7 +42,7 @@ from shapegoogle_core.registration import (
     rough_poses,
 )
 
-__all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair", "verify_pose"]
+__all__ = ["Sharing", "Verifier", "known_alignment", "lowered_distance", "verify_pair"]
 
 
 @dataclass(frozen=True)
@@ -246,7 +245,7 @@ class Verifier:
         """Lower the distance of the bags by how well the surfaces fit."""
         if pair.alignment is None:
             return pair.match.distance
-        return _lowered(self._model, self._settings, pair.match.distance, pair.alignment, pair.exact)
+        return lowered_distance(self._model, self._settings, pair.match.distance, pair.alignment, pair.exact)
 
     def _verified(self, samples: QuerySamples, pair: _Pair) -> Match:
         if pair.alignment is None:
@@ -294,7 +293,7 @@ def verify_pair(
     """
     alignment = align(query.prepared, candidate) if known is None else known
     exact, _ = fit_exactly(query.prepared, candidate, alignment.frame)
-    lowered = _lowered(model, settings, distance, alignment, exact)
+    lowered = lowered_distance(model, settings, distance, alignment, exact)
     if float(model.similarity(lowered, typical, verified=True)) >= settings.likely:
         return lowered, alignment
     (pose,) = rough_poses(query.shared, [candidate.sample], [range(len(SHARED_SCALES))])
@@ -302,53 +301,32 @@ def verify_pair(
     if frame is not None:
         exact, frame = fit_exactly(query.shared, candidate, frame)
         other = measure(query.shared, candidate, frame)
-        again = _lowered(model, settings, distance, other, exact)
+        again = lowered_distance(model, settings, distance, other, exact)
         if again < lowered:
             return again, other
     return lowered, alignment
 
 
-def verify_pose(
-    model: ShapeModel,
-    settings: VerificationSettings,
-    query: QuerySample,
-    candidate: PreparedSample,
-    distance: float,
-    frame: Frame,
-    exact: float | None = None,
-) -> tuple[float, float]:
-    """Verify one pair in a known position.
+def lowered_distance(
+    model: ShapeModel, settings: VerificationSettings, distance: float, alignment: Alignment, exact: float
+) -> float:
+    """Lower a distance of bags by how well the surfaces agree, and by the share that fits exactly.
 
     Parameters
     ----------
     model : ShapeModel
     settings : VerificationSettings
-    query : QuerySample
-    candidate : PreparedSample
     distance : float
         Distance of the bags.
-    frame : Frame
+    alignment : Alignment
         From the query to the candidate.
-    exact : float, optional
-        Share of the query that fits exactly there; computed if left out.
+    exact : float
+        Share of the query that fits exactly.
 
     Returns
     -------
     distance : float
-        Lowered by how well the surfaces fit.
-    agreement : float
-        See `Alignment`.
     """
-    alignment = measure(query.prepared, candidate, frame)
-    if exact is None:
-        exact, _ = fit_exactly(query.prepared, candidate, frame)
-    return _lowered(model, settings, distance, alignment, exact), alignment.agreement
-
-
-def _lowered(
-    model: ShapeModel, settings: VerificationSettings, distance: float, alignment: Alignment, exact: float
-) -> float:
-    """Lower a distance of bags by how well the surfaces agree, and by the share that fits exactly."""
     distance = model.verified_distance(distance, alignment.excess)
     distance *= math.exp(-settings.exact_gain * max(0.0, exact - settings.exact_from))
     return round(distance, DISTANCE_DECIMALS)

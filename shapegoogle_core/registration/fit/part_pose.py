@@ -21,6 +21,8 @@ __all__ = ["PartPose", "PartPoses"]
 
 # Share of a surface that lies roughly on the other from which it is fitted.
 _ROUGHLY = 0.4
+# Share that lies exactly on the other below which a fit is not finished.
+_EXACTLY = 0.35
 # Share of the query that an alignment puts on the other surface from which it is fitted.
 _ALIGNED = 0.5
 
@@ -45,11 +47,6 @@ class PartPose:
     exact: float = 0.0
     of_query: bool = True
     frame: Frame | None = None
-
-    @property
-    def exact_of_query(self) -> float | None:
-        """Share of the query that lies exactly on the candidate; None if it is not known."""
-        return self.exact if self.of_query else None
 
     @property
     def is_promising(self) -> bool:
@@ -94,13 +91,13 @@ class PartPoses:
         forth = rough_pose(self._as_part, candidate)
         found = [PartPose(forth.covered)]
         if forth.frame is not None and found[0].is_promising:
-            exact, frame = fit_exactly(self._as_part, candidate, forth.frame)
+            exact, frame = fit_exactly(self._as_part, candidate, forth.frame, hopeless=_EXACTLY)
             found.append(PartPose(forth.covered, exact, frame=frame.inverse()))
         poses = [(rough_pose(candidate, whole, (0,)), scale, whole) for scale, whole in self._as_whole]
         back, scale, whole = max(poses, key=lambda pose: pose[0].covered)
         found.append(PartPose(back.covered))
         if back.frame is not None and found[-1].is_promising:
-            exact, frame = fit_exactly(candidate, whole, back.frame)
+            exact, frame = fit_exactly(candidate, whole, back.frame, hopeless=_EXACTLY)
             frame = Frame(frame.scale / scale, frame.rotation, frame.translation / scale)
             found.append(PartPose(back.covered, exact, of_query=False, frame=frame))
         return max(found, key=lambda pose: (pose.exact, pose.covered))
@@ -123,7 +120,7 @@ class PartPoses:
         """
         if alignment.query_covered[-1] < _ALIGNED:
             return pose
-        exact, frame = fit_exactly(self._as_part, candidate, alignment.frame)
+        exact, frame = fit_exactly(self._as_part, candidate, alignment.frame, hopeless=_EXACTLY)
         covered = max(pose.covered, float(alignment.query_covered[-1]))
         return pose if exact <= pose.exact else PartPose(covered, exact, frame=frame.inverse())
 

@@ -41,9 +41,7 @@ _STEPS = (
     (150, 0.03),
     (150, 0.02),
     (300, 0.01),
-    (300, 0.01),
-    (600, 0.005),
-    (600, 0.005),
+    (300, 0.005),
     (600, 0.005),
 )
 # With a larger tolerance the nearest point need not be exact; farther than this many times the tolerance it
