@@ -196,7 +196,8 @@ class LibrarySearch(LibraryContents):
         if not examples:
             raise ValueError("there is nothing to compare with: give at least one mesh or signature")
         family = np.array(sorted({match.shape_id, *match.version_ids}), np.int64)
-        matches = self._search.among_all(Query(self.model, examples), len(family), family)
+        found = self._search.among_all(Query(self.model, examples), len(family), family)
+        matches = copies_first(self._store, examples, found)
         return self.explain(examples, matches, explain)
 
     def explain(

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import islice, product
 
 import numpy as np
 
@@ -80,11 +81,8 @@ def placed_copy_kind(
         or max(map(len, (query_placements, match_placements))) < 2
     ):
         return found
-    kinds = [
-        copy_kind(one, other)
-        for one in _at_placements(query, query_placements)
-        for other in _at_placements(match, match_placements)
-    ]
+    pairs = product(_at_placements(query, query_placements), _at_placements(match, match_placements))
+    kinds = [copy_kind(one, other) for one, other in islice(pairs, 1, None)]  # the first pair is known
     return min((found, *(kind for kind in kinds if kind is not None)), key=_closeness)
 
 

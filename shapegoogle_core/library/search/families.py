@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,8 +53,8 @@ class Family:
 
     @property
     def best(self) -> Match:
-        """The best member, with the others as its versions."""
-        return self.shown_by(min(self.members, key=lambda match: match.rank_key))
+        """The best member, with the others as its versions; of equally near ones the first that was met."""
+        return self.shown_by(min(self.members, key=attrgetter("distance")))
 
     def shown_by(self, member: Match) -> Match:
         """Let a member stand for all: the others are its versions."""
@@ -182,7 +183,7 @@ def collect_families(
         enough = len(families.families) >= wanted
         last = not new or not accepts(new[-1]) or count >= min(total, families.most_met)
         if enough or last:
-            found = sorted(families.families, key=lambda family: family.best.rank_key)
+            found = sorted(families.families, key=lambda family: family.best.distance)
             return found[:wanted]
         count = min(4 * count, total, families.most_met)
         matches = more(count)
@@ -218,7 +219,7 @@ def families_of_kind(
     matches : list of Match
         For each family the first member of the kind, with the others as versions; best first.
     """
-    ordered = [sorted(family.members, key=lambda match: match.rank_key) for family in families]
+    ordered = [sorted(family.members, key=attrgetter("distance")) for family in families]
     turns = sorted((turn, number) for number, members in enumerate(ordered) for turn in range(len(members)))
     found: dict[int, Match] = {}
     for start in range(0, min(most, len(turns)), _EXPLAINED_AT_ONCE):
@@ -230,4 +231,5 @@ def families_of_kind(
                 found[number] = families[number].shown_by(match)
         if len(found) >= wanted:
             break
-    return sorted(found.values(), key=lambda match: match.rank_key)[:wanted]
+    in_order = [found[number] for number in sorted(found)]
+    return sorted(in_order, key=attrgetter("distance"))[:wanted]

@@ -93,7 +93,7 @@ class PartPoses:
         if forth.frame is not None and found[0].is_promising:
             exact, frame = fit_exactly(self._as_part, candidate, forth.frame, hopeless=_EXACTLY)
             found.append(PartPose(forth.covered, exact, frame=frame.inverse()))
-        poses = [(rough_pose(candidate, whole, (0,)), scale, whole) for scale, whole in self._as_whole]
+        poses = [(rough_pose(candidate, whole), scale, whole) for scale, whole in self._as_whole]
         back, scale, whole = max(poses, key=lambda pose: pose[0].covered)
         found.append(PartPose(back.covered))
         if back.frame is not None and found[-1].is_promising:

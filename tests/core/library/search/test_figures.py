@@ -70,9 +70,13 @@ def test_of_equally_near_copies_the_identical_one_comes_first(tmp_path: Path) ->
             library.add((box.vertices + shift, box.faces), name)
         matches = library.query((box.vertices, box.faces))
         (first,) = library.query((box.vertices, box.faces), top=1)
+        (family,) = library.query((box.vertices, box.faces), families=True)
+        versions = library.versions((box.vertices, box.faces), family)
     assert [match.distance for match in matches] == [0, 0, 0]
     assert [match.name for match in matches] == ["b", "a", "c"]
     assert (first.name, first.evidence.kind if first.evidence else "") == ("b", "identical")
+    assert (family.name, family.versions) == ("b", 2)
+    assert [match.name for match in versions] == ["b", "a", "c"]
 
 
 def test_plain_shapes_do_not_pass_for_each_other(tmp_path: Path) -> None:
