@@ -6,6 +6,7 @@
 spectra     eigenpairs from vertices and faces, compared with LaPy (with and without CHOLMOD) and pyfmaps
 describing  from a file to a signature, stage by stage
 search      codes and libraries by their size
+kinds       the kinds of the best 10 and 50 matches
 indexing    one worker compared with two, memory over a long run
 blender     waiting times in Blender; needs the module bpy
 
@@ -33,7 +34,7 @@ from benchmarks.speed.reporting import line, write_figure, write_rows
 
 __all__ = ["add_options", "run"]
 
-SECTIONS = ("spectra", "describing", "search", "indexing", "blender")
+SECTIONS = ("spectra", "describing", "search", "kinds", "indexing", "blender")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
