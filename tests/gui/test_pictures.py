@@ -145,4 +145,4 @@ def test_preferences(window: Any, library: Any) -> None:
     assert width < SIZE[0]
     # What is above the add-on's own preferences says where it is on this machine.
     top = SIZE[1] - bottom - height + 225
-    save(image.crop((left + 165, top, left + width, SIZE[1] - bottom - 95)), "preferences")
+    save(image.crop((left + 165, top, left + width, SIZE[1] - bottom - 107)), "preferences")
