@@ -62,6 +62,12 @@ COMMANDS = (
         "find more of the same kind, with and without each part of the search",
         ("joblib", "platformdirs", "skimage"),
     ),
+    Command(
+        "network",
+        "benchmarks.network.command",
+        "what a small pre-trained network would add to that",
+        ("joblib", "onnx", "onnxruntime", "platformdirs", "skimage", "torch"),
+    ),
     Command("evidence", "benchmarks.experiments.evidence", "how often the evidence of a match is right"),
     Command(
         "unlike", "benchmarks.experiments.unlike", "how often different assets are taken for the same shape"

