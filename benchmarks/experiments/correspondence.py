@@ -43,7 +43,8 @@ from shapegoogle_core import Mesh, MeshError
 from shapegoogle_core.descriptors.geodesics import surface_graph
 from shapegoogle_core.mesh.prolongation import nearest_faces, prolongation
 from shapegoogle_core.preprocessing import repair
-from shapegoogle_core.preprocessing.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify
+from shapegoogle_core.preprocessing.subdivision import subdivide
 
 __all__ = ["add_options", "run"]
 

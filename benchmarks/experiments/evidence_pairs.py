@@ -12,7 +12,8 @@ from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.preprocessing.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify
+from shapegoogle_core.preprocessing.subdivision import subdivide
 
 __all__ = ["EvidencePair", "cut", "make_pairs", "remeshed"]
 

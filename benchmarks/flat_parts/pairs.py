@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.flat_parts.families import FAMILIES, FlatPart, make_parts
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.preprocessing.resampling import subdivide
+from shapegoogle_core.preprocessing.subdivision import subdivide
 
 __all__ = ["PartPair", "PartVersion", "make_part_pairs", "versions"]
 

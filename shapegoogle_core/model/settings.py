@@ -272,13 +272,15 @@ class ModelSettings:
         Returns
         -------
         values : dict
-            Without `sample`, `local` and `detector` where they are None, and without `boundary` where it is
-            "neumann": models from before these existed keep their identifier. For the same reason the key
+            Without `sample`, `local` and `detector` where they are None, without `boundary` where it is
+            "neumann", and without `longest_edge` where it is 0: models from before these existed keep their identifier. For the same reason the key
             of `preprocessing` is its former name, "mending".
         """
         values = {"mending" if key == "preprocessing" else key: value for key, value in asdict(self).items()}
         later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]
         later += [(channel, "detector", None) for channel in values["channels"]]
+        if values["mending"] is not None:
+            later.append((values["mending"], "longest_edge", 0.0))
         for choices, name, before in later:
             if choices[name] == before:
                 del choices[name]
@@ -312,7 +314,10 @@ class ModelSettings:
                     "copy or train the model again"
                 )
             if known["preprocessing"] is not None:
-                known["preprocessing"] = PreprocessingSettings(**known["preprocessing"])
+                known["preprocessing"] = PreprocessingSettings(
+                    # Earlier models kept the triangles of a mesh as they were.
+                    **{"longest_edge": 0.0, **known["preprocessing"]}
+                )
             unknown = set(known) - {entry.name for entry in fields(cls)}
             if unknown:
                 raise ModelError(f"unknown settings {', '.join(sorted(unknown))}; update Shape Google")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Preprocessing: repair, hole filling, resampling and smoothing before the Laplacian."""
 
+from shapegoogle_core.preprocessing.fans import separate_fans
 from shapegoogle_core.preprocessing.holes import close_holes
 from shapegoogle_core.preprocessing.repair import repair, repair_mapped
 from shapegoogle_core.preprocessing.resampling import resample
@@ -14,5 +15,6 @@ __all__ = [
     "repair",
     "repair_mapped",
     "resample",
+    "separate_fans",
     "smooth",
 ]

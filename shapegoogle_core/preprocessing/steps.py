@@ -9,6 +9,7 @@ from shapegoogle_core.api.arguments import check_count, check_number
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.mesh import Mesh
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
+from shapegoogle_core.preprocessing.fans import separate_fans
 from shapegoogle_core.preprocessing.holes import close_holes
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.resampling import resample
@@ -30,6 +31,11 @@ class PreprocessingSettings:
         Fewest vertices: a coarser surface is subdivided. Not used for point clouds.
     budget : int
         Most vertices, 4 at least: a finer surface or point cloud is simplified.
+    longest_edge : float
+        Longest edge, as a share of the square root of the area: longer ones are split. Before that, vertices that
+        the surface does not need are removed, so that it does not matter how it is cut into triangles, and
+        surfaces that touch in a single vertex are separated. 0 does none of this, as in models from before it
+        existed. Not used for point clouds.
     smoothing : float
         Time of the smoothing step as a share of the area (see `smooth`); 0 leaves the surface as it is.
 
@@ -42,18 +48,20 @@ class PreprocessingSettings:
     --------
     >>> import shapegoogle_core as sg
     >>> sg.PreprocessingSettings(budget=2000)
-    PreprocessingSettings(close_holes=0.45, floor=1000, budget=2000, smoothing=0.0003)
+    PreprocessingSettings(close_holes=0.45, floor=1000, budget=2000, longest_edge=0.045, smoothing=0.0003)
     """
 
     close_holes: float = 0.45
     floor: int = 1000
     budget: int = 5000
+    longest_edge: float = 0.045
     smoothing: float = 3e-4
 
     def __post_init__(self) -> None:
         check_number("close_holes", self.close_holes, most=1)
         check_count("floor", self.floor, 0)
         check_count("budget", self.budget, 4)
+        check_number("longest_edge", self.longest_edge)
         check_number("smoothing", self.smoothing)
 
 
@@ -62,6 +70,8 @@ _DEFAULT = PreprocessingSettings()
 
 def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Mesh:
     """Repair a shape, close its holes, bring it to a working resolution and smooth it.
+
+    Two meshes of the same surface give nearly the same result, however they cut it into triangles.
 
     Parameters
     ----------
@@ -97,7 +107,9 @@ def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Me
     if not is_cloud:
         check(mesh)  # repair drops faces without area, which may be all
         mesh = close_holes(mesh, settings.close_holes)
-    mesh = resample(mesh, settings.floor, settings.budget)
+        if settings.longest_edge > 0:
+            mesh = separate_fans(mesh)
+    mesh = resample(mesh, settings.floor, settings.budget, settings.longest_edge)
     if is_cloud:
         check(mesh)  # points that crowd in few places become few points
     return smooth(mesh, settings.smoothing)

@@ -11,7 +11,8 @@ from benchmarks.creatures import Creature, make_creature
 from shapegoogle_core import Mesh, MeshError, VertexMatch, match_vertices
 from shapegoogle_core.correspondence import SurfaceSettings, match_with_points
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.preprocessing.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify
+from shapegoogle_core.preprocessing.subdivision import subdivide
 from tests.core.conftest import Shapes
 
 # Small copies, so that a test takes a second; the defaults are measured by the benchmark.

@@ -14,7 +14,8 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh import Mesh, face_areas, unique_edges
 from shapegoogle_core.preprocessing import repair, resample
-from shapegoogle_core.preprocessing.resampling import cell_numbers, finest_cell, simplify, subdivide, thin
+from shapegoogle_core.preprocessing.resampling import cell_numbers, finest_cell, simplify, thin
+from shapegoogle_core.preprocessing.subdivision import subdivide
 
 BALL = trimesh.creation.icosphere(subdivisions=5)
 BOX = trimesh.creation.box((1, 2, 3))

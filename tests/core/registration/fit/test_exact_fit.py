@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh, compute_spectrum
-from shapegoogle_core.preprocessing.resampling import simplify, subdivide
+from shapegoogle_core.preprocessing.resampling import simplify
+from shapegoogle_core.preprocessing.subdivision import subdivide
 from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface
 from shapegoogle_core.registration.fit.exact_fit import fit_exactly, rough_pose
 from shapegoogle_core.registration.frames import Frame

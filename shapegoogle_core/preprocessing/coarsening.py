@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: MIT
+"""Coarsening: a surface loses the vertices that it does not need, so that how it was cut does not matter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+
+from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.preprocessing.ear_clipping import Triangle, clip_ears, outline_around
+from shapegoogle_core.preprocessing.flat_regions import FLATNESS, flat_regions
+from shapegoogle_core.preprocessing.triangulation import EdgeTable, Indices, edge_table, flip_edges
+
+__all__ = ["coarsen"]
+
+
+def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
+    """Remove the vertices inside flat regions and on straight edges between them.
+
+    What is left are the corners of the surface: the same ones whether a modeller cut it into long triangles, a
+    grid, or triangles split in four. The surface does not change, point by point, up to `FLATNESS`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Repaired.
+
+    Returns
+    -------
+    coarse : Mesh
+        The vertices that are left, in their order, and in each flat region the Delaunay triangles. A vertex
+        may be left over in a region that is not a simple polygon. The mesh itself if no two faces lie in a
+        plane.
+    region : (m,) array of int
+        Flat region of each face of `coarse`.
+    """
+    region = flat_regions(mesh)
+    if len(region) == 0 or region.max() + 1 == len(region):
+        return mesh, region
+    vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
+    tolerance = FLATNESS * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    faces, region = _remove_vertices(vertices, faces, region, tolerance)
+    faces = flip_edges(vertices, faces, region)
+    used, compact = used_vertices(faces, len(vertices))
+    return Mesh(vertices[used], compact, mesh.name), region
+
+
+def _remove_vertices(
+    vertices: FloatArray, faces: Indices, region: Indices, tolerance: float
+) -> tuple[Indices, Indices]:
+    """Remove vertices, about a quarter of those that can go in each round, until none is left."""
+    stuck = np.zeros(len(vertices), bool)
+    while True:
+        edges = edge_table(faces)
+        removable, ways = _removable(vertices, faces, edges, edges.inside(region), tolerance)
+        chosen = _independent(removable & ~stuck, edges.ends)
+        if not chosen.any():
+            return faces, region
+        vertex, target = ways[:, chosen[ways[0]]]
+        vertex, target = _valid_moves(vertices, faces, edges, vertex, target, tolerance)
+        chosen[vertex] = False
+        removed, new_faces, new_regions = _clipped(vertices, faces, region, edges, chosen, tolerance)
+        stuck |= chosen
+        # Around a vertex that is gone, others may be able to go now.
+        gone = np.zeros(len(vertices), bool)
+        gone[vertex] = gone[removed] = True
+        stuck[edges.ends[gone[edges.ends].any(axis=1)]] = False
+        moved = np.arange(len(vertices))
+        moved[vertex] = target
+        gone[vertex] = False
+        kept = ~gone[faces].any(axis=1)
+        faces = moved[faces]
+        kept &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+        faces = np.concatenate([faces[kept], new_faces])
+        region = np.concatenate([region[kept], new_regions])
+
+
+def _clipped(
+    vertices: FloatArray,
+    faces: Indices,
+    region: Indices,
+    edges: EdgeTable,
+    chosen: NDArray[np.bool_],
+    tolerance: float,
+) -> tuple[Indices, Indices, Indices]:
+    """Remove vertices with many neighbours, no one of which sees all others, by ear clipping.
+
+    Returns
+    -------
+    removed : (r,) array of int
+        Those of the chosen vertices that can go.
+    faces : (k, 3) array of int
+        New faces instead of those around the vertices.
+    region : (k,) array of int
+        Their regions.
+    """
+    removed: list[int] = []
+    triangles: list[Triangle] = []
+    owners: list[int] = []
+    if chosen.any():
+        new_edges: set[tuple[int, int]] = set()
+        around: dict[int, dict[int, list[list[int]]]] = {}
+        for number in np.flatnonzero(chosen[faces].any(axis=1)).tolist():
+            face = faces[number].tolist()
+            vertex = face[int(np.argmax(chosen[face]))]
+            around.setdefault(vertex, {}).setdefault(int(region[number]), []).append(face)
+        for vertex, fans in around.items():
+            found = [_clip_fan(vertices, vertex, fan, tolerance) for fan in fans.values()]
+            inner = {
+                edge
+                for fan, clipped in zip(fans.values(), found, strict=True)
+                for edge in _sides(clipped) - _sides(fan)
+            }
+            # An edge that there is already would get more than two faces.
+            if all(found) and not (inner & new_edges or _any_known(inner, edges.ends)):
+                removed.append(vertex)
+                for owner, fan in zip(fans, found, strict=True):
+                    triangles += fan
+                    owners += [owner] * len(fan)
+                new_edges |= inner
+    return (
+        np.array(removed, np.int64),
+        np.array(triangles, np.int64).reshape(-1, 3),
+        np.array(owners, np.int64),
+    )
+
+
+def _clip_fan(
+    vertices: FloatArray, vertex: int, fan: Sequence[Sequence[int]], tolerance: float
+) -> list[Triangle]:
+    """Triangulate what the faces of one region around a vertex cover; empty if that cannot be done."""
+    outline = outline_around(vertex, fan)
+    if len(outline) < 3:
+        return []
+    points = vertices[outline] - vertices[vertex]
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    first = points[np.argmax((points**2).sum(axis=1))]
+    second = np.cross(normal, first)
+    axes = np.stack(
+        [axis / max(float(np.linalg.norm(axis)), np.finfo(float).tiny) for axis in (first, second)]
+    )
+    return clip_ears(outline, points @ axes.T, tolerance)
+
+
+def _sides(faces: Sequence[Sequence[int]]) -> set[tuple[int, int]]:
+    return {(min(a, b), max(a, b)) for face in faces for a, b in combinations(face, 2)}
+
+
+def _any_known(wanted: set[tuple[int, int]], ends: Indices) -> bool:
+    """Whether any edge is among those of a table, which are in order."""
+    if not wanted:
+        return False
+    count = int(ends.max()) + 1
+    keys = ends[:, 0] * count + ends[:, 1]
+    low, high = np.array(sorted(wanted)).T
+    place = np.searchsorted(keys, low * count + high)
+    return bool((keys[np.minimum(place, len(keys) - 1)] == low * count + high).any())
+
+
+def _removable(
+    vertices: FloatArray, faces: Indices, edges: EdgeTable, inside: NDArray[np.bool_], tolerance: float
+) -> tuple[NDArray[np.bool_], Indices]:
+    """Find the vertices inside flat regions and on straight edges, and the neighbours that they may move to.
+
+    Returns
+    -------
+    removable : (n,) array of bool
+    ways : (2, k) array of int
+        Vertices and neighbours.
+    """
+    count = len(vertices)
+    used = np.zeros(count, bool)
+    used[faces] = True
+    outline = edges.ends[~inside]
+    outline_count = np.bincount(outline.ravel(), minlength=count)
+    flat = used & (outline_count == 0)
+    # The two outline edges of a vertex, one after the other.
+    both = np.concatenate([outline, outline[:, ::-1]])
+    both = both[outline_count[both[:, 0]] == 2]
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    middle, start, end = both[::2, 0], both[::2, 1], both[1::2, 1]
+    along = vertices[end] - vertices[start]
+    offset = vertices[middle] - vertices[start]
+    share = (offset * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    distance = np.linalg.norm(offset - share[:, None] * along, axis=1)
+    straight = (distance <= tolerance) & (share > 0) & (share < 1)
+    middle, start, end = middle[straight], start[straight], end[straight]
+    removable = flat.copy()
+    removable[middle] = True
+    inner = np.concatenate([edges.ends, edges.ends[:, ::-1]])
+    inner = inner[flat[inner[:, 0]]]
+    ways = np.concatenate([inner.T, np.stack([middle, start]), np.stack([middle, end])], axis=1)
+    return removable, ways
+
+
+def _independent(wanted: NDArray[np.bool_], ends: Indices) -> NDArray[np.bool_]:
+    """Choose wanted vertices of which no two are neighbours, those with few neighbours first."""
+    degree = np.bincount(ends.ravel(), minlength=len(wanted))
+    between = ends[wanted[ends].all(axis=1)]
+    neighbours: dict[int, list[int]] = {}
+    for one, other in between.tolist():
+        neighbours.setdefault(one, []).append(other)
+        neighbours.setdefault(other, []).append(one)
+    candidates = np.flatnonzero(wanted)
+    free = set(candidates.tolist())
+    chosen = []
+    for vertex in candidates[np.argsort(degree[candidates], kind="stable")].tolist():
+        if vertex in free:
+            chosen.append(vertex)
+            free.difference_update(neighbours.get(vertex, ()))
+    result = np.zeros(len(wanted), bool)
+    result[chosen] = True
+    return result
+
+
+def _valid_moves(
+    vertices: FloatArray, faces: Indices, edges: EdgeTable, vertex: Indices, target: Indices, tolerance: float
+) -> tuple[Indices, Indices]:
+    """Choose for each vertex the nearest neighbour to which it can move without changing the surface."""
+    corners = faces.ravel()
+    by_vertex = np.argsort(corners, kind="stable")
+    start = np.searchsorted(corners[by_vertex], np.arange(len(vertices) + 1))
+    size = start[vertex + 1] - start[vertex]
+    move = np.repeat(np.arange(len(vertex)), size)
+    corner = by_vertex[np.arange(len(move)) - np.repeat(np.cumsum(size) - size - start[vertex], size)]
+    second, third = faces[corner // 3, (corner % 3 + 1) % 3], faces[corner // 3, (corner % 3 + 2) % 3]
+    goal = target[move]
+    vanishes = (second == goal) | (third == goal)
+    opposite = vertices[third] - vertices[second]
+    before = np.cross(vertices[second] - vertices[vertex[move]], opposite)
+    after = np.cross(vertices[second] - vertices[goal], opposite)
+    reach = np.maximum(
+        ((vertices[second] - vertices[goal]) ** 2).sum(axis=1),
+        ((vertices[third] - vertices[goal]) ** 2).sum(axis=1),
+    )
+    longest = np.maximum(reach, (opposite**2).sum(axis=1))
+    # A face keeps its side, and does not become as low as what counts as flat.
+    stays = ((before * after).sum(axis=1) > 0) & ((after**2).sum(axis=1) > tolerance**2 * longest)
+    valid = np.bincount(move, ~vanishes & ~stays, len(vertex)) == 0
+    # Two vertices may become one if their common neighbours are those in the faces between them.
+    count = len(vertices)
+    ends = np.concatenate([edges.ends, edges.ends[:, ::-1]])
+    neighbour = coo_array((np.ones(len(ends), np.int32), ends.T), shape=(count, count)).tocsr()
+    common = np.asarray((neighbour[vertex] * neighbour[target]).sum(axis=1)).ravel()
+    valid &= common == np.bincount(move, vanishes, len(vertex))
+    vertex, target = vertex[valid], target[valid]
+    distance = ((vertices[vertex] - vertices[target]) ** 2).sum(axis=1)
+    order = np.lexsort((distance, vertex))
+    _, nearest = np.unique(vertex[order], return_index=True)
+    return vertex[order[nearest]], target[order[nearest]]

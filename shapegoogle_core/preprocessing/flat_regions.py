@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Flat regions: neighbouring faces in one plane, however a modeller or an exporter has cut it into triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.preprocessing.triangulation import Indices, edge_table
+
+__all__ = ["FLATNESS", "flat_regions"]
+
+FLATNESS = 1e-5
+"""Height over a plane, as a share of the bounding-box diagonal, that counts as none: what is left of a flat
+region after it was moved and stored in float32, and less than anyone models."""
+
+LEAST_COSINE = 0.9  # between the normals of neighbours: a low face may be turned by rounding
+
+
+def flat_regions(mesh: Mesh) -> Indices:
+    """Find the flat regions of a surface.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Repaired.
+
+    Returns
+    -------
+    region : (m,) array of int
+        Region of each face, from 0. Faces of a region are connected by edges between exactly two of them
+        and lie in one plane. Where a fine curved surface is flat from face to face, but not as a whole,
+        every face is a region.
+    """
+    vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
+    tolerance = FLATNESS * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    edges = edge_table(faces)
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    normal = np.cross(b - a, c - a)
+    double_area = np.linalg.norm(normal, axis=1)
+    normal /= np.maximum(double_area, np.finfo(float).tiny)[:, None]
+
+    one, other = edges.first[edges.between_two], edges.last[edges.between_two]
+    swap = double_area[one // 3] < double_area[other // 3]
+    larger, smaller = np.where(swap, other, one) // 3, np.where(swap, one, other)
+    height = _dot(vertices[faces.ravel()[smaller]] - a[larger], normal[larger])
+    flat = (np.abs(height) <= tolerance) & (_dot(normal[larger], normal[smaller // 3]) > LEAST_COSINE)
+    graph = coo_array(
+        (np.ones(np.count_nonzero(flat), np.int8), (larger[flat], smaller[flat] // 3)),
+        shape=(len(faces),) * 2,
+    )
+    count, region = connected_components(graph, directed=False)
+    if count == len(faces):
+        return np.arange(len(faces))
+
+    # Flat from face to face, and also as a whole?
+    weight = np.maximum(np.bincount(region, double_area), np.finfo(float).tiny)
+    plane_normal = np.stack([np.bincount(region, double_area * x) for x in normal.T], axis=1)
+    plane_normal /= np.maximum(np.linalg.norm(plane_normal, axis=1), np.finfo(float).tiny)[:, None]
+    origin = (
+        np.stack([np.bincount(region, double_area * x) for x in ((a + b + c) / 3).T], axis=1)
+        / weight[:, None]
+    )
+    bend = np.zeros(count)
+    for corner in (a, b, c):
+        np.maximum.at(bend, region, np.abs(_dot(corner - origin[region], plane_normal[region])))
+    bent = bend[region] > 2 * tolerance
+    return np.unique(np.where(bent, count + np.arange(len(faces)), region), return_inverse=True)[1]
+
+
+def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    return np.asarray((first * second).sum(axis=1))
