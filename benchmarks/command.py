@@ -76,6 +76,7 @@ COMMANDS = (
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
     Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),
     Command("duplicates", "benchmarks.experiments.duplicates", "recall and time of the duplicate search"),
+    Command("tessellation", "benchmarks.experiments.tessellation", "the same surfaces in other triangles"),
     Command("families", "benchmarks.experiments.families", "which shapes a search shows as versions of one"),
     Command("point-clouds", "benchmarks.experiments.point_clouds", "find meshes by scans of them"),
     Command(
@@ -113,6 +114,11 @@ COMMANDS = (
         "draw a figure of the documentation",
     ),
     Command("train", "benchmarks.training.models", "train the shipped models"),
+    Command(
+        "set-preprocessing",
+        "benchmarks.training.preprocessing",
+        "give the shipped model the preprocessing of its preset",
+    ),
     Command("train-views", "benchmarks.training.views", "learn to describe pictures for the shipped model"),
     Command(
         "train-background",

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.flat_parts.families import FAMILIES, FlatPart, make_parts
+from benchmarks.flat_parts.tessellations import reordered, split_in_four
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.preprocessing.subdivision import subdivide
@@ -70,12 +71,12 @@ def versions(part: FlatPart, random: np.random.Generator) -> list[PartVersion]:
     """
     mesh = part.mesh
     factor = float(np.exp(random.uniform(0.1, 1.5) * random.choice([-1, 1])))
-    split = _split_in_four(mesh)
+    split = split_in_four(mesh)
     even = subdivide(mesh, 4 * len(mesh.vertices) + 400)
     reflected = Mesh(mesh.vertices * [-1, 1, 1], mesh.faces[:, ::-1].copy(), mesh.name)
     return [
-        PartVersion("identical", "facets in another order", _shuffled(mesh, random)),
-        PartVersion("moved", "moved, facets in another order", _moved(_shuffled(mesh, random), random)),
+        PartVersion("identical", "facets in another order", reordered(mesh, random)),
+        PartVersion("moved", "moved, facets in another order", _moved(reordered(mesh, random), random)),
         PartVersion("scaled", "moved and scaled", _moved(mesh, random, factor), factor),
         PartVersion("mirrored" if part.chiral else "moved", "reflected", _moved(reflected, random)),
         PartVersion("re-meshed", "split in four", split),
@@ -106,7 +107,7 @@ def make_part_pairs(family: str, seed: int = 0) -> list[PartPair]:
     ]
     for first, second in combinations(parts, 2):
         detail = f"{family}: {first.name} / {second.name}"
-        other = _split_in_four(_moved(_shuffled(second.mesh, random), random))
+        other = split_in_four(_moved(reordered(second.mesh, random), random))
         pairs.append(PartPair("different", detail, first.mesh, second.mesh))
         pairs.append(PartPair("different", f"{detail}, moved", second.mesh, _moved(first.mesh, random)))
         pairs.append(PartPair("different", f"{detail}, other triangles", first.mesh, other))
@@ -115,19 +116,6 @@ def make_part_pairs(family: str, seed: int = 0) -> list[PartPair]:
         stranger = next(make_parts([families[(families.index(family) + number) % len(families)]]))
         pairs.append(PartPair("different", "another family", part.mesh, stranger.mesh))
     return pairs
-
-
-def _split_in_four(mesh: Mesh) -> Mesh:
-    import trimesh
-
-    vertices, faces = trimesh.remesh.subdivide(mesh.vertices, mesh.faces)  # type: ignore[no-untyped-call]
-    return Mesh(vertices, faces, mesh.name)
-
-
-def _shuffled(mesh: Mesh, random: np.random.Generator) -> Mesh:
-    order = random.permutation(len(mesh.vertices))
-    faces = np.argsort(order)[mesh.faces][random.permutation(len(mesh.faces))]
-    return Mesh(mesh.vertices[order], faces.astype(np.int32), mesh.name)
 
 
 def _moved(mesh: Mesh, random: np.random.Generator, scale: float = 1.0) -> Mesh:

@@ -273,8 +273,8 @@ class ModelSettings:
         -------
         values : dict
             Without `sample`, `local` and `detector` where they are None, without `boundary` where it is
-            "neumann", and without `longest_edge` where it is 0: models from before these existed keep their identifier. For the same reason the key
-            of `preprocessing` is its former name, "mending".
+            "neumann", and without `longest_edge` where it is 0: models from before these existed keep their
+            identifier. For the same reason the key of `preprocessing` is its former name, "mending".
         """
         values = {"mending" if key == "preprocessing" else key: value for key, value in asdict(self).items()}
         later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]

@@ -22,8 +22,8 @@ __all__ = ["coarsen"]
 def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
     """Remove the vertices inside flat regions and on straight edges between them.
 
-    What is left are the corners of the surface: the same ones whether a modeller cut it into long triangles, a
-    grid, or triangles split in four. The surface does not change, point by point, up to `FLATNESS`.
+    What is left are the corners of the surface: the same ones whether a modeller cut it into long triangles,
+    a grid, or triangles split in four. The surface does not change, point by point, up to `FLATNESS`.
 
     Parameters
     ----------

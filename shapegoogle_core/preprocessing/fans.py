@@ -16,8 +16,8 @@ def separate_fans(mesh: Mesh) -> Mesh:
     """Give each fan of faces around a vertex a vertex of its own.
 
     A fan consists of faces around a vertex that are connected by edges. Heat cannot cross a point of a
-    surface, but it crosses a vertex of a mesh, the more the larger its faces are. An eye that is welded to its
-    socket in two places is a part of its own, at every resolution.
+    surface, but it crosses a vertex of a mesh, the more the larger its faces are. So an eye that is welded to
+    its socket in two places is a part of its own, at every resolution.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Flat regions: neighbouring faces in one plane, however a modeller or an exporter has cut it into triangles."""
+"""Flat regions: neighbouring faces in one plane, however it is cut into triangles."""
 
 from __future__ import annotations
 

@@ -32,10 +32,10 @@ class PreprocessingSettings:
     budget : int
         Most vertices, 4 at least: a finer surface or point cloud is simplified.
     longest_edge : float
-        Longest edge, as a share of the square root of the area: longer ones are split. Before that, vertices that
-        the surface does not need are removed, so that it does not matter how it is cut into triangles, and
-        surfaces that touch in a single vertex are separated. 0 does none of this, as in models from before it
-        existed. Not used for point clouds.
+        Longest edge, as a share of the square root of the area; longer ones are split. Before that, surfaces
+        that touch in a single vertex are separated, and vertices that the surface does not need are removed:
+        then it does not matter how it is cut into triangles. 0 does none of this, as in models from before
+        it existed. Not used for point clouds.
     smoothing : float
         Time of the smoothing step as a share of the area (see `smooth`); 0 leaves the surface as it is.
 

@@ -33,7 +33,7 @@ def noisy(mesh: Mesh, strength: float) -> Mesh:
 
 def test_defaults() -> None:
     assert PreprocessingSettings() == PreprocessingSettings(
-        close_holes=0.45, floor=1000, budget=5000, smoothing=3e-4
+        close_holes=0.45, floor=1000, budget=5000, longest_edge=0.045, smoothing=3e-4
     )
     with pytest.raises(FrozenInstanceError):
         PreprocessingSettings().floor = 7  # type: ignore[misc]
@@ -56,9 +56,8 @@ def test_resolution_and_noise_hardly_matter() -> None:
 
 def test_nothing_asked_for_nothing_done() -> None:
     clean = bumpy_ball()
-    assert (
-        preprocess(clean, PreprocessingSettings(close_holes=0, floor=0, budget=20_000, smoothing=0)) is clean
-    )
+    nothing = PreprocessingSettings(close_holes=0, floor=0, budget=20_000, longest_edge=0, smoothing=0)
+    assert preprocess(clean, nothing) is clean
 
 
 def test_no_surface_before_or_after_repair() -> None:
@@ -97,7 +96,14 @@ def test_any_kind_of_mesh_is_taken() -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("close_holes", -0.1), ("close_holes", 2.0), ("floor", -1), ("budget", 3), ("smoothing", np.inf)],
+    [
+        ("close_holes", -0.1),
+        ("close_holes", 2.0),
+        ("floor", -1),
+        ("budget", 3),
+        ("longest_edge", -1.0),
+        ("smoothing", np.inf),
+    ],
 )
 def test_settings_out_of_range_are_named(name: str, value: float) -> None:
     wrong: dict[str, Any] = {name: value}
