@@ -277,7 +277,11 @@ class ModelSettings:
             identifier. For the same reason the key of `preprocessing` is its former name, "mending".
         """
         values = {"mending" if key == "preprocessing" else key: value for key, value in asdict(self).items()}
-        later = [(values, "sample", None), (values, "local", None), (values, "boundary", "neumann")]
+        later: list[tuple[dict[str, Any], str, object]] = [
+            (values, "sample", None),
+            (values, "local", None),
+            (values, "boundary", "neumann"),
+        ]
         later += [(channel, "detector", None) for channel in values["channels"]]
         if values["mending"] is not None:
             later.append((values["mending"], "longest_edge", 0.0))

@@ -38,9 +38,9 @@ def flat_regions(mesh: Mesh) -> Indices:
     tolerance = FLATNESS * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     edges = edge_table(faces)
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    normal = np.cross(b - a, c - a)
+    normal = np.asarray(np.cross(b - a, c - a), np.float64)
     double_area = np.linalg.norm(normal, axis=1)
-    normal /= np.maximum(double_area, np.finfo(float).tiny)[:, None]
+    normal = normal / np.maximum(double_area, np.finfo(float).tiny)[:, None]
 
     one, other = edges.first[edges.between_two], edges.last[edges.between_two]
     swap = double_area[one // 3] < double_area[other // 3]
@@ -51,18 +51,16 @@ def flat_regions(mesh: Mesh) -> Indices:
         (np.ones(np.count_nonzero(flat), np.int8), (larger[flat], smaller[flat] // 3)),
         shape=(len(faces),) * 2,
     )
-    count, region = connected_components(graph, directed=False)
+    count, label = connected_components(graph, directed=False)
+    region = label.astype(np.int64)
     if count == len(faces):
         return np.arange(len(faces))
 
     # Flat from face to face, and also as a whole?
     weight = np.maximum(np.bincount(region, double_area), np.finfo(float).tiny)
-    plane_normal = np.stack([np.bincount(region, double_area * x) for x in normal.T], axis=1)
+    plane_normal = _sums(region, double_area, normal)
     plane_normal /= np.maximum(np.linalg.norm(plane_normal, axis=1), np.finfo(float).tiny)[:, None]
-    origin = (
-        np.stack([np.bincount(region, double_area * x) for x in ((a + b + c) / 3).T], axis=1)
-        / weight[:, None]
-    )
+    origin = _sums(region, double_area, (a + b + c) / 3) / weight[:, None]
     bend = np.zeros(count)
     for corner in (a, b, c):
         np.maximum.at(bend, region, np.abs(_dot(corner - origin[region], plane_normal[region])))
@@ -72,3 +70,8 @@ def flat_regions(mesh: Mesh) -> Indices:
 
 def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.asarray((first * second).sum(axis=1))
+
+
+def _sums(region: Indices, weight: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Weighted sums of the vectors of each region."""
+    return np.stack([np.bincount(region, weight * x).astype(np.float64) for x in vectors.T], axis=1)

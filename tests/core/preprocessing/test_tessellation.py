@@ -38,7 +38,7 @@ def same_places(one: Mesh, other: Mesh) -> bool:
     if len(one.vertices) != len(other.vertices):
         return False
     distance, _ = KDTree(one.vertices).query(other.vertices)
-    return bool(distance.max() < 1e-6 * np.ptp(one.vertices))
+    return bool(np.max(distance) < 1e-6 * np.ptp(one.vertices))
 
 
 class TestFlatRegions:
@@ -56,7 +56,8 @@ class TestFlatRegions:
         assert len(np.unique(region[~sides])) == 2
 
     def test_faces_folded_onto_each_other_are_two(self) -> None:
-        folded = Mesh([[0, 0, 0], [1, 0, 0], [0.2, 1, 0], [0.7, 1, 0]], [[0, 1, 2], [1, 0, 3]])
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0.2, 1, 0], [0.7, 1, 0]])
+        folded = Mesh(corners, [[0, 1, 2], [1, 0, 3]])
         assert len(np.unique(flat_regions(folded))) == 2
 
 
