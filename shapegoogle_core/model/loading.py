@@ -37,7 +37,7 @@ def load_model(path: str | Path | None = None) -> ShapeModel:
     --------
     >>> import shapegoogle_core as sg
     >>> sg.load_model()
-    ShapeModel('default', 79e04702d8fdd2a0)
+    ShapeModel('default', cba0db7ebddee94c)
     >>> sg.load_model("paper").settings.eigenpairs
     200
     """
