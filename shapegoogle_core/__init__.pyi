@@ -31,6 +31,7 @@ from shapegoogle_core.library.filter import Filter as Filter
 from shapegoogle_core.library.library import Library as Library
 from shapegoogle_core.library.match import Match as Match
 from shapegoogle_core.library.search.settings import SearchSettings as SearchSettings
+from shapegoogle_core.library.suggestions import Suggestion as Suggestion
 from shapegoogle_core.mesh import Mesh as Mesh
 from shapegoogle_core.mesh import as_mesh as as_mesh
 from shapegoogle_core.mesh import read_mesh as read_mesh

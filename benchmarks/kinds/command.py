@@ -10,7 +10,8 @@ development sets   objects and creatures (by kind), poses (individuals in severa
                    several poses), and the CC0 packs to learn from, labelled by the words of their names
 held out           the other CC0 packs; everyday things by kind, upright and turned
 measuring          the labelled models of the evaluation data; nothing may be chosen by them
-parts              bags: bags of words only; search: the product's own list of matches
+parts              bags: bags of words only; views: appearance from outside only;
+                   search: the product's own list of matches
 
 Signatures are kept in --cache for each mesh, model and state of the code.
 """

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,10 +18,14 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.progress import progress_bar
 from shapegoogle_core.registration import MeshMeasures, SurfaceSample
+from shapegoogle_core.views import ShapeViews
 
 __all__ = ["DescribedSet", "describe_set"]
 
-_KIND = "signatures of kinds"
+_KIND, _VIEWS = "signatures of kinds", "views of kinds"
+
+_Keys = tuple[str, str]
+"""Keys of the signature without views, and of the views."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +78,15 @@ def describe_set(
     -------
     described : DescribedSet
     """
-    code = "" if any_code else code_digest(SIGNATURE_CODE)
-    keys = [digest(shape.key, model.identifier, code) for shape in shapes.shapes]
+    code = "" if any_code else code_digest((*SIGNATURE_CODE, "shapegoogle_core/views"))
+    views = "" if model.views is None else model.views.identifier
+    keys = [
+        (digest(shape.key, model.identifier, code), digest(shape.key, views, code)) for shape in shapes.shapes
+    ]
     missing = [
-        (shape, key) for shape, key in zip(shapes.shapes, keys, strict=True) if cache.load(_KIND, key) is None
+        (shape, key)
+        for shape, key in zip(shapes.shapes, keys, strict=True)
+        if _load(cache, model, key) is None
     ]
     if missing and jobs > 1:
         work = partial(_describe_in_worker, cache.folder, model_file)
@@ -88,9 +97,9 @@ def describe_set(
         ]
     failures = {shape.name: reason for (shape, _), reason in zip(missing, outcomes, strict=True) if reason}
     found = [
-        (shape, _from_arrays(arrays))
+        (shape, signature)
         for shape, key in zip(shapes.shapes, keys, strict=True)
-        if (arrays := cache.load(_KIND, key)) is not None
+        if (signature := _load(cache, model, key)) is not None
     ]
     return DescribedSet(
         shapes.name,
@@ -102,14 +111,30 @@ def describe_set(
     )
 
 
-def _describe(cache: BenchmarkCache, model: ShapeModel, shape: KindShape, key: str) -> str:
+def _load(cache: BenchmarkCache, model: ShapeModel, keys: _Keys) -> ShapeSignature | None:
+    """Read a signature with its views; None if one of the two is missing."""
+    arrays = cache.load(_KIND, keys[0])
+    if arrays is None:
+        return None
+    signature = _from_arrays(arrays)
+    if model.views is None:
+        return signature
+    seen = cache.load(_VIEWS, keys[1])
+    if seen is None:
+        return None
+    views = ShapeViews(seen["views"], model.views.identifier)
+    return replace(signature, views=views, view_code=model.views.code(views))
+
+
+def _describe(cache: BenchmarkCache, model: ShapeModel, shape: KindShape, keys: _Keys) -> str:
     """Describe a shape and keep its signature; return the reason if that is impossible."""
-
-    def compute() -> Arrays:
-        return _to_arrays(model.describe(shape.mesh()))
-
     try:
-        cache.remembered(_KIND, key, compute)
+        mesh = shape.mesh()
+        # Apart, because another model of views leaves the bags as they are.
+        cache.remembered(_KIND, keys[0], lambda: _to_arrays(replace(model, views=None).describe(mesh)))
+        views = model.views
+        if views is not None:
+            cache.remembered(_VIEWS, keys[1], lambda: {"views": views.describe(mesh).descriptors})
     except MeshError as error:
         return str(error)
     return ""
@@ -148,7 +173,7 @@ def _from_arrays(arrays: Arrays) -> ShapeSignature:
     )
 
 
-def _describe_in_worker(folder: Path, model_file: Path | str, item: tuple[KindShape, str]) -> str:
+def _describe_in_worker(folder: Path, model_file: Path | str, item: tuple[KindShape, _Keys]) -> str:
     from shapegoogle_core.model import load_model
 
     return _describe(BenchmarkCache(folder), load_model(model_file), *item)

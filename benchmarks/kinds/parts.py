@@ -15,7 +15,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.processes.progress import progress_bar
 
-__all__ = ["PARTS", "Part", "bag_distances", "search_distances"]
+__all__ = ["PARTS", "Part", "bag_distances", "search_distances", "view_distances"]
 
 Part = Callable[[DescribedSet, ShapeModel], FloatArray | None]
 """Computes the distances (n, n) of a set; None where the model lacks the part."""
@@ -25,6 +25,15 @@ def bag_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
     """Compute the distances of the bags, as `ShapeModel.distances`."""
     bags = np.stack([signature.bags for signature in described.signatures])
     return np.stack([model.distances(own, bags) for own in bags])
+
+
+def view_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
+    """Compute the distances of the views, as `ViewModel.distances`."""
+    views = [signature.views for signature in described.signatures if signature.views is not None]
+    if model.views is None or len(views) < len(described.signatures):
+        return None
+    stored = np.stack([own.descriptors for own in views])
+    return np.stack([model.views.distances(own, stored) for own in views])
 
 
 def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
@@ -51,6 +60,7 @@ def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
 
 PARTS: dict[str, Part] = {
     "bags": bag_distances,
+    "views": view_distances,
     "search": search_distances,
 }
 """By name, in the order of the table. The query's own row and column do not matter."""

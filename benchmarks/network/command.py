@@ -32,12 +32,12 @@ from benchmarks.protocol.metrics import category_scores
 from shapegoogle_core.cli.command import DONE
 from shapegoogle_core.cli.text import table
 from shapegoogle_core.library.neighbours.walk import (
-    WalkSettings,
     link_weights,
     links_of,
     visits,
-    walked_order,
+    walked_distances,
 )
+from shapegoogle_core.library.search.settings import WalkSettings
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.processes.progress import progress_bar
@@ -144,7 +144,8 @@ def walked_places(distances: FloatArray, settings: WalkSettings | None = None) -
     for row, rest in enumerate(others):
         ordered = rest[np.argsort(distances[row, rest], kind="stable")]
         visited = visits(weights, row, settings.damping)[ordered]
-        places[row, ordered[walked_order(distances[row, ordered], visited, settings)]] = np.arange(1, count)
+        walked = walked_distances(distances[row, ordered], visited, settings)
+        places[row, ordered[np.argsort(walked, kind="stable")]] = np.arange(1, count)
     return places
 
 

@@ -15,7 +15,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, NoReturn
 
 from shapegoogle_core.api.text import one_line
-from shapegoogle_core.cli import duplicates, forget, index, info, move, query, train
+from shapegoogle_core.cli import duplicates, forget, index, info, move, query, suggest, train
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.events import CommandError, Event, event_to_json
 from shapegoogle_core.cli.text import put, say, say_lines
@@ -32,6 +32,7 @@ __all__ = ["COMMANDS", "main"]
 COMMANDS = (
     index.COMMAND,
     query.COMMAND,
+    suggest.COMMAND,
     info.COMMAND,
     duplicates.COMMAND,
     move.COMMAND,

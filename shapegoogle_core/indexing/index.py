@@ -137,6 +137,8 @@ def index_files(
                 run.store_finished(pool)
         while len(pool):
             run.store_finished(pool)
+    # Of shapes that an interrupted run or an older program has added, or whose neighbours are gone.
+    library.update_neighbours()
     tracker.report(always=True)
     return IndexReport(
         added=run.counts["added"],

@@ -134,7 +134,9 @@ class LibraryContents(LibrarySources):
         shape = NewShape(signature, name, object_name, thumbnail, tags)
         check_signature(signature, name, self.model, self._store.name)
         source = path_text(source)
-        return self._store.add(self._known(source) or SourceKey("", source) if source else None, shape)
+        shape_id = self._store.add(self._known(source) or SourceKey("", source) if source else None, shape)
+        self._added([shape_id])
+        return shape_id
 
     def remove_shape(self, shape_id: int) -> bool:
         """Remove one shape.

@@ -35,7 +35,8 @@ class Match:
         that is one shape.
     distance : float
         What matches are sorted by: the distance of the bags of query and shape, as the model measures it,
-        lowered where the two surfaces fit; 0 for the same bag.
+        lowered where the two surfaces fit, or a walk over neighbours leads from the query to the shape;
+        0 for the same bag.
     similarity : float
         Confidence that it is the same shape, from 0 to 1. With evidence it depends on the two shapes and the
         model only: on their bags if these are certain, otherwise also on how well the surfaces fit. Without

@@ -10,16 +10,20 @@ import numpy as np
 from shapegoogle_core.api.arguments import as_tuple, check_count, check_type
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.contents import LibraryContents
+from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.neighbours.reorder import reorder
 from shapegoogle_core.library.search.copies import copies_first
 from shapegoogle_core.library.search.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
-from shapegoogle_core.library.search.query import Query, QueryShapes, as_query_shapes
+from shapegoogle_core.library.search.query import Query, QueryShape, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.library.suggestions import Suggestion, suggestions_from
+from shapegoogle_core.library.suggestions.suggest import RELATIVES
 from shapegoogle_core.mesh import as_mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
@@ -47,6 +51,8 @@ class LibrarySearch(LibraryContents):
         super().__init__(store, model)
         self._settings = SearchSettings() if search is None else search
         self._search = Search(store, model, self._settings)
+        # A model without views knows only whether two shapes are the same, which bags alone decide.
+        self._graph = None if model.views is None else self._search.neighbour_graph()
 
     def query(
         self,
@@ -132,7 +138,11 @@ class LibrarySearch(LibraryContents):
         search = self._search.among_all if exact else self._search.among_nearest_codes
         kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
         least = 0.0 if where is None or where.min_similarity is None else where.min_similarity
-        matches = copies_first(self._store, examples, search(query, kept, among))
+        walks = self._graph is not None and not query.has_unlike
+        searched = max(kept, self._settings.walk.walked) if walks else kept
+        matches = copies_first(self._store, examples, search(query, searched, among))
+        if self._graph is not None and walks:
+            matches = reorder(self._graph, matches)
         if families:
             found = collect_families(
                 Families(self._store, self.model, self._settings.families),
@@ -151,6 +161,87 @@ class LibrarySearch(LibraryContents):
         if kind is not None:
             return self._of_kind(kind, examples, matches[:kept], top, where)
         return self.explain(examples, matches[:top], explain, where=where)
+
+    def suggest(
+        self, shape: QueryShape | int, *, relatives: int = RELATIVES, where: Filter | None = None
+    ) -> list[Suggestion]:
+        """Suggest tags, folders and name words for a shape: those of its nearest relatives.
+
+        Parameters
+        ----------
+        shape : MeshLike, ShapeSignature or int
+            A number is that of a shape of this library, which does not count as a relative of its own.
+        relatives : int, optional
+            Number of nearest relatives that vote.
+        where : Filter, optional
+            Conditions on the relatives.
+
+        Returns
+        -------
+        suggestions : list of Suggestion
+            The most confident first; only what is in the library already.
+
+        Raises
+        ------
+        MeshError, LibraryError
+            As for `query`; also if there is no shape with this number.
+        ValueError
+            If `relatives` is below 1, or an argument is of a wrong type.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         _ = library.add(trimesh.creation.box((1, 2, 3)), name="WoodenCrate", tags=["storage"])
+        ...         first, *_ = library.suggest(trimesh.creation.box((1, 2, 3.1)))
+        >>> first.kind, first.text, first.relatives
+        ('tag', 'storage', ('WoodenCrate',))
+        """
+        check_count("relatives", relatives, 1)
+        own = shape if isinstance(shape, int) else None
+        asked = self.signature(shape) if isinstance(shape, int) else shape
+        matches = self.query(asked, top=relatives + (own is not None), explain=0, where=where)
+        near = [match for match in matches if match.shape_id != own][:relatives]
+        records = {record.shape_id: record for record in self._store.shapes([m.shape_id for m in near])}
+        # Without those that another program removed meanwhile.
+        there = [match for match in near if match.shape_id in records]
+        return suggestions_from(
+            [records[match.shape_id] for match in there], [match.distance for match in there]
+        )
+
+    def update_neighbours(self, progress: Wrapper = iter) -> int:
+        """Complete the neighbour graph, by which `query` orders the matches behind the first few.
+
+        Adding shapes keeps the graph up to date, so this is for libraries of older programs, and for shapes
+        that lost most of their neighbours because these were removed. Indexing does it at its end.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Wraps the loop over the shapes, as tqdm does.
+
+        Returns
+        -------
+        count : int
+            Number of shapes whose neighbours were found.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         _ = library.add(trimesh.creation.box(), name="box")
+        ...         library.update_neighbours()
+        0
+        """
+        return 0 if self._graph is None else self._graph.catch_up(progress)
+
+    def _added(self, shape_ids: Sequence[int]) -> None:
+        if self._graph is not None:
+            self._graph.add(shape_ids)
 
     def versions(self, shapes: QueryShapes, match: Match, *, explain: int = 10) -> list[Match]:
         """List the family of a match: the shapes that it stands for in a search with ``families=True``.

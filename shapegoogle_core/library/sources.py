@@ -70,7 +70,12 @@ class LibrarySources(LibraryFolders):
         # A file whose shapes were added under its path before it was indexed is one source all the same.
         also = known if known != key else None
         source = SourceRecord.of(key, size, mtime_ns, sha256, error)
-        return self._store.replace_source(source, shapes, also=also)
+        shape_ids = self._store.replace_source(source, shapes, also=also)
+        self._added(shape_ids)
+        return shape_ids
+
+    def _added(self, shape_ids: Sequence[int]) -> None:
+        """Do what follows when shapes were added; a class that searches relates them to the others."""
 
     def update_source(self, path: PathLike, *, size: int, mtime_ns: int) -> bool:
         """Store the new time of a file whose content is still the same.

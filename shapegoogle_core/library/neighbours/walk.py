@@ -17,47 +17,17 @@ a shape that is in the library many times.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
+from shapegoogle_core.library.search.settings import WalkSettings
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["COPY_DISTANCE", "WalkSettings", "link_weights", "links_of", "visits", "walked_order"]
+__all__ = ["COPY_DISTANCE", "link_weights", "links_of", "visits", "walked_distances"]
 
 COPY_DISTANCE = 1e-6
 """Largest distance of a copy: distances are rounded to this."""
-
-
-@dataclass(frozen=True)
-class WalkSettings:
-    """Settings of the walk; ``docs/measurements/kinds.md`` holds the measurements behind the default values.
-
-    Attributes
-    ----------
-    links : int
-        Number k of neighbours that a shape is linked with, besides copies.
-    copies : int
-        Largest number of copies that it is linked with.
-    damping : float
-        Probability α to go on after each step, from 0 to 1 (excluded).
-    distance_weight : float
-        Weight of the distance from the query, in units of its standard deviation, against the share of
-        visits, from 0 to 1. So shapes that are not visited are in the order of their distances.
-    first : int
-        Number of best matches that keep their places: the nearest ones are more certain by their distances.
-    candidates : int
-        Number of best matches that the walk orders; those behind them keep their places.
-    """
-
-    links: int = 4
-    copies: int = 2
-    damping: float = 0.95
-    distance_weight: float = 0.3
-    first: int = 2
-    candidates: int = 300
 
 
 def links_of(distances: ArrayLike, settings: WalkSettings) -> NDArray[np.int64]:
@@ -149,8 +119,11 @@ _NEGLIGIBLE = 1e-3
 """Weight of a step after which the walk ends."""
 
 
-def walked_order(distances: ArrayLike, visited: ArrayLike, settings: WalkSettings) -> NDArray[np.int64]:
-    """Order matches by distance and visits.
+def walked_distances(distances: ArrayLike, visited: ArrayLike, settings: WalkSettings) -> FloatArray:
+    """Lower the distances of matches that a walk from the query visits.
+
+    The distance d of a match with v visits becomes f + (d - f) exp(-g v / max v), where f is the distance of
+    the last of the first few matches, and g `settings.gain`.
 
     Parameters
     ----------
@@ -162,24 +135,21 @@ def walked_order(distances: ArrayLike, visited: ArrayLike, settings: WalkSetting
 
     Returns
     -------
-    positions : (n,) array of int64
-        A permutation: the first `settings.first` stay, and so do all copies and the matches behind
-        `settings.candidates`.
+    distances : (n,) array
+        Those of the first few, of copies, and of matches that are not visited do not change.
 
     Examples
     --------
     A far shape that is often visited comes before a nearer one that is not:
 
-    >>> walked_order([0.1, 0.2, 0.5, 0.6], [0.9, 0.4, 0, 0.4], WalkSettings(first=1)).tolist()
-    [0, 1, 3, 2]
+    >>> settings = WalkSettings(unchanged=1)
+    >>> walked_distances([0.1, 0.2, 0.5, 0.6], [0.9, 0.4, 0, 0.4], settings).round(2).tolist()
+    [0.1, 0.1, 0.5, 0.12]
     """
-    away, visited = np.asarray(distances, float), np.asarray(visited, float)
-    order = np.arange(len(away))
-    first = max(settings.first, int((away <= COPY_DISTANCE).sum()))
-    moving = slice(first, max(first, settings.candidates))
-    most = visited[moving].max(initial=0)
-    spread = away[: settings.candidates].std() if len(away) else 0.0
-    if most > 0 and spread > 0:
-        score = settings.distance_weight * away[moving] / spread - visited[moving] / most
-        order[moving] = order[moving][np.argsort(score, kind="stable")]
-    return order
+    away, visited = np.array(distances, float), np.asarray(visited, float)
+    first = max(settings.unchanged, int((away <= COPY_DISTANCE).sum()))
+    most = visited[first:].max(initial=0)
+    if most > 0:
+        least = away[first - 1] if first else 0.0
+        away[first:] = least + (away[first:] - least) * np.exp(-settings.gain * visited[first:] / most)
+    return away

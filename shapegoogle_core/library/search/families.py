@@ -175,7 +175,7 @@ def collect_families(
         Best first: at most as many as are wanted.
     """
     known: set[int] = set()
-    matches, count = first, len(first)
+    matches, count = first[: families.most_met], len(first)
     while True:
         new = [match for match in matches if match.shape_id not in known]
         known.update(match.shape_id for match in new)

@@ -17,7 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.match import Match, typical_distances
-from shapegoogle_core.library.search.candidates import NearestCodes, SharedWords
+from shapegoogle_core.library.neighbours.candidates import StoredCandidates
+from shapegoogle_core.library.neighbours.graph import NeighbourGraph
+from shapegoogle_core.library.neighbours.pairs import BagPairs
+from shapegoogle_core.library.search.candidates import NearestCodes, NearestViews, SharedWords
 from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
@@ -51,6 +54,17 @@ class Search:
         self._shared_words = SharedWords(store, model, settings.candidates)
         self._reranker = Reranker(store, model, settings.rerank)
         self._verifier = Verifier(partial(stored_samples, store, model), model, settings.verification)
+
+    def neighbour_graph(self) -> NeighbourGraph:
+        """Make the neighbour graph of the library, which shares the codes in memory."""
+        views = NearestViews(self._store, self._model, self._settings.candidates).index
+        return NeighbourGraph(
+            self._store,
+            StoredCandidates(self._store, self._model, self._nearest_codes.index, views),
+            BagPairs(self._store, self._model),
+            self._settings.walk,
+            self._model.code_bits // 8,
+        )
 
     def among_nearest_codes(self, query: Query, top: int, among: ShapeIds | None = None) -> list[Match]:
         """Compare the full bags of the shapes with the nearest codes, and verify the best.

@@ -15,6 +15,7 @@ __all__ = [
     "RerankSettings",
     "SearchSettings",
     "VerificationSettings",
+    "WalkSettings",
 ]
 
 
@@ -217,6 +218,34 @@ class FamilySettings:
 
 
 @dataclass(frozen=True)
+class WalkSettings:
+    """Walk over the neighbour graph, see `shapegoogle_core.library.neighbours.walk`.
+
+    Attributes
+    ----------
+    links : int
+        Number k of neighbours that a shape is linked with, besides copies.
+    copies : int
+        Largest number of copies that it is linked with.
+    damping : float
+        Probability α to go on after each step, from 0 to 1 (excluded).
+    gain : float
+        How much the distance of the most visited match is lowered, see `walked_distances`.
+    unchanged : int
+        Number of best matches that keep their places: of these the distances are certain enough.
+    walked : int
+        Number of best matches that the walk may move forwards.
+    """
+
+    links: int = 4
+    copies: int = 2
+    damping: float = 0.95
+    gain: float = 3.0
+    unchanged: int = 3
+    walked: int = 300
+
+
+@dataclass(frozen=True)
 class SearchSettings:
     """Settings of a search, by stage.
 
@@ -232,6 +261,8 @@ class SearchSettings:
         Explanation of the best matches.
     families : FamilySettings
         Shapes that are shown as versions of one.
+    walk : WalkSettings
+        Order of the matches behind the first few.
 
     Examples
     --------
@@ -247,3 +278,4 @@ class SearchSettings:
     verification: VerificationSettings = field(default_factory=VerificationSettings)
     evidence: EvidenceSettings = field(default_factory=EvidenceSettings)
     families: FamilySettings = field(default_factory=FamilySettings)
+    walk: WalkSettings = field(default_factory=WalkSettings)

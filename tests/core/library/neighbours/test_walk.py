@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from shapegoogle_core.library.neighbours.walk import (
-    WalkSettings,
     link_weights,
     links_of,
     visits,
-    walked_order,
+    walked_distances,
 )
+from shapegoogle_core.library.search.settings import WalkSettings
 
 SETTINGS = WalkSettings()
 
@@ -49,7 +49,7 @@ def order_from(points: NDArray[np.float64], start: int, settings: WalkSettings =
     distances = distances_of(points)
     nearest = [number for number in np.argsort(distances[start], kind="stable") if number != start]
     visited = visits(graph(distances, settings), start, settings.damping)
-    order = walked_order(distances[start][nearest], visited[nearest], settings)
+    order = np.argsort(walked_distances(distances[start][nearest], visited[nearest], settings), kind="stable")
     return [int(nearest[position]) for position in order]
 
 
@@ -65,7 +65,7 @@ def test_the_first_few_stay_in_the_order_of_their_distances() -> None:
     points = np.random.default_rng(0).normal(size=(40, 3))
     by_distance = np.argsort(distances_of(points)[7])[1:].tolist()
     for first in (0, 3, 10):
-        order = order_from(points, 7, replace(SETTINGS, first=first))
+        order = order_from(points, 7, replace(SETTINGS, unchanged=first))
         assert order[:first] == by_distance[:first]
         assert sorted(order) == sorted(by_distance)
 
@@ -90,8 +90,8 @@ def test_visits_solve_the_equation_of_the_walk() -> None:
 def test_only_the_start_is_visited_without_links() -> None:
     nothing = link_weights([], [], [], 3)
     assert visits(nothing, 1, 0.95).tolist() == [0, 1, 0]
-    assert walked_order([0.1, 0.2], [0, 0], SETTINGS).tolist() == [0, 1]
-    assert walked_order([], [], SETTINGS).tolist() == []
+    assert walked_distances([0.1, 0.2], [0, 0], SETTINGS).tolist() == [0.1, 0.2]
+    assert walked_distances([], [], SETTINGS).tolist() == []
 
 
 @given(st.integers(2, 30), st.integers(0, 2**32 - 1))
@@ -112,6 +112,18 @@ def test_copies_are_linked_besides_the_neighbours(copies: int) -> None:
 
 
 def test_copies_of_the_query_stay_before_all_others() -> None:
-    order = walked_order([0, 0, 0, 0.1, 0.2], [0.1, 0, 0, 0.2, 5], WalkSettings(first=0))
-    assert order[:3].tolist() == [0, 1, 2]
-    assert order[3:].tolist() == [4, 3]
+    distances = walked_distances([0, 0, 0, 0.1, 0.2], [0.1, 0, 0, 0.2, 5], WalkSettings(unchanged=0))
+    assert distances[:3].tolist() == [0, 0, 0]
+    assert 0 < distances[4] < distances[3] < 0.1
+
+
+@given(st.lists(st.tuples(st.floats(0, 2), st.floats(0, 10)), max_size=20), st.integers(0, 5))
+def test_distances_are_only_lowered_and_never_below_the_first_few(
+    matches: list[tuple[float, float]], first: int
+) -> None:
+    distances = np.sort([distance for distance, _ in matches])
+    settings = WalkSettings(unchanged=first)
+    walked = walked_distances(distances, [visited for _, visited in matches], settings)
+    assert (walked <= distances + 1e-12).all()
+    assert (walked[:first] == distances[:first]).all()
+    assert (walked[first:] >= distances[:first].max(initial=0) - 1e-12).all()
