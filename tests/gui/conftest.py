@@ -211,6 +211,7 @@ class Window:
             x, y = self._places[known]
             if self._confirmed(action, x, (y,)):
                 return x, y
+        others: dict[str, None] = {}
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
             seen = 0
@@ -218,6 +219,7 @@ class Window:
                 x, before = left + share * (right - TABS - left), ""
                 for y in range(top + 8, bottom - 4, STEP):
                     button = self._button_at(x, y)
+                    others[f"{button} at {x:.0f}, {y}"] = None
                     if action in button and button != before:
                         # A slow Blender may have answered for the place before.
                         place = self._confirmed(action, x, (y, y - STEP))
@@ -232,7 +234,7 @@ class Window:
             self.move(x, top + FIRST_HEADER)
             self.tool("click", "--repeat", 12, "--delay", 10, 5)
             self.settle()
-            assert self.ask("scrolled") != scrolled, f"no button in the sidebar does {action!r}"
+            assert self.ask("scrolled") != scrolled, f"nothing does {action!r}: {', '.join(others)}"
 
     def _confirmed(self, action: str, x: float, heights: Sequence[float]) -> tuple[float, float] | None:
         """Find out with patience at which of some places a button is; the pointer stays there."""
