@@ -3,9 +3,9 @@
 
     python -m benchmarks train-views --blend-meshes FOLDER
 
-Learns a whitening projection from pictures of procedural creatures, flat parts and those CC0 packs that may
-be learnt from, exported by `python -m benchmarks blend-meshes`. No label is used, and no evaluation data. The
-bags of the model, and its identifier, stay as they are.
+Learns a whitening projection from pictures of procedural creatures, objects and flat parts, and of those CC0
+packs that may be learnt from, exported by `python -m benchmarks blend-meshes`. No label is used, and no
+evaluation data. The bags of the model, and its identifier, stay as they are.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.flat_parts import make_parts
 from benchmarks.kinds.sets import DEVELOPMENT, pack_sets
+from benchmarks.objects import OBJECT_KINDS, make_object
 from benchmarks.training.models import SHIPPED
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.mesh import Mesh
@@ -38,7 +39,7 @@ def training_meshes(blend_meshes: Path, individuals: int) -> Iterator[Mesh]:
     blend_meshes : Path
         Folder of exported .blend meshes.
     individuals : int
-        Of each kind of creature, each in a pose of its own and turned at random.
+        Of each kind of creature, in a pose of its own and turned at random, and of each kind of object.
 
     Yields
     ------
@@ -49,6 +50,7 @@ def training_meshes(blend_meshes: Path, individuals: int) -> Iterator[Mesh]:
             mesh = make_creature(kind, seed, 2_000).pose(seed)
             turn = Rotation.random(random_state=seed).as_matrix()
             yield Mesh(mesh.vertices @ turn.T, mesh.faces, mesh.name)
+    yield from (make_object(kind, seed) for kind in OBJECT_KINDS for seed in range(individuals))
     yield from (part.mesh for part in make_parts())
     for packs in pack_sets(blend_meshes):
         if packs.use == DEVELOPMENT:
@@ -66,7 +68,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported .blend meshes"
     )
     parser.add_argument(
-        "--individuals", type=number_from(1), default=3, metavar="N", help="of each kind of creature (3)"
+        "--individuals",
+        type=number_from(1),
+        default=3,
+        metavar="N",
+        help="of each kind (3)",
     )
     parser.add_argument(
         "--output", type=Path, default=SHIPPED / "default.npz", metavar="FILE", help="model (%(default)s)"

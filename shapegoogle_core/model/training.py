@@ -23,6 +23,7 @@ from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
 from shapegoogle_core.model.background_learning import FEWEST_SHAPES, KnownPairs, learn_background
+from shapegoogle_core.model.loading import SHIPPED, load_model
 from shapegoogle_core.model.metric import (
     calibrate,
     choose_pairs,
@@ -136,6 +137,9 @@ def train_model(
 ) -> ShapeModel:
     """Train a model.
 
+    Vocabularies, metric, codes and calibrations are learnt from the shapes. The description of views is that
+    of the shipped model of the same name, or of the default one: it needs no similar shapes.
+
     Parameters
     ----------
     shapes : sequence of TrainingShape
@@ -199,7 +203,10 @@ def train_model(
     _check_variety(len(np.unique(labels)))
     bags = np.array([bag for _, bag, _ in usable], dtype=np.float32)
     samples = [sample for _, _, sample in usable if sample is not None]
-    return fit_metric(settings, vocabularies, bags, labels, samples, seed=seed, trained_on=trained_on)
+    model = fit_metric(settings, vocabularies, bags, labels, samples, seed=seed, trained_on=trained_on)
+    # What is learnt about pictures needs no similar shapes, so nothing better would come of these.
+    shipped = load_model(settings.name if settings.name in SHIPPED else None)
+    return model.with_parts(views=shipped.views)
 
 
 def _check_variety(different: int) -> None:

@@ -13,8 +13,8 @@ from shapegoogle_core.views.view_model import CODE_BYTES, POSES, ViewModel, pict
 
 __all__ = ["learn_views"]
 
-COMPONENTS = 160
-"""Components of a picture: 2 × 12 × 160 bytes are stored for a shape."""
+COMPONENTS = 320
+"""Components of a picture, an even number: 2 × 12 × 320 half bytes are stored for a shape."""
 
 POWER = 0.375
 """Exponent of the eigenvalues that components are divided by: ½ would be a full whitening."""

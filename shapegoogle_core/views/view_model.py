@@ -6,9 +6,9 @@ gradient histograms, as light field descriptors and their successors describe si
 al. 2003; Papadakis et al. 2010), and whitened by a projection that was learnt from quite different shapes:
 common structure then counts less than what sets shapes apart (Jégou and Chum 2012).
 
-Whether two shapes look alike must not depend on how their files are turned. Two poses are described, the
-shape's own axes and its principal axes; the latter are known up to flips, and a mirrored shape is the same
-kind of thing. Flips, quarter turns and mirror images exchange the twelve pictures and mirror each of them.
+Whether two shapes look alike must not depend on how their files are turned. Two poses are described, straight
+and in principal axes (see `poses`). Both are known up to quarter turns and flips, and a mirrored shape is the
+same kind of thing. These 48 symmetries exchange the twelve pictures and mirror each of them.
 The projection treats a picture's symmetric and antisymmetric parts separately, so that mirroring a picture
 changes the sign of some components and does nothing else. All turned versions of a described shape are
 therefore known without drawing anything.
@@ -25,11 +25,12 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh import MeshLike, as_mesh
-from shapegoogle_core.views.directions import DIRECTIONS, VIEW_ROTATIONS, symmetries
+from shapegoogle_core.views.directions import DIRECTIONS, VIEW_ROTATIONS, Symmetry, symmetries
 from shapegoogle_core.views.histograms import gradient_histograms, mirror_orbits
 from shapegoogle_core.views.pictures import normal_pictures
 from shapegoogle_core.views.points import fit_into_ball, surface_points
-from shapegoogle_core.views.shape_views import ShapeViews
+from shapegoogle_core.views.poses import principal_axes, straight_axes
+from shapegoogle_core.views.shape_views import LEVELS, ShapeViews
 
 __all__ = ["CODE_BYTES", "POSES", "ViewModel", "picture_parts"]
 
@@ -37,7 +38,12 @@ FloatArray = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
 POSES = 2
-"""A shape's own axes, and its principal axes."""
+"""Straight, and in principal axes."""
+
+# Multiple of the spread of a picture's components that the largest level stands for.
+_REACH = 2.5
+# Chosen on procedural objects, upright and turned, and creatures (docs/views.md).
+_WEIGHTS = (0.4, 0.6)
 
 CODE_BYTES = 64
 """Length of the binary code of a shape's views: half of it for each pose."""
@@ -51,10 +57,10 @@ _ORBITS = mirror_orbits(_SIGNS)
 # are orthonormal combinations of an entry and its three mirror images.
 _PARTS = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]], np.float32) / 2
 _SYMMETRIES = symmetries()
-# In the principal axes: flips and mirror images.
-_PRINCIPAL = _SYMMETRIES[:8]
-# In the shape's own axes nothing is exchanged.
-_OWN = _SYMMETRIES[:1]
+# Positions that codes of a query are computed for: comparing codes takes a time in proportion. Straight
+# shapes usually have the same axis up; principal axes are seldom exchanged.
+_UPRIGHT = tuple(s for s in _SYMMETRIES if abs(s.matrix[2, 2]) == 1)
+_FLIPPED = tuple(s for s in _SYMMETRIES if (np.abs(np.diag(s.matrix)) == 1).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,17 +162,18 @@ class ViewModel:
         described = np.concatenate(
             [parts[:, index] @ part for index, part in enumerate(self._projections)], axis=1
         )
-        largest = np.abs(described).max(axis=1, keepdims=True)
-        rounded = np.rint(described * (127 / np.where(largest > 0, largest, 1)))
-        descriptors = rounded.astype(np.int8).reshape(self.shape)
+        spread = np.sqrt((described**2).mean(axis=1, keepdims=True))
+        rounded = np.rint(described * (LEVELS / _REACH / np.where(spread > 0, spread, 1)))
+        descriptors = rounded.clip(-LEVELS, LEVELS).astype(np.int8).reshape(self.shape)
         descriptors.setflags(write=False)
         return ShapeViews(descriptors, self.identifier)
 
     def distances(self, query: ShapeViews, stored: NDArray[np.int8]) -> FloatArray:
         """Compute the distances between one shape's views and those of others.
 
-        1 − cos of corresponding pictures, averaged over the pictures of a pose, in the best of all poses: the
-        shapes' own axes, and their principal axes with all flips and mirror images.
+        1 − cos of corresponding pictures, averaged over the pictures of a pose in the best of its 48
+        positions (quarter turns, flips and mirror images); the principal axes count a little more than the
+        straight pose.
 
         Parameters
         ----------
@@ -192,11 +199,12 @@ class ViewModel:
                 f"({query.made_by}) are {query.descriptors.shape} and the others {stored.shape[1:]}; "
                 "describe all shapes with this model"
             )
-        own, principal = _directions_of(query.descriptors)
         others = _directions_of(stored)
-        best = self._cosines(own, others[:, 0], range(len(_OWN)))
-        best = np.maximum(best, self._cosines(principal, others[:, 1], range(len(_PRINCIPAL))))
-        return np.asarray(np.clip(1 - best, 0, 2), np.float64)
+        best = [
+            self._greatest_cosines(pose, others[:, number])
+            for number, pose in enumerate(_directions_of(query.descriptors))
+        ]
+        return np.asarray(np.clip(1 - np.asarray(_WEIGHTS) @ np.stack(best), 0, 2), np.float64)
 
     def code(self, views: ShapeViews) -> NDArray[np.uint8]:
         """Compute the binary code of a shape's views: the signs of the main components of each picture.
@@ -208,7 +216,7 @@ class ViewModel:
         Returns
         -------
         code : (64,) array of uint8
-            Packed as by `numpy.packbits`; the first half for the own axes.
+            Packed as by `numpy.packbits`; the first half for the straight pose.
         """
         return _packed(views.descriptors[:, :, self.code_components] > 0).reshape(-1)
 
@@ -222,28 +230,22 @@ class ViewModel:
 
         Returns
         -------
-        own : (a, 32) array of uint8
+        straight : (16, 32) array of uint8
             To be compared with the first half of other codes,
-        principal : (b, 32) array of uint8
+        principal : (8, 32) array of uint8
             and with the second half.
         """
         count = DIRECTIONS * len(self.code_components)
         bits = np.unpackbits(code.reshape(POSES, -1), axis=1, count=count).reshape(POSES, DIRECTIONS, -1)
-        signs = 2 * bits.astype(np.int8) - 1
-        own, principal = (
-            np.stack(
-                [
-                    signs[pose][s.pictures] * self._signs[position][:, self.code_components]
-                    for position, s in enumerate(positions)
-                ]
-            )
-            for pose, positions in enumerate((_OWN, _PRINCIPAL))
+        straight, principal = (
+            np.stack([pose[s.pictures] * self._signs(s)[:, self.code_components] for s in positions])
+            for pose, positions in zip(2 * bits.astype(np.int8) - 1, (_UPRIGHT, _FLIPPED), strict=True)
         )
-        return _packed(own > 0), _packed(principal > 0)
+        return _packed(straight > 0), _packed(principal > 0)
 
-    def _cosines(self, query: Floats, others: Floats, positions: range) -> Floats:
-        """Greatest cosines over some positions of the query."""
-        turned = np.stack([query[_SYMMETRIES[i].pictures] * self._signs[i] for i in positions])
+    def _greatest_cosines(self, query: Floats, others: Floats) -> Floats:
+        """Mean cosines of pictures (12, d) with those of others (n, 12, d) in the best positions."""
+        turned = np.stack([query[s.pictures] * self._signs(s) for s in _SYMMETRIES])
         products = turned.reshape(len(turned), -1) @ others.reshape(len(others), -1).T
         return np.asarray(products.max(axis=0) / DIRECTIONS, np.float32)
 
@@ -252,13 +254,17 @@ class ViewModel:
         return tuple(part.astype(np.float32) for part in self.projections)
 
     @cached_property
-    def _signs(self) -> tuple[NDArray[np.int8], ...]:
-        """Signs (12, d) that the components of each picture take on in each symmetry."""
+    def _mirrored(self) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
+        """Signs (d,) of the components when a picture is mirrored left to right, and upside down."""
         widths = [part.shape[1] for part in self.projections]
         across, over = (np.repeat(np.sign(_PARTS[row]), widths).astype(np.int8) for row in (1, 2))
-        return tuple(
-            np.where(s.mirrored[:, :1], across, 1) * np.where(s.mirrored[:, 1:], over, 1) for s in _SYMMETRIES
-        )
+        return across, over
+
+    def _signs(self, symmetry: Symmetry) -> NDArray[np.int8]:
+        """Signs (12, d) that the components of each picture take on."""
+        across, over = self._mirrored
+        mirrored = symmetry.mirrored
+        return np.where(mirrored[:, :1], across, 1) * np.where(mirrored[:, 1:], over, 1)
 
 
 def picture_parts(mesh: MeshLike) -> Floats:
@@ -275,31 +281,11 @@ def picture_parts(mesh: MeshLike) -> Floats:
     """
     points, normals = surface_points(mesh, _POINTS)
     pictures = []
-    for axes in (np.eye(3), principal_axes(points)):
+    for axes in (straight_axes(points, normals), principal_axes(points)):
         turned = fit_into_ball(points @ axes.T)
         pictures.append(normal_pictures(turned, normals @ axes.T, VIEW_ROTATIONS, _PIXELS)[..., :3])
     histograms = gradient_histograms(np.concatenate(pictures))
     return np.asarray((histograms[:, _ORBITS] @ _PARTS).transpose(0, 2, 1), np.float32)
-
-
-def principal_axes(points: FloatArray) -> FloatArray:
-    """Find the directions in which points spread most, in the order of their spread.
-
-    Parameters
-    ----------
-    points : (n, 3) array
-
-    Returns
-    -------
-    axes : (3, 3) array
-        Rows are orthonormal. Each points to the side where the points reach farther.
-    """
-    if len(points) == 0:
-        return np.eye(3)
-    centred = points - points.mean(axis=0)
-    axes = np.linalg.eigh(centred.T @ centred)[1][:, ::-1].T
-    lean = np.sign(((centred @ axes.T) ** 3).sum(axis=0))
-    return np.asarray(axes * np.where(lean < 0, -1, 1)[:, None])
 
 
 def _directions_of(descriptors: NDArray[np.int8]) -> Floats:

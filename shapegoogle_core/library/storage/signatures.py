@@ -13,7 +13,7 @@ from shapegoogle_core.library.storage.store import Store, damaged
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import MeshMeasures, SurfaceSample
-from shapegoogle_core.views import CODE_BYTES, ShapeViews
+from shapegoogle_core.views import CODE_BYTES, ShapeViews, packed_size, unpack_descriptors
 
 __all__ = [
     "BAG_TYPE",
@@ -169,8 +169,8 @@ def stored_views(
     """
     if model.views is None:
         return np.empty(0, np.int64), np.empty((0, 2, 0, 0), np.int8)
-    found, views = store.views(shape_ids, int(np.prod(model.views.shape)))
-    return np.array(found, np.int64), views.reshape(len(found), *model.views.shape)
+    found, content = store.views(shape_ids, packed_size(model.views.shape))
+    return np.array(found, np.int64), unpack_descriptors(content, model.views.shape)
 
 
 def unpack_measures(store: Store, shape_ids: Sequence[int]) -> dict[int, MeshMeasures]:

@@ -209,11 +209,8 @@ class Store(Protocol):
 
     # -- shapes of the same kind ----------------------------------------------------------------------------
 
-    def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], NDArray[np.int8]]:
-        """Return ids (sorted) and views (n, size) of those of some shapes that have views."""
-
-    def views_after(self, last_id: int, limit: int, size: int) -> tuple[list[int], NDArray[np.int8]]:
-        """Return ids and views (n, size) of the next shapes with views; start with `last_id` 0."""
+    def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], NDArray[np.uint8]]:
+        """Return ids (sorted) and packed views (n, size) of those of some shapes that have views."""
 
     def count_without_views(self) -> int:
         """Return the number of shapes without views, such as those that an earlier version has described."""

@@ -23,6 +23,7 @@ from shapegoogle_core.views import (
     symmetries,
 )
 from shapegoogle_core.views.histograms import gradient_histograms
+from shapegoogle_core.views.poses import straight_axes
 from tests.core.conftest import make_bumpy
 
 
@@ -103,11 +104,26 @@ def test_symmetries_are_what_turned_shapes_show(chair: Mesh) -> None:
 def test_components_change_signs_like_the_pictures(views: ViewModel, chair: Mesh) -> None:
     """The code of a flipped shape is one of the alternatives of the shape's code, but for a few bits."""
     code = views.code(views.describe(chair))
-    own, principal = views.code_alternatives(code)
-    assert own[0].tolist() == code[:32].tolist()
+    straight, principal = views.code_alternatives(code)
+    assert straight[0].tolist() == code[:32].tolist()
     flipped = views.code(views.describe(Mesh(chair.vertices * [-1, -1, 1], chair.faces)))
     apart = np.unpackbits(principal ^ flipped[32:], axis=1).sum(axis=1)
     assert apart.min() < 40 < apart.max()
+
+
+@pytest.mark.parametrize("turn", [(90, 0, 0), (0, 0, 90), (30, 40, 50), (180, 10, 0)])
+def test_straight_axes_of_a_turned_chair_are_its_own(chair: Mesh, turn: tuple[float, float, float]) -> None:
+    points, normals = surface_points(chair, 20_000)
+    assert straight_axes(points, normals).tolist() == np.eye(3).tolist()
+    rotation = Rotation.from_euler("xyz", turn, degrees=True).as_matrix()
+    axes = straight_axes(points @ rotation.T, normals @ rotation.T) @ rotation
+    np.testing.assert_allclose(np.sort(np.abs(axes), axis=1), [[0, 0, 1]] * 3, atol=0.01)
+    assert np.linalg.det(axes) == pytest.approx(1)
+
+
+def test_a_round_shape_keeps_the_axes_of_its_file() -> None:
+    points, normals = surface_points(make_bumpy(3), 20_000)
+    assert straight_axes(points, normals).tolist() == np.eye(3).tolist()
 
 
 # -- shapes in any state ------------------------------------------------------------------------------------
@@ -195,7 +211,7 @@ def test_an_even_picture_has_no_gradients() -> None:
 
 
 def test_learning_needs_enough_pictures(chair: Mesh) -> None:
-    with pytest.raises(ValueError, match="24 pictures are too few to learn 160 components from"):
+    with pytest.raises(ValueError, match="24 pictures are too few to learn 320 components from"):
         learn_views([chair])
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Codes of the views of a library in memory: finds the shapes that look most alike.
 
-The first half of a code is that of a shape's own axes, the second that of its principal axes. A query has
+The first half of a code is that of the straight pose, the second that of the principal axes. A query has
 several codes for each half, one for each way to turn it.
 """
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,6 @@ __all__ = ["KindTables"]
 
 ID_TYPE = np.dtype("<i8")
 DISTANCE_TYPE = np.dtype("<f4")
-
-Descriptors = NDArray[np.int8]
 
 
 class KindTables(Database):
@@ -79,20 +76,11 @@ class KindTables(Database):
         if signature.views is not None:
             self.connection.execute("INSERT INTO views VALUES (?, ?)", (shape_id, signature.views.to_bytes()))
 
-    def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], Descriptors]:
+    def views(self, shape_ids: Sequence[int], size: int) -> tuple[list[int], NDArray[np.uint8]]:
         """Return ids and views of some shapes, see `Store.views`."""
         known = shape_ids if self.has_kind_tables() else []
         rows = self.rows_with_ids("SELECT shape_id, descriptors FROM views WHERE shape_id", known)
-        return [row[0] for row in rows], self.matrix([row[1] for row in rows], np.dtype(np.int8), size)
-
-    def views_after(self, last_id: int, limit: int, size: int) -> tuple[list[int], Descriptors]:
-        """Return ids and views of the next shapes, see `Store.views_after`."""
-        rows = self._kind_rows(
-            "SELECT shape_id, descriptors FROM views WHERE shape_id > ? ORDER BY shape_id LIMIT ?",
-            last_id,
-            limit,
-        )
-        return [row[0] for row in rows], self.matrix([row[1] for row in rows], np.dtype(np.int8), size)
+        return [row[0] for row in rows], self.matrix([row[1] for row in rows], np.dtype(np.uint8), size)
 
     def neighbours(self, shape_ids: Sequence[int]) -> dict[int, Neighbours]:
         """Return the nearest shapes of some shapes, see `Store.neighbours`."""
@@ -145,6 +133,3 @@ class KindTables(Database):
             + (condition if self.has_kind_tables() else "")
         )
         return [SourceKey(*row) for row in rows]
-
-    def _kind_rows(self, statement: str, *parameters: object) -> list[tuple[Any, ...]]:
-        return self.rows(statement, *parameters) if self.has_kind_tables() else []
