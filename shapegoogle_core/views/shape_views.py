@@ -77,5 +77,6 @@ def unpack_descriptors(content: NDArray[np.uint8], shape: tuple[int, int, int]) 
     >>> unpack_descriptors(np.frombuffer(views.to_bytes(), np.uint8)[None], (1, 1, 3)).tolist()
     [[[[-7, 0, 7]]]]
     """
-    pairs = np.stack([content >> 4, content & 15], axis=2).reshape(len(content), -1).astype(np.int8)
-    return np.asarray(pairs[:, : int(np.prod(shape))] - np.int8(LEVELS + 1)).reshape(len(content), *shape)
+    count, size = content.shape
+    values = np.stack([content >> 4, content & 15], axis=2).reshape(count, 2 * size).astype(np.int8)
+    return np.asarray(values[:, : int(np.prod(shape))] - np.int8(LEVELS + 1)).reshape(count, *shape)

@@ -112,7 +112,7 @@ def test_components_change_signs_like_the_pictures(views: ViewModel, chair: Mesh
     assert apart.min() < 40 < apart.max()
 
 
-@pytest.mark.parametrize("turn", [(90, 0, 0), (0, 0, 90), (30, 40, 50), (180, 10, 0)])
+@pytest.mark.parametrize("turn", [(90, 0, 0), (0, 0, 90), (30, 40, 50), (180, 20, 0)])
 def test_straight_axes_of_a_turned_chair_are_its_own(chair: Mesh, turn: tuple[float, float, float]) -> None:
     points, normals = surface_points(chair, 20_000)
     assert straight_axes(points, normals).tolist() == np.eye(3).tolist()
