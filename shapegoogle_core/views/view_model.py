@@ -44,7 +44,7 @@ POSES = 2
 _REACH = 2.5
 # Chosen on procedural objects, upright and turned, and creatures (docs/views.md).
 _WEIGHTS = (0.4, 0.6)
-# Spreads the distances of shapes that look alike, for sums with other distances; it changes no order by views.
+# Spreads the distances of shapes that look alike, for sums with others; it changes no order by views.
 _POWER = 1.4
 
 CODE_BYTES = 64
