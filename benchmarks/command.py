@@ -125,6 +125,7 @@ COMMANDS = (
         "benchmarks.training.background",
         "give the shipped model the unlike shapes that tell how distinctive an agreement is",
     ),
+    Command("train-ranking", "benchmarks.training.ranking", "teach the shipped model to order by kind"),
     Command("development-set", "benchmarks.training.development_set", "write shapes to develop on"),
     Command(
         "blend-meshes",

@@ -72,8 +72,9 @@ def tooltip(match: Any) -> str:
     """
     where = f"{match.object_name} in {match.source}" if match.object_name else match.source
     kind = f"{match.kind}. " if match.kind else ""
+    likeness = f"likeness {match.likeness:.2f}, " if match.likeness >= 0 else ""
     return (
-        f"{where or match.name}\n{kind}Similarity {match.similarity:.3f}, "
+        f"{where or match.name}\n{kind}Similarity {match.similarity:.3f}, {likeness}"
         f"distance {match.distance:.4f}, {match.vertex_count:,} vertices, size ×{match.size:.3g}"
     )
 
@@ -115,6 +116,8 @@ def set_evidence(match: Any, evidence: Evidence | None) -> None:
     match.label = match.relation
     if evidence.kind == "part of" and evidence.share is not None:
         match.label = f"{100 * evidence.share:.0f} % of it"
+    if evidence.kind == "nothing in common":
+        match.label = "Unlike"
 
 
 def set_state(match: Any, text: str) -> None:

@@ -26,6 +26,12 @@ _SOURCES = (
     ("FILES", "Other Files", "Only shapes that are not in the open scene"),
 )
 
+_RANKS = (
+    ("BOTH", "Same Shape, then Kind", "The same shape first, then others of its kind"),
+    ("SHAPE", "Same Shape", "Only by how likely they are the same shape"),
+    ("KIND", "Same Kind", "Only by how likely they are of the same kind, such as another chair"),
+)
+
 
 def _is_in_scene(match: Any) -> bool:
     return is_here(match)
@@ -38,6 +44,9 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     source: StringProperty(name="Source")
     object_name: StringProperty(name="Object")
     similarity: FloatProperty(name="Similarity")
+    likeness: FloatProperty(
+        name="Likeness", description="That it is of the same kind; -1: not known", default=-1
+    )
     distance: FloatProperty(name="Distance")
     kind: StringProperty(name="Kind", description="Evidence in words; see gallery.labels")
     relation: StringProperty(description="The kind without the size")
@@ -104,6 +113,9 @@ class GalleryProperties:
         description="Find only matches with this text in their name or path",
         options={"TEXTEDIT_UPDATE"},
         update=search_again,
+    )
+    rank: EnumProperty(
+        name="Order", description="What comes first in the gallery", items=_RANKS, update=search_again
     )
     collapse: BoolProperty(
         name="Collapse Versions",

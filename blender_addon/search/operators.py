@@ -135,7 +135,11 @@ def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]]
 
     session = session_of(context)
     search = partial(
-        query, families=session.collapse, where=conditions(session), size_factor=size_factor(session)
+        query,
+        families=session.collapse,
+        where=conditions(session),
+        rank=session.rank.lower(),
+        size_factor=size_factor(session),
     )
     library = preferences(context).library_path()
     unlike = state.current().search.unlike

@@ -106,6 +106,7 @@ def _draw_filters(layout: Any, session: Any) -> None:
     body.use_property_split = True
     body.use_property_decorate = False
     body.prop(session, "top")
+    body.prop(session, "rank")
     body.prop(session, "least_similarity", slider=True)
     body.prop(session, "source")
     body.prop(session, "text", icon="VIEWZOOM")

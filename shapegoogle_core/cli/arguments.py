@@ -235,6 +235,7 @@ def add_filters(parser: argparse.ArgumentParser) -> None:
     add_value(group, "--name", "TEXT", name, _text)
     add_value(group, "--folder", "FOLDER", "the file is in this folder or below it", _text)
     add_value(group, "--tag", "TAG", "the shape has this tag", _text)
+    add_value(group, "--file-type", "TYPE", "the file's name has this ending, such as blend or stl", _text)
     faces = "number of faces; one of the limits may be left out: 1000:"
     add_value(group, "--faces", "LO:HI", faces, _range)
     add_value(group, "--size", "LO:HI", "largest extent, in units of the file; such as :2.5", _range)

@@ -52,7 +52,7 @@ from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted, put, say, say_lines, table
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.library.search.settings import EvidenceSettings
+from shapegoogle_core.library.search.settings import RANKS, EvidenceSettings
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ShapeReader
@@ -67,6 +67,7 @@ __all__ = ["COMMAND"]
 
 LEGEND = """\
 similarity: probability that it is the same shape, transformed, and not merely the nearest of many others
+likeness:   probability that it is of the same kind, such as another chair
 distance:   what the list is sorted by, from 0 (identical) to 2
 evidence:   result of comparing the surfaces; ×2 means twice the query's size"""
 
@@ -76,6 +77,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser)
     add_value(parser, "--top", "N", "number of matches (%(default)s)", number_from(1), 10)
     add_flag(parser, "--exact", "compare all shapes in full: slower in a large library, misses nothing")
+    parser.add_argument(
+        "--rank",
+        choices=RANKS,
+        default="both",
+        help="what comes first: the same shape and then the same kind, or only one of them (%(default)s)",
+    )
     add_flag(parser, "--families", "list different shapes, of all copies and versions of each only the best")
     explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
     add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
@@ -160,6 +167,7 @@ class _Queries:
             unlike=unlike,
             where=filter_of(self.options),
             families=self.options.families,
+            rank=self.options.rank,
         )
 
     def _examples(self, *groups: Sequence[str]) -> list[list[ShapeSignature]]:
@@ -226,13 +234,15 @@ def _match_table(query: str, matches: list[Match], shapes: int) -> str:
     if not matches:
         none = f"none of {counted(shapes, 'shape')} meets the filters" if shapes else "the library is empty"
         return f"{query}: {none}"
-    rows = [("", "similarity", "distance", "evidence", "name", "source")]
+    rows = [("", "similarity", "likeness", "distance", "evidence", "name", "source")]
     for rank, match in enumerate(matches, start=1):
         evidence = evidence_text(match.evidence)
         distance = f"{match.distance:.4f}"
-        rows.append((str(rank), _similarity(match), distance, evidence, _name(match), match.source))
+        likeness = "" if match.likeness is None else f"{match.likeness:.2f}"
+        figures = (_similarity(match), likeness, distance)
+        rows.append((str(rank), *figures, evidence, _name(match), match.source))
     title = f"{query}: the best {len(matches)} of {counted(shapes, 'shape')}"
-    return "\n".join([title, *table(rows, ">>><<<")])
+    return "\n".join([title, *table(rows, ">>>><<<")])
 
 
 def _name(match: Match) -> str:

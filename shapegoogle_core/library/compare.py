@@ -9,10 +9,11 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.figures import BagFigures, PairFigures
+from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.search.traits import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh
@@ -92,6 +93,10 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         area=other.area,
         typical_distance=usual,
     )
+    if TraitDistances.possible(model) and model.ranking is not None:
+        traits = TraitDistances(model)
+        kind = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
+        match = replace(match, likeness=float(model.ranking.likeness(kind)[0]))
     if signature.sample is None or other.sample is None:
         return match
     # To the precision of a library, so that the results are the same.
@@ -111,4 +116,5 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
             BagFigures(float(model.distances(signature.bags, bags)[0]), usual, float(distances[0]), usual),
             known_alignment(match, signature.sample),
         )
+        evidence = with_kind(evidence, similarity, match.likeness)
         return replace(match, similarity=similarity, evidence=evidence)

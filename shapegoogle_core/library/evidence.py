@@ -9,7 +9,17 @@ from typing import Literal, get_args
 __all__ = ["KINDS", "Evidence", "EvidenceKind"]
 
 EvidenceKind = Literal[
-    "identical", "moved", "scaled", "mirrored", "re-meshed", "re-posed", "part of", "contains", "similar"
+    "identical",
+    "moved",
+    "scaled",
+    "mirrored",
+    "re-meshed",
+    "re-posed",
+    "part of",
+    "contains",
+    "similar",
+    "same kind",
+    "nothing in common",
 ]
 
 KINDS: tuple[EvidenceKind, ...] = get_args(EvidenceKind)
@@ -31,7 +41,7 @@ class Evidence:
         Area of the part divided by the area of the whole, from 0 to 1. For "part of" and "contains".
     probability : float or None
         Probability that the match is the query in another pose, from 0 to 1. For "re-posed", and for
-        "similar" where a pose was considered.
+        "similar", "same kind" and "nothing in common" where a pose was considered.
     displacement : float or None
         How far the surface moved between the two poses, in units of the square root of the area; see
         `Isometry`.

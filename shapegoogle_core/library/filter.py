@@ -44,6 +44,8 @@ class Filter:
         given to `Library.add`.
     tag : str or None
         One of the tags of the shape.
+    file_type : str or None
+        Ending of the source's name, such as "blend" or ".stl", ignoring case.
     faces : (int or None, int or None) or None
         Least and largest number of faces, both included; None for no limit.
     size : (float or None, float or None) or None
@@ -81,6 +83,7 @@ class Filter:
     sources: tuple[str, ...] | None = None
     not_sources: tuple[str, ...] | None = None
     tag: str | None = None
+    file_type: str | None = None
     faces: Range | None = None
     size: Range | None = None
     area: Range | None = None
@@ -99,6 +102,7 @@ class Filter:
             ("text", self.text),
             ("folder", self.folder),
             ("tag", self.tag),
+            ("file_type", self.file_type),
         ):
             if text is not None and (not isinstance(text, str) or not text.strip()):
                 raise ValueError(
@@ -115,7 +119,7 @@ class Filter:
     @property
     def selects_shapes(self) -> bool:
         """Whether it has a condition that is known before the search: all but kind and similarity."""
-        texts = (self.name, self.text, self.folder, self.sources, self.not_sources, self.tag)
+        texts = (self.name, self.text, self.folder, self.sources, self.not_sources, self.tag, self.file_type)
         return any(condition is not None for condition in (*texts, self.faces, self.size, self.area))
 
     def accepts(self, placement: Placement) -> bool:

@@ -34,13 +34,19 @@ class Match:
         Name of the object inside the source, that of `placement` if several share the mesh; empty for a file
         that is one shape.
     distance : float
-        What matches are sorted by: the distance of the bags of query and shape, as the model measures it,
-        lowered where the two surfaces fit, or a walk over neighbours leads from the query to the shape;
-        0 for the same bag.
+        What matches are sorted by, at least 0. Searched for by shape, it is the distance of the bags of query
+        and shape, as the model measures it, lowered where the two surfaces fit; 0 for the same bags.
+        Searched for by kind, it is a weighted sum of distances of bags, pictures and simple measures. For
+        both, the latter is lowered where the former is small for such shapes, see
+        `shapegoogle_core.model.ranking`. It is also lowered where a walk over neighbours leads from the query
+        to the shape.
     similarity : float
         Confidence that it is the same shape, from 0 to 1. With evidence it depends on the two shapes and the
         model only: on their bags if these are certain, otherwise also on how well the surfaces fit. Without
         evidence it is that of the bags alone.
+    likeness : float or None
+        Confidence that it is of the same kind, such as another chair, from 0 to 1; a function of the two
+        shapes and the model only. None if the model has not learnt about kinds.
     shape_id : int
         Number of the shape in its library; never given to another shape of that library.
     vertex_count, face_count : int
@@ -90,6 +96,7 @@ class Match:
     versions: int = 0
     version_ids: tuple[int, ...] = field(default=(), repr=False)
     evidence: Evidence | None = None
+    likeness: float | None = None
     bag_distance: float | None = field(default=None, compare=False, repr=False)
     typical_distance: float | None = field(default=None, compare=False, repr=False)
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
@@ -106,15 +113,17 @@ class Match:
         Returns
         -------
         record : dict
-            ``name``, ``source``, ``object_name``, ``similarity``, ``distance``, ``evidence`` (an object or
-            None) and ``placements`` (their number); ``placement``, the matrix of the object that fits best,
-            row by row, where one was chosen; ``versions`` where a family has any.
+            ``name``, ``source``, ``object_name``, ``similarity``, ``likeness`` (a number or None),
+            ``distance``, ``evidence`` (an object or None) and ``placements`` (their number); ``placement``,
+            the matrix of the object that fits best, row by row, where one was chosen; ``versions`` where a
+            family has any.
         """
         record: dict[str, object] = {
             "name": self.name,
             "source": self.source,
             "object_name": self.object_name,
             "similarity": round(self.similarity, 6),
+            "likeness": None if self.likeness is None else round(self.likeness, 6),
             "distance": self.distance,
             "evidence": None if self.evidence is None else self.evidence.to_json(),
             "placements": self.placement_count,

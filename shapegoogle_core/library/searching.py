@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,10 +17,11 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.neighbours.reorder import reorder
 from shapegoogle_core.library.search.copies import copies_first
 from shapegoogle_core.library.search.explain import by_bags, explain_matches
-from shapegoogle_core.library.search.families import Families, collect_families, families_of_kind
+from shapegoogle_core.library.search.families import Families, collect_families, families_accepted
+from shapegoogle_core.library.search.fusion import Fusion
 from shapegoogle_core.library.search.query import Query, QueryShape, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
-from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.search.settings import RANKS, Rank, SearchSettings
 from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.library.suggestions import Suggestion, suggestions_from
@@ -53,6 +55,7 @@ class LibrarySearch(LibraryContents):
         self._search = Search(store, model, self._settings)
         # A model without views knows only whether two shapes are the same, which bags alone decide.
         self._graph = None if model.views is None else self._search.neighbour_graph()
+        self._fusion = Fusion(store, model, self._settings)
 
     def query(
         self,
@@ -64,6 +67,7 @@ class LibrarySearch(LibraryContents):
         unlike: QueryShapes = (),
         where: Filter | None = None,
         families: bool = False,
+        rank: Rank = "both",
     ) -> list[Match]:
         """Find the shapes of the library that are most similar to a shape, or to several examples of one.
 
@@ -87,11 +91,16 @@ class LibrarySearch(LibraryContents):
         unlike : MeshLike, ShapeSignature, or sequence of them, optional
             Negative examples: shapes near to one of them are ranked lower, copies last.
         where : Filter, optional
-            Conditions on the matches. To find a kind of evidence, the best `EvidenceSettings.max_filtered`
-            matches that meet the other conditions are explained, until `top` have the kind.
+            Conditions on the matches. To find a kind of evidence or a least similarity, the best
+            `EvidenceSettings.max_filtered` matches that meet the other conditions are explained, until `top`
+            have it.
         families : bool, optional
             Find `top` different shapes instead of `top` shapes: of all copies and versions of a shape only
             the best is returned, with the number of the others, see `Match.versions`.
+        rank : {"both", "shape", "kind"}, optional
+            What comes first: the same shape and then others of its kind; only by how likely they are the same
+            shape; or only by how likely they are of the same kind. A model that has not learnt about kinds
+            always orders by shape.
 
         Returns
         -------
@@ -106,8 +115,8 @@ class LibrarySearch(LibraryContents):
             If another model made one of the signatures, or if a kind of evidence is requested and the model
             takes no samples of surfaces.
         ValueError
-            If there is no shape, if `top` is below 1 or `explain` below 0, or if an argument is of a wrong
-            type.
+            If there is no shape, if `top` is below 1 or `explain` below 0, if there is no such `rank`, or if
+            an argument is of a wrong type.
 
         Examples
         --------
@@ -123,6 +132,8 @@ class LibrarySearch(LibraryContents):
         check_count("top", top, 1)
         check_count("explain", explain, 0)
         check_type("where", where, (Filter, type(None)), "a shapegoogle_core.Filter")
+        if rank not in RANKS:
+            raise ValueError(f"there is no order {rank!r}; choose one of {', '.join(RANKS)}")
         kind = None if where is None else where.kind
         if kind is not None and self.model.settings.sample is None:
             raise LibraryError(
@@ -132,35 +143,48 @@ class LibrarySearch(LibraryContents):
         examples = self._signatures(shapes, "query", keep_surface=explain > 0 or kind is not None)
         if not examples:
             raise ValueError("there is nothing to search for: give at least one mesh or signature")
-        unlike_weight = self._settings.rerank.unlike_weight
-        query = Query(self.model, examples, self._signatures(unlike, "unlike"), unlike_weight)
+        negative = self._signatures(unlike, "unlike")
+        query = Query(self.model, examples, negative, self._settings.rerank.unlike_weight)
         among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
         search = self._search.among_all if exact else self._search.among_nearest_codes
-        kept = top if kind is None else max(top, self._settings.evidence.max_filtered)
-        least = 0.0 if where is None or where.min_similarity is None else where.min_similarity
-        walks = self._graph is not None and not query.has_unlike
-        searched = max(kept, self._settings.walk.walked) if walks else kept
-        matches = copies_first(self._store, examples, search(query, searched, among))
-        if self._graph is not None and walks:
-            matches = reorder(self._graph, matches)
+        least = None if where is None else where.min_similarity
+        evidence = self._settings.evidence
+        kept = top if kind is None and least is None else max(top, evidence.max_filtered)
+        graph = None if query.has_unlike or rank == "shape" else self._graph
+        searched = kept if graph is None else max(kept, self._settings.walk.walked)
+
+        def ordered(matches: Sequence[Match], count: int) -> list[Match]:
+            fused = self._fusion.order(
+                query, examples, negative, matches, count, among, rank=rank, exact=exact
+            )
+            listed = copies_first(self._store, examples, fused)
+            return listed if graph is None else reorder(graph, listed)
+
+        found = search(query, searched, among)
+        matches = ordered(found, searched)
         if families:
-            found = collect_families(
+            members = collect_families(
                 Families(self._store, self.model, self._settings.families),
                 kept,
                 matches,
-                lambda count: self._search.among_more(query, count, matches, among, exact=exact),
+                lambda count: ordered(
+                    self._search.among_more(query, count, found, among, exact=exact), count
+                ),
                 len(self) if among is None else len(among),
-                lambda match: match.similarity >= least,
             )
-            if kind is None:
-                return self.explain(examples, [family.best for family in found], explain, where=where)
-            return families_of_kind(
-                found, kind, lambda some: self.explain(examples, some, len(some), where=where), top, kept
+            if where is None or (kind is None and least is None):
+                return self._shown(examples, [family.best for family in members], explain, where)
+            explained = 0 if kind is None and explain == 0 else kept
+            return families_accepted(
+                members,
+                partial(_accepts, where),
+                lambda some: self._shown(examples, some, min(explained, len(some)), where),
+                top,
+                kept,
             )
-        matches = [match for match in matches if match.similarity >= least]
-        if kind is not None:
-            return self._of_kind(kind, examples, matches[:kept], top, where)
-        return self.explain(examples, matches[:top], explain, where=where)
+        if where is not None and (kind is not None or least is not None):
+            return self._accepted(examples, matches[:kept], top, explain, where)
+        return self._shown(examples, matches[:top], explain, where)
 
     def suggest(
         self, shape: QueryShape | int, *, relatives: int = RELATIVES, where: Filter | None = None
@@ -289,7 +313,7 @@ class LibrarySearch(LibraryContents):
         family = np.array(sorted({match.shape_id, *match.version_ids}), np.int64)
         found = self._search.among_all(Query(self.model, examples), len(family), family)
         matches = copies_first(self._store, examples, found)
-        return self.explain(examples, matches, explain)
+        return self._shown(examples, matches, explain, None)
 
     def explain(
         self,
@@ -354,22 +378,56 @@ class LibrarySearch(LibraryContents):
                 signatures.append(self.model.describe(mesh, keep_surface=keep_surface))
         return signatures
 
-    def _of_kind(
+    def _shown(
+        self, examples: Sequence[ShapeSignature], matches: Sequence[Match], count: int, where: Filter | None
+    ) -> list[Match]:
+        """Complete matches by their likeness, and the first of them by evidence."""
+        if any(match.likeness is None for match in matches):
+            matches = self._fusion.with_likeness(examples, matches)
+        return self.explain(examples, matches, count, where=where)
+
+    def _accepted(
         self,
-        kind: str,
         examples: Sequence[ShapeSignature],
         matches: Sequence[Match],
         top: int,
-        where: Filter | None,
+        explain: int,
+        where: Filter,
     ) -> list[Match]:
-        """Explain matches in portions until enough are of a kind."""
+        """Choose matches by the figures that are shown: explain portions until enough are accepted."""
+        if explain == 0 and where.kind is None:
+            shown = self._shown(examples, matches, 0, where)
+            return [match for match in shown if _accepts(where, match)][:top]
         found: list[Match] = []
+        matches = self._promising(matches, where)
         for start in range(0, len(matches), KIND_PORTION):
             portion = matches[start : start + KIND_PORTION]
-            explained = self.explain(examples, portion, len(portion), where=where)
-            found += [
-                match for match in explained if match.evidence is not None and match.evidence.kind == kind
-            ]
+            explained = self._shown(examples, portion, len(portion), where)
+            found += [match for match in explained if _accepts(where, match)]
             if len(found) >= top:
                 break
         return found[:top]
+
+    def _promising(self, matches: Sequence[Match], where: Filter) -> list[Match]:
+        """Leave out matches that are hardly similar enough: surfaces make a few of the others so."""
+        least = where.min_similarity
+        if least is None:
+            return list(matches)
+        by_bags_alone = by_bags(self.model, matches)
+        similarity = [
+            max(match.similarity, other.similarity)
+            for match, other in zip(matches, by_bags_alone, strict=True)
+        ]
+        others = sorted(
+            (number for number, value in enumerate(similarity) if value < least),
+            key=lambda number: -similarity[number],
+        )
+        left_out = set(others[self._settings.evidence.explained :])
+        return [match for number, match in enumerate(matches) if number not in left_out]
+
+
+def _accepts(where: Filter, match: Match) -> bool:
+    """Whether a match with its final figures meets the conditions that are known after a search."""
+    if where.min_similarity is not None and match.similarity < where.min_similarity:
+        return False
+    return where.kind is None or (match.evidence is not None and match.evidence.kind == where.kind)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model.background import Background
+from shapegoogle_core.model.ranking import Ranking
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
@@ -57,6 +58,16 @@ _NUMBERS_AND_TEXT = (
     "verified_slope",
 )
 _BACKGROUND = ("distinctive", "exponent", "verified_exponent")
+_RANKING = (
+    "view_weight",
+    "bag_weight",
+    "figure_weight",
+    "unknown_views",
+    "agreement",
+    "power",
+    "likeness_half",
+    "likeness_slope",
+)
 
 
 def arrays_of(model: Fields) -> Arrays:
@@ -90,6 +101,8 @@ def _part_arrays(model: Fields) -> Arrays:
         arrays |= {f"views_projection_{index}": part for index, part in enumerate(views.projections)}
     if model["background"] is not None:
         arrays["background_vectors"] = model["background"].vectors
+    if (ranking := model["ranking"]) is not None:
+        arrays["ranking_figures"] = np.stack([ranking.figure_mean, ranking.figure_scale])
     return arrays
 
 
@@ -138,6 +151,8 @@ def pack(model: Fields, identifier: str) -> bytes:
         header["views"] = model["views"].identifier
     if model["background"] is not None:
         header["background"] = {name: getattr(model["background"], name) for name in _BACKGROUND}
+    if model["ranking"] is not None:
+        header["ranking"] = {name: getattr(model["ranking"], name) for name in _RANKING}
     text = np.array(json.dumps(header, sort_keys=True))
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, header=text, **arrays_of(model), **_part_arrays(model))
@@ -192,6 +207,7 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
         "verified_slope": float(header.get("verified_slope", 1.0)),
         "local_words": None if settings.local is None else _local_words(arrays),
         "views": _views(arrays) if "views_mean" in arrays else None,
+        "ranking": _ranking(header, arrays) if "ranking" in header else None,
         "background": _background(header, arrays) if "background" in header else None,
     }
     return model, header.get("identifier") or _earlier_identifier(model, header["settings"], arrays)
@@ -238,6 +254,12 @@ def _views(arrays: Arrays) -> ViewModel:
 def _background(header: Mapping[str, Any], arrays: Arrays) -> Background:
     numbers = {name: float(header["background"][name]) for name in _BACKGROUND}
     return Background(vectors=arrays["background_vectors"].astype(np.float16), **numbers)
+
+
+def _ranking(header: Mapping[str, Any], arrays: Arrays) -> Ranking:
+    mean, scale = arrays["ranking_figures"].astype(np.float32)
+    numbers = {name: float(header["ranking"][name]) for name in _RANKING}
+    return Ranking(figure_mean=mean, figure_scale=scale, **numbers)
 
 
 def _earlier_identifier(model: Fields, settings: Mapping[str, Any], arrays: Arrays) -> str:

@@ -23,6 +23,7 @@ from shapegoogle_core.model.model_file import (
     pack,
     unpack,
 )
+from shapegoogle_core.model.ranking import Ranking
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords, FloatBags, shape_bags
 from shapegoogle_core.model.signature import ShapeSignature
@@ -69,6 +70,8 @@ class ShapeModel(BagComparison):
         What describes pictures of shapes. It has its own identifier, since it has nothing to do with bags.
     background : Background or None
         Unlike shapes that tell how distinctive an agreement is.
+    ranking : Ranking or None
+        What orders shapes of the same kind.
 
     Raises
     ------
@@ -106,6 +109,7 @@ class ShapeModel(BagComparison):
     local_words: LocalWords | None = None
     views: ViewModel | None = None
     background: Background | None = None
+    ranking: Ranking | None = None
 
     def __post_init__(self) -> None:
         check_learnt(self)
@@ -190,7 +194,11 @@ class ShapeModel(BagComparison):
         )
 
     def with_parts(
-        self, *, views: ViewModel | None = None, background: Background | None = None
+        self,
+        *,
+        views: ViewModel | None = None,
+        background: Background | None = None,
+        ranking: Ranking | None = None,
     ) -> ShapeModel:
         """Exchange parts of the model that say nothing about bags; its identifier stays.
 
@@ -198,13 +206,19 @@ class ShapeModel(BagComparison):
         ----------
         views : ViewModel, optional
         background : Background, optional
+        ranking : Ranking, optional
             Parts that are left out stay as they are.
 
         Returns
         -------
         model : ShapeModel
         """
-        changed = replace(self, views=views or self.views, background=background or self.background)
+        changed = replace(
+            self,
+            views=views or self.views,
+            background=background or self.background,
+            ranking=ranking or self.ranking,
+        )
         # In the place of the cached property: the file of an early model states another than it has by now.
         vars(changed)["identifier"] = self.identifier
         return changed

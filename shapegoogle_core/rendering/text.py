@@ -9,6 +9,8 @@ __all__ = ["evidence_text"]
 
 # Factors of the size that are shown: below this the two sizes look the same.
 _SHOWN_FACTOR = 0.02
+# Kinds of two different surfaces, whose sizes say nothing.
+_WITHOUT_SIZE = ("similar", "same kind", "nothing in common")
 
 
 def evidence_text(evidence: Evidence | None) -> str:
@@ -35,6 +37,6 @@ def evidence_text(evidence: Evidence | None) -> str:
     if evidence.share is not None:
         share = f"{100 * evidence.share:.0f} %"
         text = f"the query is {share} of it" if evidence.kind == "part of" else f"{share} of the query"
-    if evidence.kind != "similar" and abs(evidence.factor - 1) > _SHOWN_FACTOR:
+    if evidence.kind not in _WITHOUT_SIZE and abs(evidence.factor - 1) > _SHOWN_FACTOR:
         text += f" ×{evidence.factor:.3g}"
     return text

@@ -16,6 +16,7 @@ from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.settings import Rank
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
@@ -153,6 +154,7 @@ def query(
     *,
     families: bool = False,
     where: Filter | None = None,
+    rank: Rank = "both",
     size_factor: float | None = None,
 ) -> Answer:
     """Find the shapes of a library that are most similar to a mesh, or to several examples.
@@ -171,6 +173,8 @@ def query(
         Whether to find different shapes, each with the number of its versions.
     where : Filter, optional
         Conditions on the matches. Only those of a kind have evidence.
+    rank : {"both", "shape", "kind"}, optional
+        What comes first, see `Library.query`.
     size_factor : float, optional
         Largest factor, at least 1, between the size of a match and that of the first example: the root of
         the ratio of their areas.
@@ -204,6 +208,7 @@ def query(
         unlike=[_stored_signature(library, example) for example in unlike],
         families=families,
         where=where,
+        rank=rank,
     )
     return _answer(library, signatures, matches)
 

@@ -9,12 +9,14 @@ from typing import Protocol
 import numpy as np
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
+from shapegoogle_core.library.search.traits import PairDistances as StoredTraits
+from shapegoogle_core.library.search.traits import Traits, joined
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 
-__all__ = ["BagPairs", "PairDistances"]
+__all__ = ["BagPairs", "PairDistances", "TraitPairs"]
 
 
 class PairDistances(Protocol):
@@ -70,3 +72,41 @@ class BagPairs:
         if missing:
             found, bags = self._store.bags(missing, self._model.bag_size)
             self._vectors.update(zip(found, self._model.comparable(bags), strict=True))
+
+
+class TraitPairs:
+    """Distances that a search by shape and kind sorts by, with what they need in memory if there is room.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        With a ranking and a background.
+    most : int, optional
+        Number of shapes in memory.
+    """
+
+    def __init__(self, store: Store, model: ShapeModel, most: int = 5_000) -> None:
+        self._stored = StoredTraits(store, model)
+        self._most = most
+        self._known: dict[int, Traits] = {}
+
+    def between(self, shape_id: int, others: Sequence[int]) -> FloatArray:
+        """Compute the distances of a shape from others, see `PairDistances`."""
+        self._read([shape_id, *others])
+        distances = np.full(len(others), np.inf)
+        there = [place for place, other in enumerate(others) if other in self._known]
+        if shape_id in self._known and there:
+            compared = joined([self._known[others[place]] for place in there])
+            distances[there] = self._stored.distances(self._known[shape_id], 0, compared)
+        return distances
+
+    def _read(self, shape_ids: Sequence[int]) -> None:
+        if len(self._known) > self._most:
+            self._known.clear()
+        missing = [shape_id for shape_id in dict.fromkeys(shape_ids) if shape_id not in self._known]
+        if missing:
+            found = self._stored.read(missing)
+            self._known.update(
+                (int(shape_id), found.row(number)) for number, shape_id in enumerate(found.ids)
+            )

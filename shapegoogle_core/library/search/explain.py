@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.figures import BagFigures, PairFigures
+from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.placements import best_placement, shown_at
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -107,7 +107,9 @@ def explain_matches(
                 match = shown_at(match, placements[shape_id], position)
             else:
                 evidence = explain(Compared(sample, match, measures.get(shape_id)), alignment)
-            explained[shape_id] = replace(match, similarity=max(similarities), evidence=evidence)
+            similarity = max(similarities)
+            evidence = with_kind(evidence, similarity, match.likeness)
+            explained[shape_id] = replace(match, similarity=similarity, evidence=evidence)
     return [explained.get(match.shape_id) or replace(match, evidence=None) for match in matches]
 
 

@@ -26,7 +26,7 @@ from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.registration import SurfaceSample, spectral_difference
 
-__all__ = ["Families", "Family", "collect_families", "families_of_kind"]
+__all__ = ["Families", "Family", "collect_families", "families_accepted"]
 
 
 # Matches that are explained at once to find those of a kind.
@@ -151,7 +151,6 @@ def collect_families(
     first: Sequence[Match],
     more: Callable[[int], Sequence[Match]],
     total: int,
-    accepts: Callable[[Match], bool] = lambda _: True,
 ) -> list[Family]:
     """Go through the matches of a search until enough families are found.
 
@@ -166,8 +165,6 @@ def collect_families(
         Returns this number of best matches, or all there are.
     total : int
         Number of shapes that are searched.
-    accepts : callable, optional
-        Whether a match may be shown. If the last of some matches may not, none after it may.
 
     Returns
     -------
@@ -179,9 +176,9 @@ def collect_families(
     while True:
         new = [match for match in matches if match.shape_id not in known]
         known.update(match.shape_id for match in new)
-        families.take([match for match in new if accepts(match)], wanted)
+        families.take(new, wanted)
         enough = len(families.families) >= wanted
-        last = not new or not accepts(new[-1]) or count >= min(total, families.most_met)
+        last = not new or count >= min(total, families.most_met)
         if enough or last:
             found = sorted(families.families, key=lambda family: family.best.distance)
             return found[:wanted]
@@ -189,14 +186,14 @@ def collect_families(
         matches = more(count)
 
 
-def families_of_kind(
+def families_accepted(
     families: Sequence[Family],
-    kind: str,
+    accepts: Callable[[Match], bool],
     explain: Callable[[Sequence[Match]], Sequence[Match]],
     wanted: int,
     most: int,
 ) -> list[Match]:
-    """Find the families with a member of a kind of evidence.
+    """Find the families with a member that meets conditions on its evidence or similarity.
 
     The first member of every family is explained before the second of any, so that a family with hundreds of
     members does not use up the number that may be explained.
@@ -205,10 +202,10 @@ def families_of_kind(
     ----------
     families : sequence of Family
         Best first.
-    kind : str
-        See `Evidence.kind`.
+    accepts : callable
+        Whether a match with its final figures meets the conditions.
     explain : callable
-        Adds evidence to matches.
+        Adds these figures to matches.
     wanted : int
         Number of families.
     most : int
@@ -217,7 +214,7 @@ def families_of_kind(
     Returns
     -------
     matches : list of Match
-        For each family the first member of the kind, with the others as versions; best first.
+        For each family the first accepted member, with the others as versions; best first.
     """
     ordered = [sorted(family.members, key=attrgetter("distance")) for family in families]
     turns = sorted((turn, number) for number, members in enumerate(ordered) for turn in range(len(members)))
@@ -227,7 +224,7 @@ def families_of_kind(
         asked = [(number, ordered[number][turn]) for turn, number in portion if number not in found]
         explained = explain([match for _, match in asked])
         for (number, _), match in zip(asked, explained, strict=True):
-            if number not in found and match.evidence is not None and match.evidence.kind == kind:
+            if number not in found and accepts(match):
                 found[number] = families[number].shown_by(match)
         if len(found) >= wanted:
             break

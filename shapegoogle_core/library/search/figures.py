@@ -19,7 +19,7 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import Alignment, PartPose, PreparedSample, SurfaceSample, align, measure
 
-__all__ = ["BagFigures", "PairFigures"]
+__all__ = ["BagFigures", "PairFigures", "with_kind"]
 
 # Least similarity of another triangulation of the same surface, which bags may find less alike.
 _SAME_SURFACE = 0.99
@@ -27,6 +27,8 @@ _SAME_SURFACE = 0.99
 _LIKELY = 0.5
 # Agreement in a rough position from which a thorough alignment may find more.
 _WORTHWHILE = 0.3
+# Largest likeness of shapes that have nothing in common.
+_UNLIKE = 0.2
 
 
 @dataclass(frozen=True)
@@ -144,3 +146,25 @@ def _limited(evidence: Evidence, similarity: float, bags: BagFigures, weighed: f
         return evidence
     kind = evidence.kind if evidence.kind != "re-posed" or similarity >= _LIKELY else "similar"
     return replace(evidence, kind=kind, probability=float(f"{similarity:.4g}"))
+
+
+def with_kind(evidence: Evidence, similarity: float, likeness: float | None) -> Evidence:
+    """Say of two different surfaces whether they are of one kind, where that can be told.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    similarity : float
+    likeness : float or None
+
+    Returns
+    -------
+    evidence : Evidence
+        "similar" is "same kind" or "nothing in common" if the likeness is clear; two shapes that are probably
+        the same stay "similar".
+    """
+    if evidence.kind != "similar" or likeness is None or similarity >= _LIKELY:
+        return evidence
+    if likeness >= _LIKELY:
+        return replace(evidence, kind="same kind")
+    return replace(evidence, kind="nothing in common") if likeness <= _UNLIKE else evidence

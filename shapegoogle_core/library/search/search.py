@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from shapegoogle_core.library.match import Match, typical_distances
 from shapegoogle_core.library.neighbours.candidates import StoredCandidates
 from shapegoogle_core.library.neighbours.graph import NeighbourGraph
-from shapegoogle_core.library.neighbours.pairs import BagPairs
+from shapegoogle_core.library.neighbours.pairs import BagPairs, TraitPairs
 from shapegoogle_core.library.search.candidates import NearestCodes, NearestViews, SharedWords
 from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
+from shapegoogle_core.library.search.traits import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -57,11 +58,12 @@ class Search:
 
     def neighbour_graph(self) -> NeighbourGraph:
         """Make the neighbour graph of the library, which shares the codes in memory."""
+        pairs = TraitPairs if TraitDistances.possible(self._model) else BagPairs
         views = NearestViews(self._store, self._model, self._settings.candidates).index
         return NeighbourGraph(
             self._store,
             StoredCandidates(self._store, self._model, self._nearest_codes.index, views),
-            BagPairs(self._store, self._model),
+            pairs(self._store, self._model),
             self._settings.walk,
             self._model.code_bits // 8,
         )

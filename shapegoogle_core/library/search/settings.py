@@ -7,16 +7,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 __all__ = [
+    "RANKS",
     "CandidateSettings",
     "EvidenceSettings",
     "FamilySettings",
+    "Rank",
     "RerankSettings",
     "SearchSettings",
     "VerificationSettings",
     "WalkSettings",
 ]
+
+
+Rank = Literal["shape", "kind", "both"]
+
+RANKS: tuple[Rank, ...] = get_args(Rank)
+"""Orders of a list: by the same shape, by the same kind, or the same shape first and then the same kind."""
 
 
 @dataclass(frozen=True)

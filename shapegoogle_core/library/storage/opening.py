@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import stat
 from pathlib import Path
+from typing import Any
 
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
@@ -82,7 +83,7 @@ def _check_place(path: Path, *, read_only: bool) -> None:
 
 
 def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) -> ShapeModel:
-    """Return the library's own model, completed by views and a background if an earlier version made it."""
+    """Return the library's own model, completed by the parts that an earlier version did not know."""
     identifier, content = store.model()
     if given is not None:
         _check_identifier(store, identifier, given)
@@ -93,18 +94,21 @@ def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) 
     except ModelError as error:
         raise LibraryError(str(error)) from error
     _check_identifier(store, identifier, model)
-    if model.views is not None and model.background is not None:
+    if None not in _parts(model).values():
         return model
     later = as_model(model.name) if given is None and model.name in SHIPPED else given
     if later is None or later.identifier != identifier:
         return model
-    complete = model.with_parts(
-        views=model.views or later.views, background=model.background or later.background
-    )
-    gained = (complete.views, complete.background) != (model.views, model.background)
-    if gained and not read_only:
+    gained = {name: part for name, part in _parts(later).items() if _parts(model)[name] is None}
+    complete = model.with_parts(**gained)
+    if any(part is not None for part in gained.values()) and not read_only:
         store.extend_model(identifier, complete.to_bytes())
     return complete
+
+
+def _parts(model: ShapeModel) -> dict[str, Any]:
+    """Return the parts of a model that say nothing about bags."""
+    return {"views": model.views, "background": model.background, "ranking": model.ranking}
 
 
 def _check_identifier(store: Store, identifier: str, model: ShapeModel) -> None:

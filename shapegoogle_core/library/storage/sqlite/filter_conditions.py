@@ -72,6 +72,8 @@ def _conditions(where: Filter, roots: Sequence[Root]) -> Iterator[Condition]:
         yield f"NOT coalesce({condition}, FALSE)", values
     if where.tag is not None:
         yield "id IN (SELECT shape_id FROM tags WHERE tag = CAST(? AS TEXT))", (encoded(where.tag),)
+    if where.file_type is not None:
+        yield _type_condition(where.file_type)
     if where.faces is not None:
         yield _range_condition("face_count", where.faces)
     if where.size is not None:
@@ -97,6 +99,17 @@ def _name_condition(name: str) -> Condition:
     own, other = like.format(column="name"), like.format(column="object_name")
     # The first placement has the name of the shape, unless the shape was renamed.
     return f"{own} OR id IN (SELECT shape_id FROM placements WHERE {other})", (value, value)
+
+
+def _type_condition(file_type: str) -> Condition:
+    """Search sources whose names end in a dot and a text."""
+    like, value = _like(f"*.{_literal(file_type.strip().lstrip('*').lstrip('.'))}")
+    return f"source_id IN (SELECT id FROM sources WHERE {like.format(column='path')})", (value,)
+
+
+def _literal(text: str) -> str:
+    """Remove wildcards."""
+    return "".join(character for character in text if character not in WILDCARDS)
 
 
 def _text_condition(text: str) -> Condition:

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""`Ranking`: what decides the order of a list of matches, and how likely two shapes are of one kind.
+
+Bags say whether two shapes are the same, whatever their pose; pictures say whether they look alike; simple
+measures say whether they are long, flat or hollow. Their weighted sum, the *kind distance* K, orders shapes
+of one kind best. But a shape in another pose may look less like itself than like another one. So K is lowered
+where bags agree more than those of unrelated shapes do, see `Background`: with E = d / t the distance of a
+pair in units of its typical distance, the list is sorted by K (1 - exp(-(E / E₀)²))^q.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from shapegoogle_core.errors import ModelError
+from shapegoogle_core.mesh.mesh import FloatArray
+from shapegoogle_core.registration import MeshMeasures
+
+__all__ = ["FIGURES", "Ranking", "figures_of"]
+
+FIGURES = 12
+"""Number of simple measures of a shape."""
+
+# Standardised figures beyond this are outliers, such as of a sheet without thickness.
+_LARGEST = 3.0
+_TINY = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking:
+    """Weights of the kind distance, and its calibration.
+
+    Attributes
+    ----------
+    view_weight, bag_weight, figure_weight : float
+        Of the distances of views, of bags and of simple measures in K; together 1.
+    figure_mean, figure_scale : (12,) arrays of float32
+        Mean and standard deviation of the simple measures, see `figures_of`.
+    unknown_views : float
+        Distance of views where one of two shapes has none.
+    agreement, power : float
+        E₀ and q above.
+    likeness_half, likeness_slope : float
+        Calibration of the likeness 1 / (1 + (K / half)^slope): the probability that two shapes are of one
+        kind and not two neighbours of different kinds, if both are equally likely beforehand.
+
+    Raises
+    ------
+    ModelError
+        If a number is not finite or out of range.
+    """
+
+    view_weight: float
+    bag_weight: float
+    figure_weight: float
+    figure_mean: NDArray[np.float32]
+    figure_scale: NDArray[np.float32]
+    unknown_views: float
+    agreement: float
+    power: float
+    likeness_half: float
+    likeness_slope: float
+
+    def __post_init__(self) -> None:
+        weights = (self.view_weight, self.bag_weight, self.figure_weight, self.unknown_views)
+        positive = (self.agreement, self.power, self.likeness_half, self.likeness_slope)
+        fits = (
+            all(0 <= weight < np.inf for weight in weights)
+            and all(0 < value < np.inf for value in positive)
+            and self.figure_mean.shape == self.figure_scale.shape == (FIGURES,)
+            and np.isfinite(self.figure_mean).all()
+            and bool((self.figure_scale > 0).all())
+        )
+        if not fits:
+            raise ModelError("the model's ranking is damaged: its numbers are out of range")
+
+    def standardised(self, figures: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Standardise simple measures (n, 12); those that are not known count as usual ones."""
+        scaled = (figures - self.figure_mean) / self.figure_scale
+        return np.asarray(np.clip(np.nan_to_num(scaled, nan=0.0), -_LARGEST, _LARGEST), np.float32)
+
+    def kind_distances(self, bags: ArrayLike, views: ArrayLike, figures: ArrayLike) -> FloatArray:
+        """Compute the kind distances K of pairs.
+
+        Parameters
+        ----------
+        bags, figures : (n,) array_like
+            Distances of bags, and root mean square differences of standardised measures.
+        views : (n,) array_like
+            Distances of views; NaN where one of the two shapes has none.
+
+        Returns
+        -------
+        distances : (n,) array
+        """
+        seen = np.nan_to_num(np.asarray(views, np.float64), nan=self.unknown_views)
+        return np.asarray(
+            self.view_weight * seen
+            + self.bag_weight * np.asarray(bags, np.float64)
+            + self.figure_weight * np.asarray(figures, np.float64)
+        )
+
+    def sorting_distances(self, kind: ArrayLike, bags: ArrayLike, typical: ArrayLike) -> FloatArray:
+        """Compute the distances that a list of both, the same shape and the same kind, is sorted by.
+
+        Parameters
+        ----------
+        kind : (n,) array_like
+            Kind distances.
+        bags : (n,) array_like
+            Distances of bags, verified or not.
+        typical : (n,) array_like
+            Typical distances, see `Background`.
+
+        Returns
+        -------
+        distances : (n,) array
+            0 for equal bags, at most `kind`.
+        """
+        agreement = np.asarray(bags, np.float64) / np.asarray(typical, np.float64)
+        gate = 1 - np.exp(-((agreement / self.agreement) ** 2))
+        return np.asarray(np.asarray(kind, np.float64) * gate**self.power)
+
+    def likeness(self, kind: ArrayLike) -> FloatArray:
+        """Convert kind distances to likenesses from 0 to 1."""
+        ratio = np.asarray(kind, np.float64) / self.likeness_half
+        return np.asarray(1 / (1 + ratio**self.likeness_slope), dtype=np.float64)
+
+
+def figures_of(
+    measures: MeshMeasures | None, area: float, extents: tuple[float, float, float]
+) -> NDArray[np.float32]:
+    """Compute simple measures of a shape, which do not depend on its size.
+
+    Parameters
+    ----------
+    measures : MeshMeasures or None
+    area : float
+    extents : (float, float, float)
+        Side lengths of the bounding box; zeros if they are not known.
+
+    Returns
+    -------
+    figures : (12,) array of float32
+        Moments of the points and of the normals; proportions of the bounding box, area for its size, share of
+        curved surface. NaN where they are not known.
+    """
+    figures = np.full(FIGURES, np.nan, np.float32)
+    if measures is not None and measures.area > 0:
+        moments = measures.moments
+        positive = np.log(np.maximum(moments[[0, 1, 2, 6, 7]], _TINY))
+        figures[:8] = np.concatenate([positive, moments[3:6]])
+        figures[8] = measures.curved
+    shortest, middle, longest = sorted(extents)
+    if longest > 0:
+        figures[9] = np.log(max(middle / longest, 1e-3))
+        figures[10] = np.log(shortest / longest + 1e-2)
+        figures[11] = np.log(max(area / longest**2, _TINY))
+    return figures
