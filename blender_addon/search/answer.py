@@ -121,6 +121,7 @@ def _fill(lines: Any, answer: Answer) -> None:
         line.similarity, line.distance = match.similarity, match.distance
         line.size = (match.area / answer.area) ** 0.5
         line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
+        line.likeness = -1 if match.likeness is None else match.likeness
         line.placement_count = match.placement_count
         line.version_count = match.versions
         labels.set_state(line, labels.COMPARING)
