@@ -314,6 +314,7 @@ def test_a_match_says_what_the_shape_is_and_turns_into_json(
         "source": "animals.blend",
         "object_name": "Horse",
         "similarity": 1.0,
+        "likeness": None,
         "distance": 0.0,
         "placements": 1,
         "evidence": None,
