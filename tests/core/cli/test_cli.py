@@ -176,7 +176,7 @@ def test_query_as_json(
         assert set(record) == {"query", "matches"}
         best = record["matches"][0]
         named = {"name", "source", "object_name"}
-        assert set(best) == {*named, "similarity", "distance", "evidence", "placements"}
+        assert set(best) == {*named, "similarity", "likeness", "distance", "evidence", "placements"}
         assert (best["source"], best["similarity"], best["distance"]) == (record["query"], 1.0, 0.0)
         assert best["name"] == Path(record["query"]).name
         distances = [match["distance"] for match in record["matches"]]
@@ -195,14 +195,14 @@ def test_query_as_a_table(run: Command, indexed: Library, library_file: Path, fo
     assert (code, stderr) == (0, "")
     title, head, first, second, blank, *legend = stdout.splitlines()
     assert title == f"{query}: the best 2 of 3 shapes"
-    assert head.split() == ["similarity", "distance", "evidence", "name", "source"]
+    assert head.split() == ["similarity", "likeness", "distance", "evidence", "name", "source"]
     assert first.split() == ["1", "1.000", "0.0000", "pear.obj", str(query)]
     assert second.split()[0] == "2"
     # Columns stand under their heads, and no path is cut off.
     assert first.index("pear.obj") == head.index("name")
     assert first.index(str(query)) == second.index(str(folder)) == head.index("source")
     assert blank == ""
-    assert [line.split(":")[0] for line in legend] == ["similarity", "distance", "evidence"]
+    assert [line.split(":")[0] for line in legend] == ["similarity", "likeness", "distance", "evidence"]
 
 
 @pytest.mark.parametrize(

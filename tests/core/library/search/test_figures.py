@@ -111,4 +111,4 @@ def test_shapes_of_many_parts_are_not_called_another_pose() -> None:
     balls = [trimesh.creation.icosphere(1).apply_translation([0, 3 * i, 0]) for i in range(30)]
     evidence = sg.compare(joined(cubes), joined(balls)).evidence
     assert evidence is not None
-    assert evidence.kind == "similar"
+    assert evidence.kind in ("similar", "same kind", "nothing in common")
