@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.neighbours.pairs import BagPairs
+from shapegoogle_core.library.neighbours.pairs import TraitPairs
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -55,7 +55,7 @@ def neighbours(library: Library) -> dict[int, list[int]]:
 def nearest(library: Library, shape_id: int, count: int) -> list[int]:
     """Nearest shapes by comparing with all."""
     others = [shape.shape_id for shape in library.shapes() if shape.shape_id != shape_id]
-    distances = BagPairs(library._store, library.model).between(shape_id, others)
+    distances = TraitPairs(library._store, library.model).between(shape_id, others)
     return [others[place] for place in np.argsort(distances, kind="stable")[:count]]
 
 
