@@ -162,7 +162,7 @@ class ShapeModel(BagComparison):
         >>> signature.bags.shape, signature.code.shape, signature.area
         ((2700,), (32,), 22.0)
         >>> signature.surface
-        Mesh('mesh', 1006 vertices, 2008 faces)
+        Mesh('mesh', 1034 vertices, 2064 faces)
         """
         mesh = as_mesh(mesh)
         # On matrices of this size a second BLAS thread only doubles the processor time.

@@ -38,8 +38,8 @@ def normal_pictures(points: FloatArray, normals: FloatArray, rotations: FloatArr
     >>> from shapegoogle_core.views import VIEW_ROTATIONS, normal_pictures, surface_points
     >>> points, normals = surface_points(trimesh.creation.icosphere(3), 30_000)
     >>> pictures = normal_pictures(points, normals, VIEW_ROTATIONS, 64)
-    >>> pictures.shape, pictures[0, 32, 32].round(1).tolist()
-    ((12, 64, 64, 4), [-0.0, 0.0, 1.0, 1.0])
+    >>> pictures.shape, bool(pictures[0, 32, 32, 2] > 0.99)
+    ((12, 64, 64, 4), True)
     """
     # The last row has the depth, from which points are ordered.
     positions, directions = (values.T.astype(np.float32) for values in (points, normals))
