@@ -163,7 +163,9 @@ class TraitDistances:
             own = ShapeViews(one.views[row], self._model.views.identifier)
             views[others.seen] = self._model.views.distances(own, others.views[others.seen])
         figures = np.sqrt(((others.figures - one.figures[row]) ** 2).mean(axis=1))
-        return self._ranking.kind_distances(self._bags(one, row, others), views, figures)
+        distances = self._ranking.kind_distances(self._bags(one, row, others), views, figures)
+        # The last bits of a product depend on the number of its rows.
+        return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
     def distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
         """Compute the distances that a search by shape and kind sorts by, before surfaces are compared.

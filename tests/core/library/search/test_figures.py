@@ -51,7 +51,7 @@ def test_without_evidence_the_similarity_is_that_of_the_bags(
         distances = library.model.distances(asked.bags, bags[None])
         typical = library.model.typical_distances(asked.bags, bags[None])
         expected = library.model.similarity(distances, typical)[0]
-        assert match.similarity == pytest.approx(expected, abs=1e-4)
+        assert match.similarity == pytest.approx(expected, abs=5e-4)
 
 
 def test_verification_does_not_change_the_order_of_a_conclusive_search(
