@@ -303,7 +303,7 @@ class LibrarySearch(LibraryContents):
         ...         signature = library.signature(2)
         ...         boxes, ring = library.query(signature, families=True)
         ...         [match.name for match in library.versions(signature, boxes)], boxes.versions
-        (['box 1', 'box 2', 'box 3'], 2)
+        (['box 2', 'box 1', 'box 3'], 2)
         """
         check_type("match", match, Match, "a Match")
         check_count("explain", explain, 0)

@@ -238,6 +238,7 @@ class BagComparison:
         Parameters
         ----------
         distances : (n,) array_like
+            Between pairs of shapes.
         typical : (n,) array_like or None
             From `typical_distances`.
         verified : bool, optional

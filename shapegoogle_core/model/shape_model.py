@@ -205,9 +205,11 @@ class ShapeModel(BagComparison):
         Parameters
         ----------
         views : ViewModel, optional
+            How shapes look from outside. Parts that are left out stay as they are.
         background : Background, optional
+            Unlike shapes that agreements are compared with.
         ranking : Ranking, optional
-            Parts that are left out stay as they are.
+            Order of shapes of a kind.
 
         Returns
         -------

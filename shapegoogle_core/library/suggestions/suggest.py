@@ -33,12 +33,19 @@ class Suggestion:
     Attributes
     ----------
     kind : {"tag", "folder", "word"}
+        A tag of relatives, the name of the folder that their files lie in, or a word of their names.
     text : str
         As it is in the library.
     confidence : float
         Share of the relatives' votes, from 0 to 1; nearer relatives have more weight.
     relatives : tuple of str
         Names of the relatives that have it, nearest first.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> sg.Suggestion("word", "chair", 0.8, ("Chair 1", "Armchair"))
+    Suggestion(kind='word', text='chair', confidence=0.8, relatives=('Chair 1', 'Armchair'))
     """
 
     kind: SuggestionKind
