@@ -6,12 +6,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
 from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.kinds import Compared
-from shapegoogle_core.library.search.query import Query, QuerySamples
+from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.traits import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
@@ -19,6 +20,7 @@ from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.loading import as_model
+from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import SHARED_SCALES, SurfaceSample
 
 __all__ = ["compare"]
@@ -93,12 +95,8 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         area=other.area,
         typical_distance=usual,
     )
-    if TraitDistances.possible(model) and model.ranking is not None:
-        traits = TraitDistances(model)
-        kind = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
-        match = replace(match, likeness=float(model.ranking.likeness(kind)[0]))
     if signature.sample is None or other.sample is None:
-        return match
+        return _with_kind_distance(model, match, signature, other)
     # To the precision of a library, so that the results are the same.
     sample = SurfaceSample.from_bytes(other.sample.to_bytes())
     verifier = Verifier(
@@ -108,6 +106,7 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         scales = {} if model.local_words is None else {match.shape_id: range(len(SHARED_SCALES))}
         samples = QuerySamples(query.samples, lambda _: {})
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
+    match = _with_kind_distance(model, match, signature, other)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         pair = PairFigures(model, settings, signature, signature.sample, settings.verification.certain)
@@ -118,3 +117,21 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         )
         evidence = with_kind(evidence, similarity, match.likeness)
         return replace(match, similarity=similarity, evidence=evidence)
+
+
+def _with_kind_distance(
+    model: ShapeModel, match: Match, signature: ShapeSignature, other: ShapeSignature
+) -> Match:
+    """Give a match its likeness, and the distance that a search sorts it by."""
+    if not TraitDistances.possible(model) or model.ranking is None:
+        return match
+    traits = TraitDistances(model)
+    kind = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
+    typical = typical_distances([match])
+    assert typical is not None  # the model has a background
+    distances = model.ranking.sorting_distances(kind, [match.distance], typical)
+    return replace(
+        match,
+        distance=float(np.round(min(distances[0], FARTHEST), DISTANCE_DECIMALS)),
+        likeness=float(model.ranking.likeness(kind)[0]),
+    )

@@ -126,7 +126,7 @@ def test_similar_shapes_are_listed_to_select_only(shown: Any) -> None:
     points = np.array([vertex.co for vertex in data.vertices])
     near = data.copy()
     for vertex, point in zip(near.vertices, points, strict=True):
-        vertex.co = point * (1 + 0.05 * math.sin(9 * point[0]))
+        vertex.co = point * (1 + 0.02 * math.sin(9 * point[0]))
     add("a", data)
     add("near", near)
     bpy.ops.mesh.primitive_torus_add(location=(9, 0, 0))

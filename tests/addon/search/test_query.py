@@ -31,7 +31,7 @@ def test_find_similar(indexed: Path, preferences: Any, session: Any) -> None:
     assert best.similarity > 0.9
     assert Path(best.source) == indexed / "pear.blend"
     assert best.size == pytest.approx(1 / 3, rel=1e-3)
-    assert session.answer.startswith("Query: 2 different shapes, the best of 4, ")
+    assert session.answer.startswith("Query: 3 different shapes, the best of 4, ")
     assert not best.in_scene
 
 

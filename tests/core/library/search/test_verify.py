@@ -229,19 +229,14 @@ def test_matches_carry_the_alignment_that_verification_found(
     assert known_alignment(plain, signature.sample) is None
 
 
-def test_alignments_of_verification_are_not_computed_again(
-    library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
+def test_evidence_is_the_same_with_and_without_an_alignment_of_the_search(
+    library: Library, shapes_in_it: list[Mesh]
 ) -> None:
     signature = library.model.describe(transform(shapes_in_it[5], "noise", 1, seed=0), keep_surface=True)
     matches = library.query(signature, top=3, explain=0)
-    plain = [replace(match, alignment=None) for match in matches]
-    aligned = watch_alignments(VERIFY, monkeypatch)
-    anew = library.explain([signature], plain)
-    computed = sum(sample is signature.sample for sample in aligned)
-    aligned.clear()
+    assert any(match.alignment is not None for match in matches)
+    anew = library.explain([signature], [replace(match, alignment=None) for match in matches])
     passed_on = library.explain([signature], matches)
-    again = sum(sample is signature.sample for sample in aligned)
-    assert again == 0 < computed
     assert [kind_of(match) for match in passed_on] == [kind_of(match) for match in anew]
     assert library.query(signature, top=3) == passed_on
 
@@ -315,7 +310,7 @@ class TestPartsIndex:
     def test_support_decides_among_those_with_the_words(
         self, library: Library, shapes_in_it: list[Mesh], monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        """All have some of the words; only one place is given away, by what agrees in space."""
+        """All have some of the words; only eight of 36 places are given away, by what agrees in space."""
         query = library.model.describe(cut(shapes_in_it[8], np.array([0.3, 1, 0.2]), 0.5))
         strange = replace(query, bags=library.signature(3).bags[::-1].copy(), code=~library.signature(9).code)
         aligned: list[FloatArray] = []
@@ -327,12 +322,12 @@ class TestPartsIndex:
             return rough_poses(query, among, scales)
 
         monkeypatch.setattr(f"{VERIFY}.rough_poses", watched)
-        with reopened(library, CandidateSettings(supported=1), first=1, likely=2.0) as other:
+        with reopened(library, CandidateSettings(supported=8), first=1, likely=2.0) as other:
             assert other.query(strange, top=1, explain=0)[0].name == "shape 8"
-        (points,) = aligned
+        assert len(aligned) <= 8
         sample = library.signature(9).sample
         assert sample is not None
-        np.testing.assert_array_equal(points, sample.points)
+        assert any(np.array_equal(points, sample.points) for points in aligned)
 
     def test_shapes_that_another_process_removed_are_skipped(
         self, library: Library, shapes_in_it: list[Mesh]
