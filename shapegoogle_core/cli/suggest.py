@@ -66,11 +66,14 @@ def _run(options: argparse.Namespace) -> int:
                 for shape in found.shapes:
                     suggested = library.suggest(shape.mesh, relatives=options.relatives)[: options.top]
                     _print(options, path, shape.object_name, suggested)
-            except (MeshError, MemoryError) as error:
-                reason = str(error) if isinstance(error, MeshError) else f"{path!r} does not fit into memory"
-                failed.append((Path(path), reason))
-                if options.json:
-                    put(json.dumps({"query": path, "suggestions": [], "error": reason}))
+                continue
+            except MeshError as error:
+                reason = str(error)
+            except MemoryError:
+                reason = f"{path!r} does not fit into memory"
+            failed.append((Path(path), reason))
+            if options.json:
+                put(json.dumps({"query": path, "suggestions": [], "error": reason}))
     list_failures(failed)
     return SOME_FAILED if failed else DONE
 
