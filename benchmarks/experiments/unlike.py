@@ -21,8 +21,8 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
+from benchmarks.kinds.sets import LEARNING_PACKS
 from benchmarks.parallel import map_in_processes
-from benchmarks.training.background import LEARNING_PACKS
 from shapegoogle_core import Library, Match, SearchSettings, ShapeModel, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.mesh import read_mesh

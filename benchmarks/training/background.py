@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.flat_parts.families import FAMILIES
+from benchmarks.kinds.sets import LEARNING_PACKS
 from benchmarks.objects import OBJECT_KINDS, make_object
 from benchmarks.objects.kinds import solids
 from benchmarks.parallel import map_in_processes
@@ -40,10 +41,7 @@ from shapegoogle_core.model.background_learning import KnownPairs, learn_backgro
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import PreparedSample
 
-__all__ = ["LEARNING_PACKS", "add_options", "run"]
-
-LEARNING_PACKS = ("animals", "dungeon", "medieval_weapons", "potions", "trees")
-"""Packs of CC0 models that may be learnt from; the others are held out."""
+__all__ = ["add_options", "run"]
 
 # Seeds of the background and of the shapes to calibrate on: neither is a training nor a development shape.
 _SEED, _OTHER_SEED = 4_000, 5_000

@@ -26,8 +26,7 @@ from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.kinds.sets import LEARNING_PACKS, weak_labels
 from benchmarks.objects import OBJECT_KINDS, make_object
 from benchmarks.parallel import map_in_processes
-from benchmarks.training.models import SHIPPED
-from shapegoogle_core.cli.arguments import number_from
+from benchmarks.training.background import add_options
 from shapegoogle_core.library.search.traits import TraitDistances
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -235,18 +234,6 @@ def _calibrated(
     regression.fit(features, same, sample_weight=np.array(weights) / np.mean(weights))
     slope = -float(regression.coef_[0, 0])
     return float(np.exp(regression.intercept_[0] / slope)), slope
-
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the subcommand.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-    """
-    parser.add_argument("--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported models")
-    parser.add_argument("--model", type=Path, default=SHIPPED / "default.npz", help="(%(default)s)")
-    parser.add_argument("--jobs", type=number_from(1), default=2, metavar="N", help="worker processes (2)")
 
 
 def run(options: argparse.Namespace) -> int:
