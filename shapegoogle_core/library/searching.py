@@ -55,7 +55,7 @@ class LibrarySearch(LibraryContents):
         self._search = Search(store, model, self._settings)
         # A model without views knows only whether two shapes are the same, which bags alone decide.
         self._graph = None if model.views is None else self._search.neighbour_graph()
-        self._fusion = Fusion(store, model, self._settings)
+        self._fusion = Fusion(store, model, self._settings, self._search.nearest_views)
 
     def query(
         self,

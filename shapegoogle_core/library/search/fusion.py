@@ -41,12 +41,16 @@ class Fusion:
     model : ShapeModel
         Model that described the shapes. Without a ranking and a background, matches stay as they are.
     settings : SearchSettings
+    views : NearestViews
+        Candidates by their views.
     """
 
-    def __init__(self, store: Store, model: ShapeModel, settings: SearchSettings) -> None:
+    def __init__(
+        self, store: Store, model: ShapeModel, settings: SearchSettings, views: NearestViews
+    ) -> None:
         self._store, self._model = store, model
         self._pairs = PairDistances(store, model) if PairDistances.possible(model) else None
-        self._views = NearestViews(store, model, settings.candidates)
+        self._views = views
         self._reranker = Reranker(store, model, settings.rerank)
         self._unlike_weight = settings.rerank.unlike_weight
 

@@ -45,6 +45,11 @@ class Search:
     model : ShapeModel
         Model that described the shapes.
     settings : SearchSettings
+
+    Attributes
+    ----------
+    nearest_views : NearestViews
+        Candidates by their views; its codes are in memory once.
     """
 
     def __init__(self, store: Store, model: ShapeModel, settings: SearchSettings) -> None:
@@ -52,6 +57,7 @@ class Search:
         self._model = model
         self._settings = settings
         self._nearest_codes = NearestCodes(store, model, settings.candidates)
+        self.nearest_views = NearestViews(store, model, settings.candidates)
         self._shared_words = SharedWords(store, model, settings.candidates)
         self._reranker = Reranker(store, model, settings.rerank)
         self._verifier = Verifier(partial(stored_samples, store, model), model, settings.verification)
@@ -59,10 +65,9 @@ class Search:
     def neighbour_graph(self) -> NeighbourGraph:
         """Make the neighbour graph of the library, which shares the codes in memory."""
         pairs = TraitPairs if TraitDistances.possible(self._model) else BagPairs
-        views = NearestViews(self._store, self._model, self._settings.candidates).index
         return NeighbourGraph(
             self._store,
-            StoredCandidates(self._store, self._model, self._nearest_codes.index, views),
+            StoredCandidates(self._store, self._model, self._nearest_codes.index, self.nearest_views.index),
             pairs(self._store, self._model),
             self._settings.walk,
             self._model.code_bits // 8,

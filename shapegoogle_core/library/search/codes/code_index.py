@@ -6,37 +6,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.search.codes.hamming import (
-    BLOCK,
-    BitCounter,
-    Words,
-    count_bits,
-    nearest_codes,
-    nearest_in_blocks,
-    pack_words,
-)
-from shapegoogle_core.library.search.codes.shape_index import ShapeIndex
+from shapegoogle_core.library.search.codes.hamming import nearest_codes, nearest_in_blocks, pack_words
+from shapegoogle_core.library.search.codes.packed_index import PackedIndex
 
 __all__ = ["CodeIndex"]
 
 
-class CodeIndex(ShapeIndex):
-    """Codes of shapes by their ids.
-
-    Parameters
-    ----------
-    counter : callable, optional
-        Function that counts the set bits of an array of words.
-    block : int, optional
-        Number of shapes in a block.
-    """
-
-    def __init__(self, counter: BitCounter = count_bits, block: int = BLOCK) -> None:
-        super().__init__(block)
-        self._counter = counter
-
-    def _columns(self, codes: NDArray[np.uint8]) -> Words:
-        return pack_words(codes)
+class CodeIndex(PackedIndex):
+    """Codes of shapes by their ids; see `PackedIndex`."""
 
     def nearest(
         self, code: NDArray[np.uint8], count: int, among: NDArray[np.int64] | None = None
@@ -61,6 +38,4 @@ class CodeIndex(ShapeIndex):
             chosen = self._positions(among)
             return self._shape_ids[chosen[nearest_codes(self._at(chosen), query, count, self._counter)]]
         positions = nearest_in_blocks(self._filled(), query, count + len(self._gone), self._counter)
-        if len(self._gone):
-            positions = positions[~np.isin(positions, self._gone)][:count]
-        return self._shape_ids[positions]
+        return self._best_there(positions, count)

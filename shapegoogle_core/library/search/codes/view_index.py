@@ -13,36 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.search.codes.hamming import (
-    BLOCK,
-    BitCounter,
     Words,
-    count_bits,
     hamming_distances,
     nearest_by_distance,
     pack_words,
 )
-from shapegoogle_core.library.search.codes.shape_index import ShapeIndex
+from shapegoogle_core.library.search.codes.packed_index import PackedIndex
 
 __all__ = ["ViewIndex"]
 
 
-class ViewIndex(ShapeIndex):
-    """Codes of views by the ids of their shapes.
-
-    Parameters
-    ----------
-    counter : callable, optional
-        Function that counts the set bits of an array of words.
-    block : int, optional
-        Number of shapes in a block.
-    """
-
-    def __init__(self, counter: BitCounter = count_bits, block: int = BLOCK) -> None:
-        super().__init__(block)
-        self._counter = counter
-
-    def _columns(self, codes: NDArray[np.uint8]) -> Words:
-        return pack_words(codes)
+class ViewIndex(PackedIndex):
+    """Codes of views by the ids of their shapes; see `PackedIndex`."""
 
     def nearest(
         self,
@@ -74,9 +56,7 @@ class ViewIndex(ShapeIndex):
             ]
         blocks = (self._distances(block, queries) for block in self._filled())
         positions = nearest_by_distance(blocks, count + len(self._gone))
-        if len(self._gone):
-            positions = positions[~np.isin(positions, self._gone)][:count]
-        return self._shape_ids[positions]
+        return self._best_there(positions, count)
 
     def _distances(self, words: Words, queries: Sequence[Words]) -> NDArray[np.uint16]:
         least = np.full(words.shape[1], np.iinfo(np.uint16).max, np.uint16)
