@@ -33,7 +33,7 @@ Indices = NDArray[np.int64]
 # A shape is symmetric if another map has at most this much more distortion than the best one, or than the
 # right map of a re-meshed shape.
 _AS_GOOD, _REMESHED = 0.012, 0.01
-# Logistic regression of the confidence on two errors in units of √area (docs/correspondence.md).
+# Logistic regression of the confidence on two errors in units of √area (docs/concepts/correspondence.md).
 _CONSTANT, _RETURN_WEIGHT, _STRETCH_WEIGHT = 4.5, 52.0, 56.0
 
 

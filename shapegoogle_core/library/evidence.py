@@ -31,7 +31,7 @@ class Evidence:
     """Relation of a match to the query, found by comparing the two surfaces.
 
     Figures are rounded to four significant digits. Those that do not apply to a kind are None;
-    ``docs/evidence.md`` lists the checks behind each kind and their tolerances.
+    ``docs/concepts/evidence.md`` lists the checks behind each kind and their tolerances.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ from shapegoogle_core.spectral.truncated import check_source, checked_time, chec
 __all__ = ["rational_diagonal", "rational_kernel"]
 
 # A time t takes the poles z from 2^-1/t to 2^7/t. With more of them in an octave rounding sets the limit,
-# with fewer the error ε grows quickly (docs/small_times.md).
+# with fewer the error ε grows quickly (docs/concepts/small_times.md).
 OCTAVES = (-1, 7)
 POLES_PER_OCTAVE = 2.5
 # Latest time, as a multiple of the area: beyond it W + zA is so nearly singular that rounding would count.

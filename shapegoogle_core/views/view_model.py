@@ -42,7 +42,7 @@ POSES = 2
 
 # Multiple of the spread of a picture's components that the largest level stands for.
 _REACH = 2.5
-# Chosen on procedural objects, upright and turned, and creatures (docs/views.md).
+# Chosen on procedural objects, upright and turned, and creatures (docs/concepts/views.md).
 _WEIGHTS = (0.4, 0.6)
 # Spreads the distances of shapes that look alike, for sums with others; it changes no order by views.
 _POWER = 1.4

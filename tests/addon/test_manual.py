@@ -10,7 +10,7 @@ import bpy
 
 
 def test_the_manual_s_script(folder: Path, preferences: Any, session: Any, tmp_path: Path) -> None:
-    manual = (Path(__file__).parents[2] / "docs" / "blender.md").read_text(encoding="utf-8")
+    manual = (Path(__file__).parents[2] / "docs" / "blender" / "index.md").read_text(encoding="utf-8")
     script = manual.partition("```python\n")[2].partition("```")[0]
     assert "find_similar" in script
     script = script.replace("/library/studio.sglib", str(tmp_path / "studio.sglib"))

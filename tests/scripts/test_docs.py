@@ -33,10 +33,10 @@ ROOT = Path(__file__).resolve().parents[2]
 MEASUREMENTS = ROOT / "docs" / "measurements"
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
-    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted(path for path in (ROOT / "docs").rglob("*.md") if "_build" not in path.parts),
 ]
 # Code runs in Blender, where tests/addon/test_manual.py runs it.
-IN_BLENDER = "docs/blender.md"
+IN_BLENDER = "docs/blender/index.md"
 # The changelog also names what is gone.
 TODAY = [page for page in PAGES if page.name != "CHANGELOG.md"]
 OF_BLENDER = {"Edit › Preferences › Get Extensions", "Install from Disk…"}
@@ -211,9 +211,9 @@ def table_names(page: str) -> set[str]:
 
 
 def test_tables_name_every_operator_descriptor_and_detector() -> None:
-    assert table_names("operators.md") == {*LAPLACIANS}
-    assert table_names("descriptors.md") == {*DESCRIPTORS}
-    assert table_names("keypoints.md") == {*DETECTORS}
+    assert table_names("concepts/operators.md") == {*LAPLACIANS}
+    assert table_names("concepts/descriptors.md") == {*DESCRIPTORS}
+    assert table_names("concepts/keypoints.md") == {*DETECTORS}
 
 
 def test_settings_of_the_search_have_the_documented_values() -> None:

@@ -43,7 +43,7 @@ def find_duplicates(
     copies of a mesh are grouped around the oldest of them, by their measures, and the remaining shapes, one
     for each group, by similarity; see `leader_clustering` for the method and for pairs that its keys may
     miss. No shape is in two groups of one kind. The vectors that are compared lie in a temporary file;
-    ``docs/library.md`` gives its size.
+    ``docs/reference/library.md`` gives its size.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ __all__ = [
 
 
 BAG_TYPE = np.dtype("<f2")
-"""Half floats, little-endian: half the room of float32 and the same rankings (docs/library.md)."""
+"""Half floats, little-endian: half the room of float32 and the same rankings (docs/reference/library.md)."""
 
 
 def round_bags(bags: NDArray[np.float32]) -> NDArray[np.float32]:
