@@ -84,7 +84,7 @@ def test_a_scan_in_the_library_is_found_by_its_mesh(
 
 
 def test_descriptors_are_those_of_the_mesh(creatures: Creatures, model: sg.ShapeModel) -> None:
-    """Heat kernel signatures at points and the nearest vertices, within what docs/concepts/operators.md states."""
+    """Signatures at points and the nearest vertices are as close as docs/concepts/operators.md states."""
     times = np.array([64, 256, 1024, 4096]) / 40_000
     medians = []
     for mesh in creatures.values():

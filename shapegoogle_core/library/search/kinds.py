@@ -2,7 +2,8 @@
 """Checks of geometry that find the kind of a match, with the figures the kind rests on.
 
 Whether one shape is a copy of the other, moved, scaled or mirrored; the same surface with another mesh;
-another pose; a part. ``docs/concepts/evidence.md`` lists the checks, their tolerances, and how often they are right.
+another pose; a part. ``docs/concepts/evidence.md`` lists the checks, their tolerances, and how often they are
+right.
 """
 
 from __future__ import annotations

@@ -34,8 +34,8 @@ from shapegoogle_core.library.storage.store import damaged
 __all__ = ["Database", "encoded"]
 
 # In seconds. A commit shuts readers out, and SQLite lets them try again only every 100 ms, so commits in a
-# row would starve them (see docs/reference/library.md). A writer therefore pauses as long as its last change took. One
-# that describes shapes in between never waits.
+# row would starve them (see docs/reference/library.md). A writer therefore pauses as long as its last change
+# took. One that describes shapes in between never waits.
 LONGEST_PAUSE = 0.1
 # SQLite before 3.32 takes at most 999 parameters in one statement.
 IDS_AT_ONCE = 500
