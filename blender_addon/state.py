@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from shapegoogle_core import ShapeModel
     from shapegoogle_core.processes.worker import Worker
-    from shapegoogle_core.service.requests import Answer
+    from shapegoogle_core.worker.requests import Answer
 
     from .duplicates.background import BackgroundSearch
     from .duplicates.follow import Found

@@ -215,7 +215,7 @@ def use_library(path: Path) -> None:
     """Set the library in the preferences and let the worker open it, as drawing the panel does."""
     import bpy
 
-    from shapegoogle_core.service.requests import library_state, warm_up
+    from shapegoogle_core.worker.requests import library_state, warm_up
 
     bpy.context.preferences.addons["blender_addon"].preferences.library = str(path)
     worker = module("jobs").worker()
@@ -254,7 +254,7 @@ def measure_find(path: Path, repeats: int) -> Row:
     import bpy
 
     import shapegoogle_core as sg
-    from shapegoogle_core.service import requests as tasks
+    from shapegoogle_core.worker import requests as tasks
 
     scene, shown = module("scene.meshes"), module("search.answer")
     watch = Stopwatch()

@@ -77,7 +77,7 @@ class SimilarSearch(BackgroundSearch):
 
     def go_on(self) -> None:
         """Describe the next meshes; after the last ones, group them and show the groups."""
-        from shapegoogle_core.service.requests import describe_meshes
+        from shapegoogle_core.worker.requests import describe_meshes
 
         count = len(self._signatures)
         if count < len(self._meshes):

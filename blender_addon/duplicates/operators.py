@@ -78,7 +78,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         if shown.scope == "LIBRARY":
-            from shapegoogle_core.service.requests import library_duplicates
+            from shapegoogle_core.worker.requests import library_duplicates
 
             library = LibrarySearch()
             _begin(library)
@@ -100,7 +100,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Find all groups before returning."""
         from shapegoogle_core import Library, ShapeGoogleError
-        from shapegoogle_core.service.requests import describe_meshes
+        from shapegoogle_core.worker.requests import describe_meshes
 
         from .groups import library_groups, solid_shapes
 

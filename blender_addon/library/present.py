@@ -28,7 +28,7 @@ from ..state import session_of
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core.service.library_state import LibraryState
+    from shapegoogle_core.worker.library_state import LibraryState
 
 __all__ = ["follow", "is_there", "library_changed", "refresh", "when_it_goes"]
 
@@ -93,8 +93,8 @@ def refresh(context: Any) -> None:
     """
     if bpy.app.background and state.current().jobs.worker is None:
         return  # nobody is looking
-    from shapegoogle_core.service.library_state import ShownShape
-    from shapegoogle_core.service.requests import library_state
+    from shapegoogle_core.worker.library_state import ShownShape
+    from shapegoogle_core.worker.requests import library_state
 
     path, session = preferences(context).library_path(), session_of(context)
     lines = (*session.matches, *session.versions)
@@ -197,7 +197,7 @@ def _leave_to_query(_error: BaseException) -> None:
 
 def _import_core() -> Future[ModuleType]:
     """Import in another thread the functions that tasks are sent with; numpy comes along."""
-    return _in_thread(lambda: importlib.import_module("shapegoogle_core.service.requests"))
+    return _in_thread(lambda: importlib.import_module("shapegoogle_core.worker.requests"))
 
 
 def _in_thread(function: Callable[[], T]) -> Future[T]:

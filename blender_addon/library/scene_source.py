@@ -173,7 +173,7 @@ class SceneIndexing:
 
         from shapegoogle_core.library.placement import placements_of
         from shapegoogle_core.library.storage.records import NewShape
-        from shapegoogle_core.service.requests import describe
+        from shapegoogle_core.worker.requests import describe
 
         from ..scene.meshes import evaluated_arrays, placed_mesh
 

@@ -17,7 +17,7 @@ from ..state import session_of
 
 if TYPE_CHECKING:
     from shapegoogle_core import Match
-    from shapegoogle_core.service.requests import Answer
+    from shapegoogle_core.worker.requests import Answer
 
 __all__ = [
     "drop_answer",
@@ -160,7 +160,7 @@ def explain_matches(answer: Answer, first: int = 0) -> None:
     first : int
         Position of the match to go on from.
     """
-    from shapegoogle_core.service.requests import explain
+    from shapegoogle_core.worker.requests import explain
 
     portion = answer.matches[first : first + EXPLAINED_AT_ONCE]
     if not portion or not _is_shown(answer):

@@ -22,7 +22,7 @@ from .properties import examples_of
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core.service.requests import Answer
+    from shapegoogle_core.worker.requests import Answer
 
 __all__ = ["register", "unregister"]
 
@@ -77,7 +77,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Search and wait for the answer."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.service.requests import explain
+        from shapegoogle_core.worker.requests import explain
 
         started = time.monotonic()
         future = self._ask(context)
@@ -131,7 +131,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
 
 def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]] = ()) -> Future[Answer]:
     """Have the worker search the library, under the conditions of the filters."""
-    from shapegoogle_core.service.requests import query
+    from shapegoogle_core.worker.requests import query
 
     session = session_of(context)
     search = partial(

@@ -16,7 +16,7 @@ from .answer import explain_matches, show_evidence, show_versions
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core.service.requests import Answer
+    from shapegoogle_core.worker.requests import Answer
 
 __all__ = ["register", "unregister"]
 
@@ -72,7 +72,7 @@ class SHAPEGOOGLE_OT_show_versions(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Show them before returning."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.service.requests import explain
+        from shapegoogle_core.worker.requests import explain
 
         asked = self._ask(context)
         if asked is None:
@@ -90,7 +90,7 @@ class SHAPEGOOGLE_OT_show_versions(bpy.types.Operator):
 
     def _ask(self, context: Any) -> tuple[int, Answer, Future[Answer]] | None:
         """Have the worker list the versions; None if all shapes are shown again, or there are no versions."""
-        from shapegoogle_core.service.requests import versions
+        from shapegoogle_core.worker.requests import versions
 
         session, search = session_of(context), state.current().search
         if session.opened >= 0:

@@ -32,7 +32,7 @@ LAYERS = (
     "library",
     "rendering",
     "indexing",
-    "service",
+    "worker",
     "cli",
 )
 USERS = ("benchmarks", "blender_addon", "scripts", "tests", "bpy")

@@ -173,7 +173,7 @@ def test_answers_that_come_after_another_library_was_chosen(
     (meshes / "0.obj").rename(meshes / "8.obj")
     bpy.ops.shape_google.index_library()
     lumpy("Query", 0, subdivisions=2)
-    requests = importlib.import_module("shapegoogle_core.service.requests")
+    requests = importlib.import_module("shapegoogle_core.worker.requests")
 
     def choose_another_and_wait() -> None:
         preferences.library = str(tmp_path / "other.sglib")

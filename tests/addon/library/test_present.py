@@ -40,8 +40,8 @@ def found(indexed: Path, session: Any) -> Path:
 
 def look(present: Any, addon: ModuleType, session: Any, preferences: Any) -> None:
     """Do what a timer does where there is a window."""
-    requests = importlib.import_module("shapegoogle_core.service.requests")
-    shapes = importlib.import_module("shapegoogle_core.service.library_state").ShownShape
+    requests = importlib.import_module("shapegoogle_core.worker.requests")
+    shapes = importlib.import_module("shapegoogle_core.worker.library_state").ShownShape
     shown = [shapes(line.shape_id, line.source, line.name) for line in session.matches]
     shown += [shapes(line.shape_id, line.source, line.shape_name) for line in session.examples]
     worker = importlib.import_module(f"{addon.__name__}.jobs").worker()

@@ -20,7 +20,7 @@ from shapegoogle_core.library.search.settings import Rank
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
-from shapegoogle_core.service.library_state import LibraryState, ShownShape, state_of
+from shapegoogle_core.worker.library_state import LibraryState, ShownShape, state_of
 
 __all__ = [
     "Answer",

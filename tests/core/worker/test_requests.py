@@ -12,7 +12,7 @@ import pytest
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
-from shapegoogle_core.service.requests import describe_meshes, library_duplicates
+from shapegoogle_core.worker.requests import describe_meshes, library_duplicates
 
 SignatureMaker = Callable[..., ShapeSignature]
 
