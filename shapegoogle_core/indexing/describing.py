@@ -22,7 +22,7 @@ from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.rendering import thumbnail
+from shapegoogle_core.rendering import make_preview, thumbnail
 
 __all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape"]
 
@@ -81,7 +81,7 @@ class ReadFile:
 
 
 def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSignature]:
-    """Describe a shape and draw its thumbnail.
+    """Describe a shape, draw its thumbnail and make its preview.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSi
     Returns
     -------
     described : NewShape
-        With its signature and thumbnail.
+        With its signature, thumbnail and preview.
 
     Raises
     ------
@@ -100,7 +100,8 @@ def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSi
         If it cannot be described.
     """
     picture = thumbnail(shape.mesh, up_axis=shape.up_axis)
-    return shape.with_content(model.describe(shape.mesh), picture)
+    preview = make_preview(shape.mesh, shape.up_axis)
+    return shape.with_content(model.describe(shape.mesh), picture, preview)
 
 
 class Describer:

@@ -8,20 +8,21 @@ from typing import Self
 
 from shapegoogle_core.api.arguments import as_path, check_count, check_number, check_type
 from shapegoogle_core.library.contents import PathLike
+from shapegoogle_core.library.decisions.deciding import LibraryDecisions
+from shapegoogle_core.library.decisions.in_duplicates import follow_decisions
 from shapegoogle_core.library.duplicates.find import find_duplicates
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.searching import LibrarySearch
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["Library"]
 
 
-class Library(LibrarySearch):
+class Library(LibraryDecisions):
     """Shapes in one file, with the model that described them. Open it with `Library.open`.
 
     A library may be open in several programs at once: any number of them read while one writes; a second
@@ -141,7 +142,8 @@ class Library(LibrarySearch):
         Returns
         -------
         groups : list of DuplicateGroup
-            The largest saving first.
+            The largest saving first. Shapes of which both are to be kept are not in one group, and a master
+            comes first in its group, see `decide`.
 
         Raises
         ------
@@ -150,5 +152,6 @@ class Library(LibrarySearch):
         """
         check_number("min_similarity", min_similarity, most=1, positive=True)
         check_count("explained", explained, 0)
-        groups = find_duplicates(self._store, self.model, min_similarity, progress or iter)
+        found = find_duplicates(self._store, self.model, min_similarity, progress or iter)
+        groups = follow_decisions(self._store, self.model, found, self._store.decisions())
         return split_by_evidence(self._store, self.model, groups, explained)

@@ -106,6 +106,7 @@ class LibrarySearch(LibraryContents):
         -------
         matches : list of Match
             Best first; of those at the least distance identical ones, then other copies, then by name.
+            Without those that were decided not to match one of the shapes, see `Library.decide`.
 
         Raises
         ------

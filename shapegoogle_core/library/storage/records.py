@@ -44,6 +44,8 @@ class NewShape(Generic[Content]):
         Axis that points up, 1 or 2, where the source defines it.
     warnings : tuple of str
         A sentence for each part of the file that was left out. They are shown, and not stored.
+    preview : bytes or None
+        A small mesh to show, see `shapegoogle_core.rendering.make_preview`, once it is described.
     """
 
     content: Content
@@ -54,6 +56,7 @@ class NewShape(Generic[Content]):
     placements: tuple[Placement, ...] = ()
     up_axis: int | None = None
     warnings: tuple[str, ...] = ()
+    preview: bytes | None = None
 
     @property
     def mesh(self: NewShape[Mesh]) -> Mesh:
@@ -65,7 +68,9 @@ class NewShape(Generic[Content]):
         """The signature of a shape that is described."""
         return self.content
 
-    def with_content(self, content: Other, thumbnail: bytes | None = None) -> NewShape[Other]:
+    def with_content(
+        self, content: Other, thumbnail: bytes | None = None, preview: bytes | None = None
+    ) -> NewShape[Other]:
         """Take the shape one step further.
 
         Parameters
@@ -74,6 +79,8 @@ class NewShape(Generic[Content]):
             Its new content.
         thumbnail : bytes, optional
             A picture as PNG.
+        preview : bytes, optional
+            A small mesh to show.
 
         Returns
         -------
@@ -88,6 +95,7 @@ class NewShape(Generic[Content]):
             self.placements,
             self.up_axis,
             self.warnings,
+            preview,
         )
 
 

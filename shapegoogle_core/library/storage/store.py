@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.decisions.decision import Decision, ShapeKey
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.records import (
@@ -81,6 +82,8 @@ class Store(Protocol):
     def add(self, source: SourceKey | None, shape: NewShape[ShapeSignature]) -> int:
         """Add one shape; it replaces the one with the same source, object name and name.
 
+        Decisions on its tags are kept.
+
         Parameters
         ----------
         source : SourceKey or None
@@ -100,6 +103,8 @@ class Store(Protocol):
         also: SourceKey | None = None,
     ) -> list[int]:
         """Store a source and its shapes in place of everything stored for this source before.
+
+        Decisions on the tags of its shapes are kept.
 
         Parameters
         ----------
@@ -206,6 +211,49 @@ class Store(Protocol):
 
     def thumbnail(self, shape_id: int) -> bytes | None:
         """Return the picture of a shape as PNG, or None if it has none."""
+
+    def preview(self, shape_id: int) -> bytes | None:
+        """Return the small mesh of a shape that can be shown, or None if it has none."""
+
+    # -- decisions ------------------------------------------------------------------------------------------
+
+    def shape_keys(self, shape_ids: Sequence[int]) -> dict[int, ShapeKey]:
+        """Return the keys of those of some shapes that are there, by id; their fingerprints are left out."""
+
+    def shapes_of(self, keys: Sequence[ShapeKey]) -> list[int | None]:
+        """Find the shapes that keys name now.
+
+        Parameters
+        ----------
+        keys : sequence of ShapeKey
+
+        Returns
+        -------
+        shape_ids : list of (int or None)
+            For each key the shape with this source, object name and name. Otherwise the only shape of the
+            same object name in a file of the same content, and of the same name if it is an object. None if
+            there is no such shape. Without a source: the only shape without one that has these names.
+        """
+
+    def decisions(self) -> list[Decision]:
+        """Return all decisions, oldest first."""
+
+    def add_decision(self, decision: Decision) -> int:
+        """Store a decision, and the tag that it gives to a shape or takes from it.
+
+        Parameters
+        ----------
+        decision : Decision
+            Its number is not used.
+
+        Returns
+        -------
+        number : int
+            Never given twice.
+        """
+
+    def remove_decision(self, number: int) -> Decision | None:
+        """Remove a decision and its effect on tags; return it, or None if it is unknown."""
 
     # -- shapes of the same kind ----------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ from shapegoogle_core.library.storage.records import (
 from shapegoogle_core.library.storage.sqlite.bags import BagTable
 from shapegoogle_core.library.storage.sqlite.codes import CodeTables
 from shapegoogle_core.library.storage.sqlite.database import encoded
+from shapegoogle_core.library.storage.sqlite.decisions import DecisionTable
 from shapegoogle_core.library.storage.sqlite.schema import (
     APPLICATION_ID,
     EARLIER_FORMAT,
@@ -30,7 +31,7 @@ from shapegoogle_core.model.signature import ShapeSignature
 __all__ = ["SqliteStore"]
 
 
-class SqliteStore(CodeTables, BagTable, ShapeTable):
+class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
     """A `Store` in one SQLite file. Parameters are those of `CodeTables`."""
 
     # -- the file as a whole --------------------------------------------------------------------------------
@@ -111,7 +112,9 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
                 "source_id = ? AND object_name = CAST(? AS TEXT) AND name = CAST(? AS TEXT)",
                 (source_id, encoded(shape.object_name), encoded(shape.name)),
             )
-            return self._insert(source_id, shape)
+            shape_id = self._insert(source_id, shape)
+            self.follow_tag_decisions(source, "", [shape_id])
+            return shape_id
 
     def replace_source(
         self,
@@ -126,7 +129,9 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
             if also is not None:
                 self._remove_source(also)
             source_id = self.insert_source(source)
-            return [self._insert(source_id, shape) for shape in shapes]
+            shape_ids = [self._insert(source_id, shape) for shape in shapes]
+            self.follow_tag_decisions(source.key, source.sha256 or "", shape_ids)
+            return shape_ids
 
     def remove_sources(self, sources: Iterable[SourceKey]) -> int:
         """Remove sources with all their shapes, see `Store.remove_sources`."""
@@ -142,6 +147,7 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
             for name, path in changes.roots:
                 self.put_root(name, path)
             self.put_sources([(number, new) for number, new in moved if number is not None])
+            self.follow_moves(dict(changes.moved))
             for name in changes.removed_roots:
                 self.connection.execute("DELETE FROM roots WHERE name = CAST(? AS TEXT)", (encoded(name),))
 
@@ -155,6 +161,8 @@ class SqliteStore(CodeTables, BagTable, ShapeTable):
         self.insert_bags(shape_id, shape.signature.bags)
         self.insert_codes(shape_id, shape.signature)
         self.insert_kind(shape_id, shape.signature)
+        if shape.preview is not None:
+            self.insert_preview(shape_id, shape.preview)
         return shape_id
 
     def _remove(self, where: str, parameters: tuple[object, ...]) -> int:
