@@ -16,6 +16,7 @@ from shapegoogle_core.errors import LibraryError as LibraryError
 from shapegoogle_core.errors import MeshError as MeshError
 from shapegoogle_core.errors import MeshWarning as MeshWarning
 from shapegoogle_core.errors import ModelError as ModelError
+from shapegoogle_core.errors import PluginError as PluginError
 from shapegoogle_core.errors import ShapeGoogleError as ShapeGoogleError
 from shapegoogle_core.indexing import IndexReport as IndexReport
 from shapegoogle_core.indexing import IndexSettings as IndexSettings

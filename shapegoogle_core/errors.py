@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Errors of this package, one class for each kind of input, and its warning."""
 
-__all__ = ["LibraryError", "MeshError", "MeshWarning", "ModelError", "ShapeGoogleError"]
+__all__ = ["LibraryError", "MeshError", "MeshWarning", "ModelError", "PluginError", "ShapeGoogleError"]
 
 
 class ShapeGoogleError(Exception):
@@ -81,4 +81,20 @@ class ModelError(ShapeGoogleError):
     ... except sg.ModelError as error:
     ...     print(error)
     cannot read the model 'missing.npz': ...; give a file made by `shapegoogle train`, or one of ...
+    """
+
+
+class PluginError(ShapeGoogleError):
+    """A plug-in of another package cannot be loaded, or fails; the message names the package.
+
+    Examples
+    --------
+    >>> import shapegoogle_core as sg
+    >>> from shapegoogle_core.plugins import Plugin
+    >>> plugin = Plugin("descriptor", "curvature", "my-shapes", "1.0", "my_shapes:curvature")
+    >>> try:
+    ...     raise plugin.unfit("return finite numbers")
+    ... except sg.PluginError as error:
+    ...     print(error)
+    the descriptor 'curvature' of the package 'my-shapes 1.0' must return finite numbers; update the ...
     """

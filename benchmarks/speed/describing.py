@@ -161,8 +161,8 @@ def describe_file(path: Path, repeats: int) -> Row:
         with ExitStack() as stack:
             for owner, name, stage in WATCHED:
                 stack.enter_context(patch.object(owner, name, clock.watch(stage, getattr(owner, name))))
-            watched = {name: clock.watch("descriptors", value) for name, value in DESCRIPTORS.items()}
-            stack.enter_context(patch.dict(DESCRIPTORS, watched))
+            watched = {name: clock.watch("descriptors", value) for name, value in DESCRIPTORS.own.items()}
+            stack.enter_context(patch.dict(DESCRIPTORS.own, watched))
             started = time.process_time()
             mesh = sg.read_mesh(path)
             shipped.describe(mesh)

@@ -148,16 +148,23 @@ def add_flag(parser: argparse.ArgumentParser, option: str, summary: str) -> None
     parser.add_argument(option, action="store_true", help=summary)
 
 
-def add_library(parser: argparse.ArgumentParser, summary: str = "library file") -> None:
-    """Add the required option ``--library``.
+def add_library(
+    parser: argparse.ArgumentParser | argparse._MutuallyExclusiveGroup,
+    summary: str = "library file",
+    *,
+    required: bool = True,
+) -> None:
+    """Add the option ``--library``.
 
     Parameters
     ----------
-    parser : argparse.ArgumentParser
+    parser : argparse.ArgumentParser, or a group of it
     summary : str, optional
         Help text.
+    required : bool, optional
+        Whether the option must be given.
     """
-    parser.add_argument("--library", type=as_path, required=True, metavar="FILE", help=summary)
+    parser.add_argument("--library", type=as_path, required=required, metavar="FILE", help=summary)
 
 
 def add_inputs(parser: argparse.ArgumentParser, least: int = 1) -> None:

@@ -1,26 +1,39 @@
 # SPDX-License-Identifier: MIT
-"""Print what a library contains."""
+"""Print what a library contains, or which plug-ins are installed.
+
+--plugins lists the descriptors, keypoint detectors, mesh formats, candidate stages and re-rankers that other
+packages add, and says why one cannot be used; the exit code is then 1.
+
+for example:
+  shapegoogle info --library shapes.sglib
+  shapegoogle info --plugins
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 from shapegoogle_core.api.text import counted, one_line
 from shapegoogle_core.cli.arguments import add_flag, add_library
-from shapegoogle_core.cli.command import DONE, Command
-from shapegoogle_core.cli.text import put, say
+from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
+from shapegoogle_core.cli.text import put, say, table
 
 __all__ = ["COMMAND"]
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    add_library(parser)
+    which = parser.add_mutually_exclusive_group(required=True)
+    add_library(which, required=False)
+    which.add_argument("--plugins", action="store_true", help="list the plug-ins of installed packages")
     add_flag(parser, "--json", "print one JSON object")
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.plugins:
+        return _list_plugins(as_json=options.json)
     from shapegoogle_core.library.library import Library
 
     with Library.open(options.library, read_only=True) as library:
@@ -46,6 +59,32 @@ def _run(options: argparse.Namespace) -> int:
     for path, error in failures.items():
         put(f"  {one_line(f'{path}: {error}')}")
     return DONE
+
+
+def _list_plugins(*, as_json: bool) -> int:
+    from shapegoogle_core.plugins import installed_plugins
+
+    plugins = installed_plugins()
+    problems = [plugin.problem for plugin in plugins if plugin.problem]
+    if as_json:
+        put(json.dumps({"plugins": [asdict(plugin) for plugin in plugins]}))
+    elif plugins:
+        rows = [("kind", "name", "package", "")]
+        rows += [
+            (
+                plugin.kind,
+                plugin.name,
+                f"{plugin.package} {plugin.version}",
+                "unusable" if plugin.problem else "",
+            )
+            for plugin in plugins
+        ]
+        put("\n".join(table(rows, "<<<<")))
+    else:
+        put("no plug-ins are installed")
+    for problem in problems:
+        say(problem)
+    return SOME_FAILED if problems else DONE
 
 
 COMMAND = Command("info", str(__doc__), _add_options, _run)

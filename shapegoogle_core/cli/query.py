@@ -35,7 +35,7 @@ import argparse
 import json
 import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,7 +52,13 @@ from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted, put, say, say_lines, table
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.library.search.settings import RANKS, EvidenceSettings
+from shapegoogle_core.library.search.settings import (
+    RANKS,
+    CandidateSettings,
+    EvidenceSettings,
+    RerankSettings,
+    SearchSettings,
+)
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ShapeReader
@@ -83,6 +89,9 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         default="both",
         help="what comes first: the same shape and then the same kind, or only one of them (%(default)s)",
     )
+    stages = "find candidates by this stage of a plug-in instead of by codes; may be given more than once"
+    parser.add_argument("--candidates", action="append", metavar="NAME", help=stages)
+    add_value(parser, "--reranker", "NAME", "order the matches by this re-ranker of a plug-in")
     add_flag(parser, "--families", "list different shapes, of all copies and versions of each only the best")
     explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
     add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
@@ -98,7 +107,11 @@ def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.library.library import Library
 
     failed: Failures = []
-    with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:
+    search = _search_settings(options)
+    with (
+        Library.open(options.library, read_only=True, search=search) as library,
+        ShapeReader(options.reader) as reader,
+    ):
         if advice := library.reindexing_advice():
             say(advice)
         queries = _Queries(options, library, reader, failed)
@@ -107,6 +120,13 @@ def _run(options: argparse.Namespace) -> int:
         put(LEGEND)
     list_failures(failed)
     return SOME_FAILED if failed else DONE
+
+
+def _search_settings(options: argparse.Namespace) -> SearchSettings:
+    search = SearchSettings(rerank=RerankSettings(reranker=options.reranker))
+    if options.candidates:
+        search = replace(search, candidates=CandidateSettings(stages=tuple(options.candidates)))
+    return search
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@ from shapegoogle_core.descriptors.geodesics import geodesic_histograms as geodes
 from shapegoogle_core.descriptors.gradient_histograms import mean_curvature as mean_curvature
 from shapegoogle_core.descriptors.gradient_histograms import mesh_hog as mesh_hog
 from shapegoogle_core.descriptors.registry import DESCRIPTORS as DESCRIPTORS
+from shapegoogle_core.descriptors.registry import Descriptor as Descriptor
 from shapegoogle_core.descriptors.shape_context import shape_contexts as shape_contexts
 from shapegoogle_core.descriptors.spectral import global_point_signature as global_point_signature
 from shapegoogle_core.descriptors.spectral import heat_kernel_signature as heat_kernel_signature

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 
+from shapegoogle_core.api.registry import Plugin, PluginShapeError, Registry, check_takes
 from shapegoogle_core.descriptors.geodesics import geodesic_histograms
 from shapegoogle_core.descriptors.gradient_histograms import mesh_hog
 from shapegoogle_core.descriptors.shape_context import shape_contexts
@@ -23,7 +26,10 @@ from shapegoogle_core.descriptors.volumetric import volumetric_hks
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.spectral import Spectrum
 
-__all__ = ["DESCRIPTORS"]
+__all__ = ["DESCRIPTORS", "Descriptor"]
+
+Descriptor = Callable[..., FloatArray]
+"""Called with a mesh, its spectrum and the parameters of a channel; returns (n, d) values."""
 
 
 def _hks(
@@ -104,21 +110,45 @@ def _volumetric_hks(
     return volumetric_hks(mesh, times, resolution, eigenpairs)
 
 
-DESCRIPTORS: dict[str, Callable[..., FloatArray]] = {
-    "hks": _hks,
-    "log-hks": _log_hks,
-    "si-hks": _si_hks,
-    "wks": _wks,
-    "gps": _gps,
-    "spin-images": _spin_images,
-    "shape-context": _shape_context,
-    "mesh-hog": _mesh_hog,
-    "geodesic-histogram": _geodesic_histogram,
-    "volumetric-hks": _volumetric_hks,
-}
+def _from_plugin(value: object, plugin: Plugin) -> Descriptor:
+    check_takes(value, plugin, ("mesh", "spectrum"), more=True)
+    descriptor = cast(Callable[..., object], value)
+
+    @functools.wraps(descriptor)
+    def checked(mesh: Mesh, spectrum: Spectrum, **parameters: object) -> FloatArray:
+        with plugin.blamed(PluginShapeError, mesh.name):
+            values = np.asarray(descriptor(mesh, spectrum, **parameters), np.float64)
+        if values.ndim != 2 or len(values) != len(mesh.vertices) or not values.size:
+            wanted = (
+                f"return (n, d) numbers, d for each of the {len(mesh.vertices)} vertices of {mesh.name!r}"
+            )
+            raise plugin.unfit(wanted, PluginShapeError)
+        if not np.isfinite(values).all():
+            raise plugin.unfit(f"return finite numbers, also for {mesh.name!r}", PluginShapeError)
+        return values
+
+    return checked
+
+
+DESCRIPTORS: Registry[Descriptor] = Registry(
+    "descriptor",
+    "shapegoogle.descriptors",
+    {
+        "hks": _hks,
+        "log-hks": _log_hks,
+        "si-hks": _si_hks,
+        "wks": _wks,
+        "gps": _gps,
+        "spin-images": _spin_images,
+        "shape-context": _shape_context,
+        "mesh-hog": _mesh_hog,
+        "geodesic-histogram": _geodesic_histogram,
+        "volumetric-hks": _volumetric_hks,
+    },
+    _from_plugin,
+)
 """Local descriptors by name.
 
 Each is called with a mesh, its spectrum and the parameters of a channel, and returns (n, d) values.
 Descriptors of the spectrum take times in squared mesh units; the others take lengths as shares of the square
-root of the
-mesh's area, and times as shares of the area, so that the size does not matter."""
+root of the mesh's area, and times as shares of the area, so that the size does not matter."""

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shapegoogle_core.errors import MeshError
+from shapegoogle_core.errors import MeshError, PluginError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderError
 from shapegoogle_core.indexing.reading import ShapeReader
 from shapegoogle_core.library.storage.records import NewShape
@@ -185,7 +185,9 @@ def _failure(name: str, error: Exception, memory_limit: int) -> Failure:
             f"{name!r} needs more than {memory_limit} MB of memory; simplify it or raise the memory limit"
         )
     if isinstance(error, MeshError):
-        return Failure(str(error), lasting=not isinstance(error, ReaderError))
+        return Failure(str(error), lasting=not isinstance(error, (ReaderError, PluginError)))
+    if isinstance(error, PluginError):
+        return Failure(str(error), lasting=False)
     if isinstance(error, OSError) and error.errno == errno.ENOSPC:
         place = tempfile.gettempdir()
         return Failure(

@@ -14,10 +14,10 @@ from pathlib import Path
 from shapegoogle_core.api.arguments import as_paths
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.exclusion import Exclusion
-from shapegoogle_core.mesh import MESH_SUFFIXES
 from shapegoogle_core.mesh.io.file import FormatError
 from shapegoogle_core.mesh.io.gltf import buffer_files
 from shapegoogle_core.mesh.io.other_formats import OTHER_SUFFIXES
+from shapegoogle_core.mesh.io.reading import READERS
 
 __all__ = [
     "ContentKey",
@@ -54,7 +54,7 @@ def absolute(path: str | Path) -> Path:
 def find_meshes(
     inputs: str | Path | Iterable[str | Path],
     on_error: Callable[[Path, str], None] | None = None,
-    suffixes: Collection[str] = MESH_SUFFIXES,
+    suffixes: Collection[str] | None = None,
     *,
     exclude: str | Iterable[str] = (),
     on_excluded: Callable[[Path], None] | None = None,
@@ -73,7 +73,8 @@ def find_meshes(
         Called with the path and a sentence for each input that is missing, cannot be read or contains no
         mesh, and the others are listed. By default such an input raises.
     suffixes : collection of str, optional
-        Suffixes of mesh files, in lower case with the dot.
+        Suffixes of mesh files, in lower case with the dot; by default of all formats that are read, those of
+        plug-ins too.
     exclude : str, or iterable of them, optional
         Patterns of files and folders to leave out, see `Exclusion`; those of names also hold for inputs that
         are files.
@@ -111,6 +112,7 @@ def find_meshes(
             raise MeshError(f"'{path}' {reason}")
         on_error(path, f"{path.name!r} {reason}")
 
+    suffixes = frozenset(READERS) if suffixes is None else suffixes
     exclusion = Exclusion([exclude] if isinstance(exclude, str) else exclude)
     left_out: list[Path] = []
     skipped: list[Path] = []

@@ -12,8 +12,9 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
 from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
-from shapegoogle_core.mesh import MESH_SUFFIXES, Mesh
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.io.objects import MeshObject, read_objects
+from shapegoogle_core.mesh.io.reading import READERS
 
 __all__ = ["FileShapes", "ShapeReader", "readable_suffixes"]
 
@@ -49,9 +50,10 @@ def readable_suffixes(external: ExternalReader | None) -> frozenset[str]:
     Returns
     -------
     suffixes : frozenset of str
-        In lower case with the dot.
+        In lower case with the dot; those of plug-ins too.
     """
-    return MESH_SUFFIXES if external is None else MESH_SUFFIXES | external.suffixes
+    own = frozenset(READERS)
+    return own if external is None else own | external.suffixes
 
 
 class ShapeReader:

@@ -62,7 +62,7 @@ def detect_keypoints(
         vertices, the resolution to which the preprocessing of a model brings every shape.
     spectrum : Spectrum
         Spectrum of that mesh.
-    detector : {"hks-maxima", "mesh-dog", "salient-points", "harris-3d"}
+    detector : {"hks-maxima", "mesh-dog", "salient-points", "harris-3d"}, or that of a plug-in
         "hks-maxima": maxima of the heat kernel signature, at tips (Sun et al. 2009). "mesh-dog": extrema of
         the mean curvature in scale space (Zaharescu et al. 2009). "salient-points": where smoothing moves
         the surface most (Castellani et al. 2008). "harris-3d": corners (Sipiran and Bustos 2010).
@@ -83,6 +83,8 @@ def detect_keypoints(
         or a parameter is not positive.
     MeshError
         If the mesh has no faces, the spectrum is of another mesh, or an operator cannot be assembled.
+    PluginError
+        If the detector is that of a plug-in, and cannot be loaded or fails.
 
     Examples
     --------

@@ -16,6 +16,7 @@ from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.search.stages import check_stages
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.model import ShapeModel
 
@@ -88,7 +89,8 @@ class Library(LibraryDecisions):
         ------
         LibraryError
             If the path is a folder, lies in no folder or is not a library; if the library is damaged, made
-            by another version or with another model; if it does not exist and cannot be created.
+            by another version or with another model; if it does not exist and cannot be created; if `search`
+            names a stage that is not installed.
         ModelError
             If the model cannot be loaded.
         ValueError
@@ -106,6 +108,8 @@ class Library(LibraryDecisions):
         check_number("timeout", timeout)
         check_type("search", search, (SearchSettings, type(None)), "a SearchSettings")
         path = as_path(path)
+        if search is not None:
+            check_stages(search)
         return cls(*open_store(path, model, read_only=read_only, timeout=timeout), search)
 
     def close(self) -> None:

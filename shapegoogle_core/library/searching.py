@@ -14,7 +14,7 @@ from shapegoogle_core.library.contents import LibraryContents
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.neighbours.reorder import reorder
+from shapegoogle_core.library.neighbours.reorder import WalkReranker
 from shapegoogle_core.library.search.copies import copies_first
 from shapegoogle_core.library.search.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.families import Families, collect_families, families_accepted
@@ -22,6 +22,7 @@ from shapegoogle_core.library.search.fusion import Fusion
 from shapegoogle_core.library.search.query import Query, QueryShape, QueryShapes, as_query_shapes
 from shapegoogle_core.library.search.search import Search
 from shapegoogle_core.library.search.settings import RANKS, Rank, SearchSettings
+from shapegoogle_core.library.search.stages import RERANKERS, MatchReranker, chosen, reorder
 from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.library.suggestions import Suggestion, suggestions_from
@@ -56,6 +57,9 @@ class LibrarySearch(LibraryContents):
         # A model without views knows only whether two shapes are the same, which bags alone decide.
         self._graph = None if model.views is None else self._search.neighbour_graph()
         self._fusion = Fusion(store, model, self._settings, self._search.nearest_views)
+        self._reranker: MatchReranker | None = None
+        if self._settings.rerank.reranker is not None:
+            self._reranker = chosen(RERANKERS, self._settings.rerank.reranker)(store, model, self._settings)
 
     def query(
         self,
@@ -114,7 +118,7 @@ class LibrarySearch(LibraryContents):
             If one of the shapes is not a mesh, or the model cannot describe it.
         LibraryError
             If another model made one of the signatures, or if a kind of evidence is requested and the model
-            takes no samples of surfaces.
+            takes no samples of surfaces; or if a stage of a plug-in fails.
         ValueError
             If there is no shape, if `top` is below 1 or `explain` below 0, if there is no such `rank`, or if
             an argument is of a wrong type.
@@ -152,14 +156,18 @@ class LibrarySearch(LibraryContents):
         evidence = self._settings.evidence
         kept = top if kind is None and least is None else max(top, evidence.max_filtered)
         graph = None if query.has_unlike or rank == "shape" else self._graph
-        searched = kept if graph is None else max(kept, self._settings.walk.walked)
+        walk = None if graph is None else WalkReranker(graph)
+        rerankers = [reranker for reranker in (walk, self._reranker) if reranker is not None]
+        searched = max(kept, self._settings.walk.walked) if rerankers else kept
 
         def ordered(matches: Sequence[Match], count: int) -> list[Match]:
             fused = self._fusion.order(
                 query, examples, negative, matches, count, among, rank=rank, exact=exact
             )
             listed = copies_first(self._store, examples, fused)
-            return listed if graph is None else reorder(graph, listed)
+            for reranker in rerankers:
+                listed = reorder(reranker, query, listed)
+            return listed
 
         found = search(query, searched, among)
         matches = ordered(found, searched)

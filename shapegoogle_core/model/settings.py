@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from shapegoogle_core.api.registry import Registry
 from shapegoogle_core.descriptors import DESCRIPTORS
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.keypoints import DETECTORS
@@ -26,7 +27,8 @@ __all__ = ["BAGS", "COUNTING_BAGS", "DESCRIPTORS", "ChannelSettings", "ModelSett
 
 def _check_choice(name: str, choice: str, choices: Collection[str]) -> None:
     if choice not in choices:
-        raise ModelError(f"{name} must be one of {', '.join(choices)}, not {choice!r}")
+        hint = "; if a plug-in has it, install its package" if isinstance(choices, Registry) else ""
+        raise ModelError(f"{name} must be one of {', '.join(choices)}, not {choice!r}{hint}")
 
 
 def _check(right: bool, name: str, wanted: str, value: object) -> None:
@@ -123,7 +125,7 @@ class ChannelSettings:
     @property
     def size(self) -> int:
         """Number d of values of the descriptor at a vertex."""
-        tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
+        tetrahedron = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]], "a tetrahedron")
         spectrum = Spectrum(np.array([0.0, 1.0, 2.0]), np.eye(4, 3), np.ones(4))
         return int(DESCRIPTORS[self.descriptor](tetrahedron, spectrum, **self.parameters).shape[1])
 

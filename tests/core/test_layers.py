@@ -30,6 +30,7 @@ LAYERS = (
     "views",
     "model",
     "library",
+    "plugins",
     "rendering",
     "indexing",
     "worker",

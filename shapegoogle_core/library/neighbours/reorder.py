@@ -4,36 +4,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
+from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.neighbours.graph import NeighbourGraph
+from shapegoogle_core.library.search.query import Query
+from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["reorder"]
+__all__ = ["WalkReranker"]
 
 
-def reorder(graph: NeighbourGraph, matches: Sequence[Match]) -> list[Match]:
-    """Let a walk from the query order the matches behind the first few.
-
-    The distances of those that it visits are lowered, so that `Match.distance` remains what the list is
-    sorted by. Similarities stay those of the pairs.
+class WalkReranker:
+    """Lets a walk from the query order the matches behind the first few; a `MatchReranker`.
 
     Parameters
     ----------
     graph : NeighbourGraph
-    matches : sequence of Match
-        Best first.
-
-    Returns
-    -------
-    matches : list of Match
     """
-    distances = graph.distances(
-        [match.shape_id for match in matches], [match.distance for match in matches]
-    ).round(DISTANCE_DECIMALS)
-    walked = [
-        match if match.distance == distance else replace(match, distance=distance)
-        for match, distance in zip(matches, distances.tolist(), strict=True)
-    ]
-    # Stable: copies at the least distance have an order of their own.
-    return sorted(walked, key=lambda match: match.distance)
+
+    def __init__(self, graph: NeighbourGraph) -> None:
+        self._graph = graph
+
+    def distances(self, query: Query, matches: Sequence[Match]) -> FloatArray:  # noqa: ARG002 - as in the protocol
+        """Lower the distances of the matches that the walk visits.
+
+        Parameters
+        ----------
+        query : Query
+        matches : sequence of Match
+            Best first.
+
+        Returns
+        -------
+        distances : (n,) array
+        """
+        return self._graph.distances(
+            [match.shape_id for match in matches], [match.distance for match in matches]
+        )

@@ -73,6 +73,8 @@ class Query:
 
     Attributes
     ----------
+    examples : tuple of ShapeSignature
+        The positive examples.
     several, has_unlike : bool
         Whether there are several positive examples, and negative ones.
     codes, projections : list of (s/8,) array of uint8, list of (s,) array
@@ -99,6 +101,7 @@ class Query:
         self._background_distance = (
             None if model.background is None else float(pool_distances(np.array(own, np.float64))[0])
         )
+        self.examples = tuple(like)
         self.several = len(like) > 1
         self.has_unlike = bool(unlike)
         self.codes: list[NDArray[np.uint8]] = [signature.code for signature in like]

@@ -25,6 +25,7 @@ from shapegoogle_core.library.search.codes.shape_index import StoredIndex
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
+from shapegoogle_core.library.search.stages import CANDIDATE_STAGES, OWN_STAGE, CandidateStage, chosen
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.traits import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier
@@ -57,6 +58,13 @@ class Search:
         self._model = model
         self._settings = settings
         self._nearest_codes = NearestCodes(store, model, settings.candidates)
+        self._stages: list[CandidateStage] = [
+            # The neighbour graph shares the codes in memory.
+            self._nearest_codes
+            if name == OWN_STAGE
+            else chosen(CANDIDATE_STAGES, name)(store, model, settings.candidates)
+            for name in settings.candidates.stages
+        ]
         self.nearest_views = NearestViews(store, model, settings.candidates)
         self._shared_words = SharedWords(store, model, settings.candidates)
         self._reranker = Reranker(store, model, settings.rerank)
@@ -89,7 +97,7 @@ class Search:
         matches : list of Match
             Best first: at least the min(top, shapes) best.
         """
-        find = partial(self._nearest_codes.find, query, top, among)
+        find = partial(self._candidates, query, top, among)
         # In one snapshot: a candidate must not vanish between its code and its bags.
         with self._store.snapshot():
             best = self._ranked(self._nearest_codes.index, find, query, self._kept(query, top))
@@ -129,7 +137,7 @@ class Search:
         if exact:
             ranked = self._reranker.rank_all(query, count, among)
         else:
-            find = partial(self._nearest_codes.find, query, count, among)
+            find = partial(self._candidates, query, count, among)
             with self._store.snapshot():
                 ranked = self._ranked(self._nearest_codes.index, find, query, count)
         known = {match.shape_id for match in best}
@@ -144,6 +152,11 @@ class Search:
                 for match, similarity in zip(others, similarities, strict=True)
             ]
         return [*best, *(replace(match, distance=min(match.distance, FARTHEST)) for match in others)]
+
+    def _candidates(self, query: Query, top: int, among: ShapeIds | None) -> list[int]:
+        """Find the candidates of all stages, each once."""
+        found = [stage.find(query, top, among) for stage in self._stages]
+        return list(dict.fromkeys(shape_id for shape_ids in found for shape_id in shape_ids))
 
     def _kept(self, query: Query, top: int) -> int:
         """Return the number of matches to keep by their bags: any of them may come first in the end."""

@@ -50,6 +50,9 @@ class CandidateSettings:
         A pair is ordered by support · (1 + r / unit)^-power, with r its rank by local words.
     max_removed : int
         Number of codes of removed shapes that are kept in memory and skipped before all codes are read again.
+    stages : tuple of str
+        Names of the stages whose candidates are compared: "codes", the nearest by their codes, and those of
+        plug-ins. Without "codes" a list can be shorter than requested.
     """
 
     count: int = 300
@@ -60,11 +63,12 @@ class CandidateSettings:
     rank_unit: float = 50.0
     rank_power: float = 0.25
     max_removed: int = 1_000
+    stages: tuple[str, ...] = ("codes",)
 
 
 @dataclass(frozen=True)
 class RerankSettings:
-    """Comparison of full bags.
+    """Comparison of full bags, and the order of the matches in the end.
 
     Attributes
     ----------
@@ -74,10 +78,13 @@ class RerankSettings:
         Weight w of negative examples, see `Query`. Below 1, because a negative example is usually picked from
         the best matches and is similar to the query: with w = 1 a right match that was described worse than
         the example would fall with it.
+    reranker : str or None
+        Name of the re-ranker of a plug-in, which orders the matches in the end.
     """
 
     entries_at_once: int = 8_000_000
     unlike_weight: float = 1 / 8
+    reranker: str | None = None
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,19 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from shapegoogle_core.api.arguments import as_path, check_count
-from shapegoogle_core.errors import MeshError, MeshWarning
+from shapegoogle_core.api.registry import Plugin, PluginShapeError, Registry, check_takes
+from shapegoogle_core.errors import MeshError, MeshWarning, PluginError
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
 from shapegoogle_core.mesh.io.file import FormatError, MeshFile, check_point_count, read_content
 from shapegoogle_core.mesh.io.gltf import read_glb, read_gltf
@@ -29,28 +32,47 @@ from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["MAX_FACES", "MESH_SUFFIXES", "READERS", "opened", "read_mesh", "read_with_warnings"]
 
-READERS: dict[str, Callable[[MeshFile], Polygons]] = {
-    ".3mf": read_three_mf,
-    ".glb": read_glb,
-    ".gltf": read_gltf,
-    ".obj": read_obj,
-    ".off": read_off,
-    ".pcd": read_pcd,
-    ".ply": read_ply,
-    ".stl": read_stl,
-    ".xyz": read_xyz,
-}
+Reader = Callable[[MeshFile], Polygons]
+
+
+def _from_plugin(value: object, plugin: Plugin) -> Reader:
+    check_takes(value, plugin, ("file",))
+    reader = cast(Callable[[MeshFile], object], value)
+
+    @functools.wraps(reader)
+    def checked(file: MeshFile) -> Polygons:
+        polygons = reader(file)
+        if not isinstance(polygons, Polygons):
+            raise plugin.unfit("return Polygons")
+        return polygons
+
+    return checked
+
+
+READERS: Registry[Reader] = Registry(
+    "mesh format",
+    "shapegoogle.mesh_formats",
+    {
+        ".3mf": read_three_mf,
+        ".glb": read_glb,
+        ".gltf": read_gltf,
+        ".obj": read_obj,
+        ".off": read_off,
+        ".pcd": read_pcd,
+        ".ply": read_ply,
+        ".stl": read_stl,
+        ".xyz": read_xyz,
+    },
+    _from_plugin,
+    prefix=".",
+)
 """Reader of each format, by the suffix of its files in lower case with the dot."""
 
-MESH_SUFFIXES = frozenset(READERS)
-"""Suffixes of the files that `read_mesh` reads, in lower case with the dot."""
+MESH_SUFFIXES = frozenset(READERS.own)
+"""Suffixes of the files that `read_mesh` reads without plug-ins, in lower case with the dot."""
 
 MAX_FACES = 20_000_000
 """Largest number of triangles, or of points, of a file that is read unless another one is given."""
-
-_UNKNOWN_SUFFIX = (
-    f"has none of the suffixes that can be read ({', '.join(sorted(MESH_SUFFIXES))}); convert it first"
-)
 
 # In other formats vertices without faces are curves, or the faces were lost in the export.
 _MAY_HAVE_NO_FACES = frozenset({".glb", ".gltf", ".pcd", ".ply", ".xyz"})
@@ -80,8 +102,8 @@ def read_mesh(path: str | os.PathLike[str], *, point_cloud: bool = False, max_fa
     Parameters
     ----------
     path : str or path
-        A file with the suffix .3mf, .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, in upper or lower
-        case. "~" stands for the user's own folder.
+        A file with the suffix .3mf, .glb, .gltf, .obj, .off, .pcd, .ply, .stl or .xyz, or that of a
+        plug-in, in upper or lower case. "~" stands for the user's own folder.
     point_cloud : bool, optional
         Read the points alone, from a file of any format.
     max_faces : int, optional
@@ -155,7 +177,8 @@ def read_with_warnings(
     if point_cloud:
         return _point_cloud(Mesh(vertices, name=path.name)), sentences
     mesh = Mesh(vertices, faces, path.name)
-    if mesh.is_point_cloud and path.suffix.lower() in _MAY_HAVE_NO_FACES:
+    may_have_no_faces = path.suffix.lower() in _MAY_HAVE_NO_FACES or READERS.plugin(path.suffix.lower())
+    if mesh.is_point_cloud and may_have_no_faces:
         check_cloud(mesh)
     else:
         check_surface(mesh)
@@ -172,8 +195,10 @@ def opened(path: Path, max_faces: int) -> Iterator[MeshFile]:
             if path.exists():
                 fault = "is a folder" if path.is_dir() else "is not a regular file"
             raise MeshError(f"{str(path)!r} {fault}; give the path of a mesh file")
-        if suffix not in MESH_SUFFIXES:
-            raise MeshError(f"{name!r} {advice(suffix) or _UNKNOWN_SUFFIX}")
+        if suffix not in READERS:
+            known = ", ".join(sorted(READERS))
+            unknown = f"has none of the suffixes that can be read ({known}); convert it first"
+            raise MeshError(f"{name!r} {advice(suffix) or unknown}")
         yield MeshFile(read_content(path, max_faces), path.parent, max_faces)
     except MeshError:
         raise
@@ -188,7 +213,15 @@ def opened(path: Path, max_faces: int) -> Iterator[MeshFile]:
         raise MeshError(
             f"{name!r} does not fit into memory; simplify it, or lower max_faces to skip such files"
         ) from error
+    except PluginError as error:
+        raise PluginShapeError(f"{name!r} cannot be read: {error}") from error
     except Exception as error:
+        plugin = READERS.plugin(suffix)
+        if plugin is not None:
+            raise PluginShapeError(
+                f"{name!r} cannot be read by {plugin.title}; export it again, or report it to the authors of "
+                "the package"
+            ) from error
         # Damaged files can be wrong in ways that no reader expects; the cause is always this file.
         raise MeshError(
             f"{name!r} is damaged, cut short, or uses a feature that cannot be read; export it again"

@@ -225,7 +225,7 @@ def test_memory_running_out_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     def exhausted(file: MeshFile) -> Polygons:
         raise MemoryError
 
-    monkeypatch.setitem(READERS, ".obj", exhausted)
+    monkeypatch.setitem(READERS.own, ".obj", exhausted)
     refuse(write(tmp_path, "a.obj", obj()), "memory")
 
 
