@@ -80,6 +80,7 @@ def checks(session: nox.Session) -> None:
 @nox.session(python=False)
 def core(session: nox.Session) -> None:
     """Test what needs no Blender, in several processes."""
+    install_postgresql(session)
     command = [sys.executable, "-m", "pytest", "--quiet", *SPREAD, *session.posargs]
     session.run(*command, env=ENVIRONMENT, external=True)
 
@@ -226,6 +227,18 @@ def load_bpy(session: nox.Session) -> None:
             f"bpy cannot be loaded ({str(problem).strip()}); on Debian and Ubuntu its libraries come with: "
             f"sudo apt install {' '.join(SYSTEM_LIBRARIES)}"
         )
+
+
+def install_postgresql(session: nox.Session) -> None:
+    """Install PostgreSQL if this process may; otherwise tests use the server of a Python package."""
+    if not can_use_apt() or any(Path("/usr/lib/postgresql").glob("*/bin/postgres")):
+        return
+    codes = [*range(128)]  # without a network the package has to do
+    session.run("apt-get", "update", external=True, silent=True, success_codes=codes)
+    install = ["apt-get", "install", "--yes", "--no-install-recommends", "postgresql"]
+    session.run(
+        *install, external=True, silent=True, success_codes=codes, env={"DEBIAN_FRONTEND": "noninteractive"}
+    )
 
 
 def can_use_apt() -> bool:

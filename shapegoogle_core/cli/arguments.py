@@ -12,6 +12,7 @@ from pathlib import Path
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.storage.address import as_place
 
 __all__ = [
     "add_filters",
@@ -150,7 +151,7 @@ def add_flag(parser: argparse.ArgumentParser, option: str, summary: str) -> None
 
 def add_library(
     parser: argparse.ArgumentParser | argparse._MutuallyExclusiveGroup,
-    summary: str = "library file",
+    summary: str = "library file, or postgresql:// address",
     *,
     required: bool = True,
 ) -> None:
@@ -164,7 +165,7 @@ def add_library(
     required : bool, optional
         Whether the option must be given.
     """
-    parser.add_argument("--library", type=as_path, required=required, metavar="FILE", help=summary)
+    parser.add_argument("--library", type=as_place, required=required, metavar="FILE", help=summary)
 
 
 def add_inputs(parser: argparse.ArgumentParser, least: int = 1) -> None:

@@ -46,6 +46,7 @@ from shapegoogle_core.cli.text import counted, say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing.events import IndexSummary
 from shapegoogle_core.indexing.settings import IndexSettings
+from shapegoogle_core.library.storage.address import Place, shown_place, without_passwords
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--root", action="append", default=[], type=named_folder, metavar="NAME=FOLDER", help=root
     )
-    add_library(parser, "library file; created if it does not exist")
+    add_library(parser, "library file, or postgresql:// address; created if it does not exist")
     add_jobs(parser)
     model = "model of a new library: a file written by `train`, or a shipped model: default, paper"
     add_value(parser, "--model", "FILE", model)
@@ -100,7 +101,8 @@ def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.run_log import RunLog
     from shapegoogle_core.indexing import readable_suffixes
 
-    log = RunLog(options.log, [options.library, *options.inputs], readable_suffixes(options.reader))
+    files = [place for place in (options.library, *options.inputs) if isinstance(place, Path)]
+    log = RunLog(options.log, files, readable_suffixes(options.reader))
     send = options.send
 
     def send_and_log(event: Event) -> None:
@@ -109,7 +111,7 @@ def _run(options: argparse.Namespace) -> int:
             send(event)
 
     options.send = send_and_log
-    log.started(metadata.version("shapegoogle-core"), options.arguments)
+    log.started(metadata.version("shapegoogle-core"), [without_passwords(word) for word in options.arguments])
     try:
         code = _index(options)
     except KeyboardInterrupt:
@@ -130,13 +132,14 @@ def _index(options: argparse.Namespace) -> int:
     from shapegoogle_core.indexing import index_files, plan_indexing
     from shapegoogle_core.indexing.files import absolute
     from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.storage.opening import library_exists
     from shapegoogle_core.model import load_model
 
     failed: Failures = []
     excluded: list[Path] = []
     skipped: list[SkippedFormat] = []
     paths = find_files(options, failed, options.exclude, excluded.append, skipped)
-    known = options.library.exists()
+    known = library_exists(options.library)
     settings = IndexSettings(
         options.jobs, options.time_limit, options.memory_limit, options.retry, options.reread
     )
@@ -201,7 +204,7 @@ def _index(options: argparse.Namespace) -> int:
     return SOME_FAILED if failed else DONE
 
 
-def _shape_count(library: Path) -> int:
+def _shape_count(library: Place) -> int:
     from shapegoogle_core.library.library import Library
 
     with Library.open(library, read_only=True) as opened:
@@ -228,12 +231,12 @@ def _roots_away(library: Library) -> list[Root]:
     return [root for root in library.roots() if not Path(root.path).is_dir()]
 
 
-def _say_away(roots: Sequence[Root], library: Path) -> None:
+def _say_away(roots: Sequence[Root], library: Place) -> None:
     """Say what to do if the new files are in a folder that was moved: they would be there twice."""
     for root in roots:
         say(
             f"the folder '{root.path}' of the root {root.name!r} is not there; if it was moved, run "
-            f"`shapegoogle move '{root.path}' NEW --library {library}`"
+            f"`shapegoogle move '{root.path}' NEW --library {shown_place(library)}`"
         )
 
 

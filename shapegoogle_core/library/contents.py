@@ -171,7 +171,7 @@ class LibraryContents(LibrarySources):
         """
         summary = self._store.summary()
         return {
-            "path": str(self.path),
+            "path": self.name,
             "shapes": summary.shapes,
             "sources": summary.sources,
             "failed": summary.failed,
@@ -321,7 +321,7 @@ class LibraryContents(LibrarySources):
 
     def _unknown(self, shape_id: int) -> LibraryError:
         return LibraryError(
-            f"'{self.path}' has no shape {shape_id}; it was removed or replaced: search again"
+            f"'{self.name}' has no shape {shape_id}; it was removed or replaced: search again"
         )
 
 

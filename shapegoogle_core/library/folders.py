@@ -22,6 +22,7 @@ from shapegoogle_core.library.roots.paths import (
     spellings,
     top_folders,
 )
+from shapegoogle_core.library.storage.address import is_database
 from shapegoogle_core.library.storage.records import Rearrangement, Root, SourceRecord
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -37,23 +38,31 @@ class LibraryFolders:
     Parameters
     ----------
     store : Store
-        The open file.
+        The open file or database.
     model : ShapeModel
         The model that describes the shapes of this library.
 
     Attributes
     ----------
-    path : Path
-        The file.
+    name : str
+        Path of the file, or address of the database without its password.
     read_only : bool
-        Whether changes are refused: on request, or because the file is write-protected.
+        Whether changes are refused: on request, or because the file is write-protected or the role in the
+        database may only read.
     """
 
     def __init__(self, store: Store, model: ShapeModel) -> None:
         self._store = store
         self.model = model
-        self.path = Path(store.name)
+        self.name = store.name
         self.read_only = store.read_only
+
+    @property
+    def path(self) -> Path:
+        """The file; LibraryError for a library in a database, which has an address instead, its `name`."""
+        if is_database(self.name):
+            raise LibraryError(f"'{self.name}' is a database, not a file; use its name")
+        return Path(self.name)
 
     def roots(self) -> list[Root]:
         """Return the named folders that the indexed files lie below.

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""`Library`: a collection of shapes in one file, the search in it, and its duplicates."""
+"""`Library`: a collection of shapes in a file or a database, the search in it, and its duplicates."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Self
 
-from shapegoogle_core.api.arguments import as_path, check_count, check_number, check_type
+from shapegoogle_core.api.arguments import check_count, check_number, check_type
 from shapegoogle_core.library.contents import PathLike
 from shapegoogle_core.library.decisions.deciding import LibraryDecisions
 from shapegoogle_core.library.decisions.in_duplicates import follow_decisions
@@ -17,6 +17,7 @@ from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.stages import check_stages
+from shapegoogle_core.library.storage.address import as_place
 from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.model import ShapeModel
 
@@ -24,18 +25,19 @@ __all__ = ["Library"]
 
 
 class Library(LibraryDecisions):
-    """Shapes in one file, with the model that described them. Open it with `Library.open`.
+    """Shapes in a file or a database, with the model that described them. Open it with `Library.open`.
 
     A library may be open in several programs at once: any number of them read while one writes; a second
     writer waits for the running transaction of the first. A `Library` itself belongs to the thread that
-    opened it. After kill -9, a power cut or a full disk the file holds everything whose method had returned.
+    opened it. After kill -9, a power cut or a full disk the library holds everything whose method had
+    returned.
 
-    Every method raises `LibraryError` if the file cannot be read or written.
+    Every method raises `LibraryError` if the library cannot be read or written.
 
     Parameters
     ----------
     store : Store
-        The open file.
+        The open file or database.
     model : ShapeModel
         The model of the library.
     search : SearchSettings, optional
@@ -69,12 +71,15 @@ class Library(LibraryDecisions):
         ----------
         path : str or path-like
             The file. An existing library on a write-protected disk can be opened too, for searching only.
+            Or the URL of a PostgreSQL database, ``postgresql://user@host:5432/name``: parts that are left out
+            come from the variables PG…, a service file and ~/.pgpass; ``?schema=NAME`` chooses one of several
+            libraries.
         model : ShapeModel, str or Path, optional
             For a new library, the model that describes its shapes, or its name or path as for `load_model`;
             by default the one that ships with the package. For an existing library, its own model, which is
             also the default.
         read_only : bool, optional
-            Do not change the file; raise LibraryError if it does not exist.
+            Do not change the library; raise LibraryError if it does not exist.
         timeout : float, optional
             Longest time to wait while another program writes, in seconds.
         search : SearchSettings, optional
@@ -88,9 +93,9 @@ class Library(LibraryDecisions):
         Raises
         ------
         LibraryError
-            If the path is a folder, lies in no folder or is not a library; if the library is damaged, made
-            by another version or with another model; if it does not exist and cannot be created; if `search`
-            names a stage that is not installed.
+            If the path is a folder, lies in no folder or is not a library; if the database cannot be
+            reached; if the library is damaged, made by another version or with another model; if it does not
+            exist and cannot be created; if `search` names a stage that is not installed.
         ModelError
             If the model cannot be loaded.
         ValueError
@@ -107,13 +112,12 @@ class Library(LibraryDecisions):
         """
         check_number("timeout", timeout)
         check_type("search", search, (SearchSettings, type(None)), "a SearchSettings")
-        path = as_path(path)
         if search is not None:
             check_stages(search)
-        return cls(*open_store(path, model, read_only=read_only, timeout=timeout), search)
+        return cls(*open_store(as_place(path), model, read_only=read_only, timeout=timeout), search)
 
     def close(self) -> None:
-        """Close the file. Closing twice does no harm."""
+        """Close the library. Closing twice does no harm."""
         self._store.close()
 
     def __enter__(self) -> Self:
@@ -123,7 +127,7 @@ class Library(LibraryDecisions):
         self.close()
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}('{self.path}', model {self.model.identifier})"
+        return f"{type(self).__name__}('{self.name}', model {self.model.identifier})"
 
     def duplicates(
         self,

@@ -1,30 +1,35 @@
 # SPDX-License-Identifier: MIT
-"""Opening and making library files; refusal of unsuitable files and models."""
+"""Opening and making libraries in files and databases; refusal of unsuitable ones and of models."""
 
 from __future__ import annotations
 
 import stat
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from shapegoogle_core.errors import LibraryError, ModelError
+from shapegoogle_core.library.storage.address import Place, as_place
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.loading import SHIPPED, as_model
 from shapegoogle_core.model.model_file import views_identifier
 
-__all__ = ["open_store"]
+if TYPE_CHECKING:
+    from shapegoogle_core.library.storage.postgresql.store import PostgresqlStore
+
+__all__ = ["connect", "library_exists", "open_store"]
 
 
 def open_store(
-    path: Path, model: ShapeModel | str | Path | None, *, read_only: bool, timeout: float
+    place: Place, model: ShapeModel | str | Path | None, *, read_only: bool, timeout: float
 ) -> tuple[Store, ShapeModel]:
-    """Open a library file, or make a new one.
+    """Open a library, or make a new one.
 
     Parameters
     ----------
-    path, model, read_only, timeout
+    place, model, read_only, timeout
         See `Library.open`.
 
     Returns
@@ -38,23 +43,85 @@ def open_store(
     LibraryError, ModelError
         See `Library.open`.
     """
-    exists = _is_file(path)
-    if not exists:
-        _check_place(path, read_only=read_only)
-    # Before the file is created: a missing model must not leave one behind.
-    given = None if model is None and exists else as_model(model)
-    store = SqliteStore(path, create=not exists, read_only=read_only, timeout=timeout)
+    store: SqliteStore | PostgresqlStore
+    if isinstance(place, Path):
+        exists = _is_file(place)
+        if not exists:
+            _check_place(place, read_only=read_only)
+        # Before the file is created: a missing model must not leave one behind.
+        given = None if model is None and exists else as_model(model)
+        store = SqliteStore(place, create=not exists, read_only=read_only, timeout=timeout)
+    else:
+        given = None if model is None else as_model(model)
+        store = connect(place, read_only=read_only, timeout=timeout)
     try:
         if store.is_empty():
             if read_only:
-                raise LibraryError(f"'{path}' is empty; index a folder into it first")
+                raise LibraryError(f"'{store.name}' is empty; index a folder into it first")
             given = given or as_model(None)
-            store.initialise(given.identifier, given.to_bytes())
+            store.initialise(given)
         store.check_format()
-        return store, _matching_model(store, given, read_only=read_only)
+        return store, _matching_model(store, given, read_only=store.read_only)
     except BaseException:
         store.close()
         raise
+
+
+def connect(url: str, *, read_only: bool, timeout: float) -> PostgresqlStore:
+    """Connect to a database, which need not hold a library yet.
+
+    Parameters
+    ----------
+    url : str
+        See `Library.open`.
+    read_only : bool
+    timeout : float
+        Longest time to wait for another program's lock, in seconds.
+
+    Returns
+    -------
+    store : PostgresqlStore
+
+    Raises
+    ------
+    LibraryError
+        If it cannot be reached, or the package that connects is not installed.
+    """
+    if find_spec("psycopg") is None:
+        raise LibraryError(
+            "a library in a database needs the package psycopg; install it with: "
+            'pip install "shapegoogle-core[postgresql]"'
+        )
+    from shapegoogle_core.library.storage.postgresql.address import parse_address
+    from shapegoogle_core.library.storage.postgresql.store import PostgresqlStore
+
+    return PostgresqlStore(parse_address(url), read_only=read_only, timeout=timeout)
+
+
+def library_exists(place: Place) -> bool:
+    """Whether there is a library at a place, or something else that opening it would explain.
+
+    Parameters
+    ----------
+    place : Path or str
+
+    Returns
+    -------
+    exists : bool
+
+    Raises
+    ------
+    LibraryError
+        If a database cannot be reached.
+    """
+    place = as_place(place)
+    if isinstance(place, Path):
+        return place.exists()
+    store = connect(place, read_only=True, timeout=30.0)
+    try:
+        return not store.is_empty()
+    finally:
+        store.close()
 
 
 def _is_file(path: Path) -> bool:

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.library.storage.neighbour_rows import neighbour_rows, neighbours_from
 from shapegoogle_core.library.storage.records import SourceKey
 from shapegoogle_core.library.storage.sqlite.database import Database
 from shapegoogle_core.library.storage.sqlite.schema import FORMAT, SCHEMA_OF_KINDS
@@ -20,9 +21,6 @@ from shapegoogle_core.library.storage.store import Neighbours
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["KindTables"]
-
-ID_TYPE = np.dtype("<i8")
-DISTANCE_TYPE = np.dtype("<f4")
 
 
 class KindTables(Database):
@@ -86,15 +84,7 @@ class KindTables(Database):
         """Return the nearest shapes of some shapes, see `Store.neighbours`."""
         known = shape_ids if self.has_kind_tables() else []
         rows = self.rows_with_ids("SELECT shape_id, ids, distances FROM neighbours WHERE shape_id", known)
-        found = {}
-        for shape_id, ids, distances in rows:
-            if len(ids) % ID_TYPE.itemsize or len(ids) != 2 * len(distances):
-                raise self.damaged(f"the neighbours of shape {shape_id} cannot be read")
-            found[shape_id] = (
-                np.frombuffer(ids, ID_TYPE).astype(np.int64),
-                np.frombuffer(distances, DISTANCE_TYPE).astype(np.float32),
-            )
-        return found
+        return neighbours_from(rows, self.damaged)
 
     def put_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
         """Store the nearest shapes of some shapes, see `Store.put_neighbours`."""
@@ -102,10 +92,7 @@ class KindTables(Database):
             # The condition leaves out shapes that were removed in the meantime.
             self.connection.executemany(
                 "INSERT OR REPLACE INTO neighbours SELECT id, ?, ? FROM shapes WHERE id = ?",
-                [
-                    (ids.astype(ID_TYPE).tobytes(), distances.astype(DISTANCE_TYPE).tobytes(), shape_id)
-                    for shape_id, (ids, distances) in neighbours.items()
-                ],
+                [(ids, distances, shape_id) for shape_id, ids, distances in neighbour_rows(neighbours)],
             )
 
     def without_neighbours(self, last_id: int, limit: int) -> list[int]:

@@ -3,20 +3,18 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.roots.paths import joined
+from shapegoogle_core.library.storage.filter_conditions import Dialect, filter_conditions
+from shapegoogle_core.library.storage.placement_rows import placement_rows, placements_from
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
+from shapegoogle_core.library.storage.shape_records import shape_records
 from shapegoogle_core.library.storage.sqlite.database import encoded
-from shapegoogle_core.library.storage.sqlite.filter_conditions import filter_conditions, fold_case
-from shapegoogle_core.library.storage.sqlite.placements import placement_rows, placements_from
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -27,6 +25,16 @@ SELECT shapes.id, shapes.name, roots.path, coalesce(sources.path, ''), object_na
     area, extent_x, extent_y, extent_z, placement_count
 FROM shapes LEFT JOIN sources ON sources.id = source_id LEFT JOIN roots ON roots.id = root_id
 """
+
+DIALECT = Dialect(
+    value="?",
+    text="CAST(? AS TEXT)",
+    encoded=encoded,
+    like="{} LIKE CAST(? AS TEXT) ESCAPE '\\'",  # ignores case, but only of ASCII letters
+    exactly_like="{} LIKE CAST(? AS TEXT) ESCAPE '\\'",
+    folded=lambda column: f"CAST(fold_case(CAST({column} AS BLOB)) AS TEXT)",
+    greatest="max",
+)
 
 
 class ShapeTable(SourceTable):
@@ -51,7 +59,10 @@ class ShapeTable(SourceTable):
         )
         self.connection.executemany(
             "INSERT INTO placements VALUES (?, ?, CAST(? AS TEXT), ?, ?, ?, ?)",
-            [(shape_id, *row) for row in placement_rows(shape.placements, signature.extents)],
+            [
+                (shape_id, position, encoded(name), *row)
+                for position, name, *row in placement_rows(shape.placements, signature.extents)
+            ],
         )
         if signature.sample is not None:
             content = signature.sample.to_bytes()
@@ -67,8 +78,10 @@ class ShapeTable(SourceTable):
         """Return the records of some shapes, see `Store.shapes`."""
         rows = self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids)
         if not self._has_tags():
-            return _records(rows, [])
-        return _records(rows, self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids))
+            return shape_records(rows, [])
+        return shape_records(
+            rows, self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
+        )
 
     def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
         """Return the records of the next shapes, see `Store.shapes_after`."""
@@ -78,13 +91,13 @@ class ShapeTable(SourceTable):
         tags = self.rows(
             "SELECT shape_id, tag FROM tags WHERE shape_id BETWEEN ? AND ?", rows[0][0], rows[-1][0]
         )
-        return _records(rows, tags)
+        return shape_records(rows, tags)
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
-        condition, parameters = filter_conditions(where, self.roots())
+        condition, parameters = filter_conditions(where, self.roots(), DIALECT)
         with self.explained():
-            self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
+            self.connection.create_function("fold_case", 1, _fold_case, deterministic=True)
         rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.fromiter((row[0] for row in rows), np.int64, len(rows))
 
@@ -113,24 +126,6 @@ class ShapeTable(SourceTable):
         return self.value("SELECT 1 FROM tags LIMIT 1") is not None
 
 
-def _records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -> list[ShapeRecord]:
-    tags_of: defaultdict[int, list[str]] = defaultdict(list)
-    for shape_id, tag in tags:
-        tags_of[shape_id].append(tag)
-    sorted_tags = {shape_id: tuple(sorted(own)) for shape_id, own in tags_of.items()}
-    # By position: a listing makes a million of them.
-    return [
-        ShapeRecord(
-            i,
-            name,
-            path if root is None else joined(root, path),
-            object_name,
-            vertices,
-            faces,
-            area,
-            (x, y, z),
-            sorted_tags.get(i, ()),
-            placements,
-        )
-        for i, name, root, path, object_name, vertices, faces, area, x, y, z, placements in rows
-    ]
+def _fold_case(name: bytes) -> bytes:
+    """Remove the differences between upper and lower case from a name in UTF-8, surrogates included."""
+    return encoded(name.decode("utf-8", "surrogatepass").casefold())

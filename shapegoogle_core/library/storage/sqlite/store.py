@@ -26,6 +26,7 @@ from shapegoogle_core.library.storage.sqlite.schema import (
 )
 from shapegoogle_core.library.storage.sqlite.shapes import ShapeTable
 from shapegoogle_core.library.storage.sqlite.sources import IS_SOURCE
+from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["SqliteStore"]
@@ -41,14 +42,12 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
         tables = self.value("SELECT count(*) FROM sqlite_master")
         return bool(tables == 0 and self.value("PRAGMA application_id") == 0)
 
-    def initialise(self, model_identifier: str, model_content: bytes) -> None:
+    def initialise(self, model: ShapeModel) -> None:
         """Make the tables and store the model, unless another program did so in the meantime.
 
         Parameters
         ----------
-        model_identifier : str
-        model_content : bytes
-            Result of `ShapeModel.to_bytes`.
+        model : ShapeModel
         """
         with self.writing():
             if not self.is_empty():
@@ -57,7 +56,7 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
             for statement in (SCHEMA + SCHEMA_OF_KINDS).format(block_ids=self.block_ids).split(";\n"):
                 self.connection.execute(statement)
             self.connection.execute("INSERT INTO meta VALUES ('schema', ?)", (str(FORMAT),))
-            self.connection.execute("INSERT INTO model VALUES (?, ?)", (model_identifier, model_content))
+            self.connection.execute("INSERT INTO model VALUES (?, ?)", (model.identifier, model.to_bytes()))
 
     def check_format(self) -> None:
         """Make sure that the file is a library of the current format, or of the one before.

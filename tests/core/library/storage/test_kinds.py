@@ -14,10 +14,12 @@ import pytest
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.address import as_place
+from shapegoogle_core.library.storage.opening import open_store
 from shapegoogle_core.library.storage.records import NewShape, SourceKey
 from shapegoogle_core.library.storage.signatures import stored_views
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
-from shapegoogle_core.library.storage.store import all_codes
+from shapegoogle_core.library.storage.store import Store, all_codes
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.views import CODE_BYTES, ViewModel
@@ -44,9 +46,13 @@ def opened(path: Path) -> closing[SqliteStore]:
     return closing(SqliteStore(path, create=False, read_only=False, timeout=5))
 
 
-def test_views_come_back(path: Path, seeing_model: ShapeModel, meshes: list[Mesh]) -> None:
+def opened_store(place: str, model: ShapeModel) -> closing[Store]:
+    return closing(open_store(as_place(place), model, read_only=False, timeout=5)[0])
+
+
+def test_views_come_back(place: str, seeing_model: ShapeModel, meshes: list[Mesh]) -> None:
     signatures = [seeing_model.describe(mesh) for mesh in meshes]
-    with Library.open(path, seeing_model) as library:
+    with Library.open(place, seeing_model) as library:
         for signature in signatures:
             library.add_signature(signature, "shape")
         again = library.signature(2)
@@ -57,7 +63,7 @@ def test_views_come_back(path: Path, seeing_model: ShapeModel, meshes: list[Mesh
     assert again.views.made_by == signatures[1].views.made_by  # type: ignore[union-attr]
     np.testing.assert_array_equal(again.views.descriptors, signatures[1].views.descriptors)  # type: ignore[union-attr]
     assert again.view_code.tolist() == signatures[1].view_code.tolist()  # type: ignore[union-attr]
-    with opened(path) as store:
+    with opened_store(place, seeing_model) as store:
         ids, views = stored_views(store, seeing_model, [5, 9, 1])
         assert ids.tolist() == [1, 5]
         np.testing.assert_array_equal(views[1], signatures[4].views.descriptors)  # type: ignore[union-attr]
@@ -78,13 +84,13 @@ def test_views_of_another_model_are_refused(
         library.add_signature(signature, "a ball")
 
 
-def test_neighbours(path: Path, model: ShapeModel, make_signature: SignatureMaker) -> None:
-    with Library.open(path, model) as library:
+def test_neighbours(place: str, model: ShapeModel, make_signature: SignatureMaker) -> None:
+    with Library.open(place, model) as library:
         for seed in range(4):
             library.add_signature(make_signature(seed), "shape")
     near = np.array([3, 2], np.int64), np.array([0.5, 0.75], np.float32)
     none = np.empty(0, np.int64), np.empty(0, np.float32)
-    with opened(path) as store:
+    with opened_store(place, model) as store:
         assert store.without_neighbours(0, 10) == [1, 2, 3, 4]
         store.put_neighbours({1: near, 2: none, 9: near})
         found = store.neighbours([1, 2, 3, 9])

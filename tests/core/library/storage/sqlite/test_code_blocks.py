@@ -37,7 +37,7 @@ class SmallBlocks(SqliteStore):
 def open_store(path: Path, model: ShapeModel) -> SqliteStore:
     store = SmallBlocks(path, create=True, read_only=False, timeout=30)
     if store.is_empty():
-        store.initialise(model.identifier, model.to_bytes())
+        store.initialise(model)
     return store
 
 

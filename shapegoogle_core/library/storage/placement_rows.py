@@ -11,7 +11,6 @@ import numpy as np
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.storage.sqlite.database import encoded
 
 __all__ = ["placement_rows", "placements_from"]
 
@@ -40,7 +39,7 @@ def placement_rows(
             factor = placement.scale / placements[0].scale if position else 1.0
             own = (factor * extents[0], factor * extents[1], factor * extents[2])
         matrix = np.ascontiguousarray(placement.matrix, _MATRIX).tobytes()
-        yield position, encoded(placement.object_name), matrix, *map(float, own)
+        yield position, placement.object_name, matrix, *map(float, own)
 
 
 def placements_from(

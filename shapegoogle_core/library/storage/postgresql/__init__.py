@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Libraries in PostgreSQL databases."""

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: MIT
+"""SQL of the tables `roots` and `sources`: the files that shapes come from, and their folders."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+
+from shapegoogle_core.library.roots.paths import joined, path_key
+from shapegoogle_core.library.storage.filter_conditions import folded
+from shapegoogle_core.library.storage.postgresql.database import Database
+from shapegoogle_core.library.storage.records import Root, SourceKey, SourceRecord
+
+__all__ = ["IS_SOURCE", "SourceTable"]
+
+Located = tuple[int, bytes]
+"""Number of the root of a source, 0 for a label; and the hash of the key of its path."""
+
+IS_SOURCE = "coalesce(root_id, 0) = %s AND key_hash = %s"
+
+
+class SourceTable(Database):
+    """Roots and sources of a library in a database."""
+
+    # -- roots ----------------------------------------------------------------------------------------------
+
+    def roots(self, *, counted: bool = False) -> list[Root]:
+        """Return all roots, see `Store.roots`."""
+        count = "(SELECT count(*) FROM sources WHERE coalesce(root_id, 0) = roots.id)" if counted else "0"
+        return [Root(*row) for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")]
+
+    def located(self, source: SourceKey) -> Located:
+        """Return the values of the columns that identify a source."""
+        root_id, key = self._place(source)
+        return root_id, _hash(key)
+
+    def put_root(self, name: str, path: str) -> None:
+        """Insert a root, or change its path, inside `writing`."""
+        self.execute(
+            "INSERT INTO roots (name, path, folded) VALUES (%s, %s, %s)"
+            " ON CONFLICT (name) DO UPDATE SET path = excluded.path, folded = excluded.folded",
+            *(name, path, folded(path)),
+        )
+
+    def put_sources(self, places: Sequence[tuple[int, SourceKey]]) -> None:
+        """Change the keys of sources, by their numbers, inside `writing`."""
+        # Two sources may exchange their places, so all leave theirs before the first takes its new one.
+        numbers = [number for number, _ in places]
+        self.execute(
+            "UPDATE sources SET root_id = NULL, key_hash = int8send(id) WHERE id = ANY(%s::bigint[])", numbers
+        )
+        for number, source in places:
+            root_id, key = self._place(source)
+            self.execute(
+                "UPDATE sources SET root_id = nullif(%s, 0), path = %s, key = %s, key_hash = %s, folded = %s"
+                " WHERE id = %s",
+                *(root_id, source.path, key, _hash(key), folded(source.path), number),
+            )
+
+    def _place(self, source: SourceKey) -> tuple[int, str]:
+        """Return the number of the root of a source, and its key."""
+        if not source.root:
+            return 0, source.path
+        rows = self.rows("SELECT id, path FROM roots WHERE name = %s", source.root)
+        if not rows:
+            return -1, ""  # no source lies below an unknown root
+        root_id, folder = rows[0]
+        return root_id, path_key(folder, source.path)
+
+    # -- sources --------------------------------------------------------------------------------------------
+
+    def insert_source(self, source: SourceRecord) -> int:
+        """Insert a source, inside `writing`; return its number."""
+        root_id, key = self._place(source.key)
+        path = source.key.path
+        number: int = self.value(
+            "INSERT INTO sources (root_id, path, key, key_hash, folded, size, mtime_ns, sha256, error)"
+            " VALUES (nullif(%s, 0), %s, %s, %s, %s, %s, %s, %s, %s) RETURNING id",
+            *(root_id, path, key, _hash(key), folded(path)),
+            *(source.size, source.mtime_ns, source.sha256, source.error),
+        )
+        return number
+
+    def source_id(self, source: SourceKey) -> int:
+        """Return the number of a source, inside `writing`; make one for an unknown key."""
+        known = self.known_source_id(source)
+        if known is not None:
+            return known
+        return self.insert_source(SourceRecord.of(source))
+
+    def known_source_id(self, source: SourceKey) -> int | None:
+        """Return the number of a source, None if it is unknown."""
+        number: int | None = self.value(f"SELECT id FROM sources WHERE {IS_SOURCE}", *self.located(source))
+        return number
+
+    def known_sources(self, keys: Sequence[SourceKey]) -> list[SourceKey]:
+        """Return those of some keys that are sources, see `Store.known_sources`."""
+        roots = {
+            "": (0, ""),
+            **{name: (i, path) for i, name, path in self.rows("SELECT id, name, path FROM roots")},
+        }
+        located = {
+            key: (roots[key.root][0], _hash(path_key(roots[key.root][1], key.path) if key.root else key.path))
+            for key in keys
+            if key.root in roots
+        }
+        found = set(
+            self.rows(
+                "SELECT coalesce(root_id, 0), key_hash FROM sources WHERE (coalesce(root_id, 0), key_hash) IN"
+                " (SELECT * FROM unnest(%s::integer[], %s::bytea[]))",
+                [root for root, _ in located.values()],
+                [key for _, key in located.values()],
+            )
+        )
+        return [key for key in keys if located.get(key) in found]
+
+    def update_source(self, source: SourceKey, size: int, mtime_ns: int) -> bool:
+        """Store the new size and time of change of a source, see `Store.update_source`."""
+        with self.writing():
+            return (
+                self.execute(
+                    f"UPDATE sources SET size = %s, mtime_ns = %s WHERE {IS_SOURCE}",
+                    *(size, mtime_ns, *self.located(source)),
+                )
+                > 0
+            )
+
+    def sources(self) -> list[SourceRecord]:
+        """Return all sources, see `Store.sources`."""
+        rows = self.rows(
+            "SELECT sources.path, size, mtime_ns, sha256, error, coalesce(number, 0), roots.name, roots.path"
+            " FROM sources LEFT JOIN roots ON roots.id = root_id LEFT JOIN (SELECT source_id,"
+            " count(*) AS number FROM shapes GROUP BY source_id) AS counts ON source_id = sources.id"
+        )
+        records = []
+        for path, size, mtime_ns, sha256, error, shapes, root, folder in rows:
+            place = (path, "", "") if root is None else (joined(folder, path), root, path)
+            records.append(SourceRecord(place[0], size, mtime_ns, sha256, error, shapes, *place[1:]))
+        return sorted(records, key=lambda record: record.path)
+
+
+def _hash(key: str) -> bytes:
+    return hashlib.sha256(key.encode("utf-8", "surrogatepass")).digest()

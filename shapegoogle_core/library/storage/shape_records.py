@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: MIT
+"""Records of shapes from the rows of a database."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from typing import Any
+
+from shapegoogle_core.library.roots.paths import joined
+from shapegoogle_core.library.storage.records import ShapeRecord
+
+__all__ = ["shape_records"]
+
+
+def shape_records(rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]]) -> list[ShapeRecord]:
+    """Make records of shapes.
+
+    Parameters
+    ----------
+    rows : iterable of tuple
+        Id, name, path of the root or None, path of the source, name of the object, numbers of vertices and
+        faces, area, three extents, number of placements.
+    tags : iterable of (int, str)
+        Ids of shapes, and a tag of each.
+
+    Returns
+    -------
+    records : list of ShapeRecord
+    """
+    tags_of: defaultdict[int, list[str]] = defaultdict(list)
+    for shape_id, tag in tags:
+        tags_of[shape_id].append(tag)
+    sorted_tags = {shape_id: tuple(sorted(own)) for shape_id, own in tags_of.items()}
+    # By position: a listing makes a million of them.
+    return [
+        ShapeRecord(
+            i,
+            name,
+            path if root is None else joined(root, path),
+            object_name,
+            vertices,
+            faces,
+            area,
+            (x, y, z),
+            sorted_tags.get(i, ()),
+            placements,
+        )
+        for i, name, root, path, object_name, vertices, faces, area, x, y, z, placements in rows
+    ]
