@@ -53,6 +53,7 @@ _COLUMNS: dict[str, dict[str, str]] = {
     "measures": {"shape_id": "int8", "content": "bytea"},
     "thumbnails": {"shape_id": "int8", "png": "bytea"},
     "views": {"shape_id": "int8", "descriptors": "bytea"},
+    "previews": {"shape_id": "int8", "content": "bytea"},
 }
 # From this number of shapes on COPY takes less time than single INSERTs in one message.
 _COPIED_FROM = 20
@@ -106,8 +107,9 @@ def rows_of_shape(shape_id: int, source_id: int | None, shape: NewShape[ShapeSig
     ):
         if content is not None:
             yield table, (shape_id, content.to_bytes())
-    if shape.thumbnail is not None:
-        yield "thumbnails", (shape_id, shape.thumbnail)
+    for table, picture in (("thumbnails", shape.thumbnail), ("previews", shape.preview)):
+        if picture is not None:
+            yield table, (shape_id, picture)
 
 
 def insert_rows(connection: psycopg.Connection[Any], rows: Rows) -> None:

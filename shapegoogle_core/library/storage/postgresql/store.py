@@ -10,6 +10,7 @@ from psycopg import sql
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.postgresql.codes import CodeTables
+from shapegoogle_core.library.storage.postgresql.decisions import DecisionTable
 from shapegoogle_core.library.storage.postgresql.kinds import KindTables
 from shapegoogle_core.library.storage.postgresql.rows import insert_rows, rows_of_shape
 from shapegoogle_core.library.storage.postgresql.schema import FORMAT, schema_statements
@@ -27,7 +28,7 @@ from shapegoogle_core.model.signature import ShapeSignature
 __all__ = ["PostgresqlStore"]
 
 
-class PostgresqlStore(CodeTables, KindTables):
+class PostgresqlStore(CodeTables, KindTables, DecisionTable):
     """A `Store` in a PostgreSQL database. Parameters are those of `Database`."""
 
     _new_model: tuple[bytes, str] | None = None
@@ -124,7 +125,9 @@ class PostgresqlStore(CodeTables, KindTables):
                 "DELETE FROM shapes WHERE source_id = %s AND object_name = %s AND name = %s",
                 *(source_id, shape.object_name, shape.name),
             )
-            return self._insert(source_id, [shape])[0]
+            shape_ids = self._insert(source_id, [shape])
+            self.follow_tag_decisions(source, "", shape_ids)
+            return shape_ids[0]
 
     def replace_source(
         self,
@@ -139,7 +142,9 @@ class PostgresqlStore(CodeTables, KindTables):
             self._remove_source(source.key)
             if also is not None:
                 self._remove_source(also)
-            return self._insert(self.insert_source(source), listed)
+            shape_ids = self._insert(self.insert_source(source), listed)
+            self.follow_tag_decisions(source.key, source.sha256 or "", shape_ids)
+            return shape_ids
 
     def remove_sources(self, sources: Iterable[SourceKey]) -> int:
         """Remove sources with all their shapes, see `Store.remove_sources`."""
@@ -155,6 +160,7 @@ class PostgresqlStore(CodeTables, KindTables):
             for name, path in changes.roots:
                 self.put_root(name, path)
             self.put_sources([(number, new) for number, new in moved if number is not None])
+            self.follow_moves(dict(changes.moved))
             for name in changes.removed_roots:
                 self.execute("DELETE FROM roots WHERE name = %s", name)
 

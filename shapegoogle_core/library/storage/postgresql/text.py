@@ -20,7 +20,7 @@ _ENCODED = re.compile(f"{_ESCAPE}(.)|[{_STORED}]", re.DOTALL)
 
 
 def encode_name(name: str) -> str:
-    """Make a name that can be stored.
+    r"""Make a name that can be stored.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def encode_name(name: str) -> str:
     >>> from shapegoogle_core.library.storage.postgresql.text import decode_name, encode_name
     >>> encode_name("chair.obj")
     'chair.obj'
-    >>> decode_name(encode_name("half \\udcdf")) == "half \\udcdf"
+    >>> decode_name(encode_name("half \udcdf")) == "half \udcdf"
     True
     """
     return name if name.isascii() and "\0" not in name else _UNSTORABLE.sub(_stored, name)

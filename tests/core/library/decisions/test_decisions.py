@@ -20,11 +20,11 @@ SignatureMaker = Callable[..., ShapeSignature]
 
 @pytest.fixture
 def library(
-    path: Path, model: ShapeModel, make_signature: SignatureMaker, tmp_path: Path
+    place: str, model: ShapeModel, make_signature: SignatureMaker, tmp_path: Path
 ) -> Iterator[Library]:
     """Shapes 1 to 3 in files of a root, of which the first two are copies; 4 without a source."""
     (tmp_path / "files").mkdir()
-    with Library.open(path, model) as opened:
+    with Library.open(place, model) as opened:
         opened.add_root(tmp_path / "files", "files")
         for name, seed in (("a.obj", 1), ("b.obj", 1), ("c.obj", 2)):
             index(opened, tmp_path / "files" / name, make_signature(seed), sha256=f"hash of {name}")
@@ -92,7 +92,7 @@ def test_the_last_master_comes_first(library: Library) -> None:
 
 
 def test_decisions_survive_indexing_again_and_moving(
-    library: Library, make_signature: SignatureMaker, tmp_path: Path, path: Path
+    library: Library, make_signature: SignatureMaker, tmp_path: Path, place: str
 ) -> None:
     folder = tmp_path / "files"
     library.decide("not a match", 1, 3, author="ana")
@@ -106,7 +106,7 @@ def test_decisions_survive_indexing_again_and_moving(
     wooden = library.query(make_signature(1), explain=0, where=Filter(tag="wood"))
     assert [match.name for match in wooden] == ["b.obj"]
     library.close()
-    with Library.open(path, read_only=True) as again:
+    with Library.open(place, read_only=True) as again:
         assert [decision.author for decision in again.decisions()] == ["ana", ""]
         assert moved not in [match.shape_id for match in again.query(make_signature(1), explain=0)]
 
@@ -157,8 +157,8 @@ def test_an_unknown_shape_is_named(library: Library) -> None:
         library.preview(99)
 
 
-def test_the_shape_of_a_query_is_known_by_its_mesh(path: Path, model: ShapeModel, meshes: list[Mesh]) -> None:
-    with Library.open(path, model) as library:
+def test_the_shape_of_a_query_is_known_by_its_mesh(place: str, model: ShapeModel, meshes: list[Mesh]) -> None:
+    with Library.open(place, model) as library:
         for number, mesh in enumerate(meshes[:3]):
             library.add(mesh, name=str(number))
         library.decide("not a match", 1, 2)
