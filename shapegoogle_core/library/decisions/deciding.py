@@ -141,7 +141,7 @@ class LibraryDecisions(LibrarySearch):
         """
         decision = self._store.remove_decision(number)
         if decision is None:
-            raise LibraryError(f"'{self.path}' has no decision {number}; list them to see their numbers")
+            raise LibraryError(f"'{self.name}' has no decision {number}; list them to see their numbers")
         return decision
 
     def preview(self, shape_id: int) -> bytes | None:
