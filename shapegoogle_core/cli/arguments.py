@@ -8,11 +8,15 @@ import math
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.storage.address import as_place
+
+if TYPE_CHECKING:
+    from shapegoogle_core.indexing.shards import Shard
 
 __all__ = [
     "add_filters",
@@ -26,6 +30,7 @@ __all__ = [
     "number_from",
     "positive_number",
     "positive_share",
+    "shard_from",
     "share",
 ]
 
@@ -209,6 +214,30 @@ def named_folder(text: str) -> tuple[str, Path]:
     if not path.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {str(path)!r}")
     return name.strip(), path
+
+
+def shard_from(text: str) -> Shard:
+    """Parse I/N.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    shard : Shard
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If there is no such part.
+    """
+    from shapegoogle_core.indexing.shards import Shard
+
+    number, slash, count = text.partition("/")
+    if slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count):
+        return Shard(int(number), int(count))
+    raise argparse.ArgumentTypeError(f"must be I/N with I from 1 to N, such as 2/8, not {text!r}")
 
 
 def add_jobs(parser: argparse.ArgumentParser) -> None:

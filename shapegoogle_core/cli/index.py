@@ -9,6 +9,8 @@ They are tried again when they change, or with --retry.
            only. * and ? stand for any characters but the slash, [a-z] for one of some, ** for any number of
            folders. What is in an excluded folder is excluded. Files that were indexed before stay in the
            library.
+--shard    which part a file belongs to depends on its path below FOLDER, so the machines agree without speaking
+           to each other; they may run at the same time if the library is in a database
 --log      lines with time and level: what was started, each file with its shapes and seconds, warnings,
            failures with the whole reason, unexpected errors with their traceback, and the summary
 
@@ -37,6 +39,7 @@ from shapegoogle_core.cli.arguments import (
     named_folder,
     number_from,
     positive_number,
+    shard_from,
 )
 from shapegoogle_core.cli.command import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE, Command
 from shapegoogle_core.cli.events import Event
@@ -82,6 +85,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--exclude", action="append", default=[], type=_pattern, metavar="PATTERN", help=exclude
     )
+    shard = "index only the I-th of N parts of the files, for N machines that index the same folders"
+    add_value(parser, "--shard", "I/N", shard, shard_from)
     add_flag(parser, "--dry-run", "only list what would be done; nothing is read, changed or created")
     add_value(parser, "--log", "FILE", "append each event to a file, one line each", as_path)
     add_flag(parser, "--json", "print one JSON object at the end")
@@ -131,6 +136,7 @@ def _index(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.index_progress import IndexProgress
     from shapegoogle_core.indexing import index_files, plan_indexing
     from shapegoogle_core.indexing.files import absolute
+    from shapegoogle_core.indexing.shards import files_of_shard
     from shapegoogle_core.library.library import Library
     from shapegoogle_core.library.storage.opening import library_exists
     from shapegoogle_core.model import load_model
@@ -139,6 +145,8 @@ def _index(options: argparse.Namespace) -> int:
     excluded: list[Path] = []
     skipped: list[SkippedFormat] = []
     paths = find_files(options, failed, options.exclude, excluded.append, skipped)
+    if options.shard is not None:
+        paths = files_of_shard(paths, [absolute(folder) for folder in options.inputs], options.shard)
     known = library_exists(options.library)
     settings = IndexSettings(
         options.jobs, options.time_limit, options.memory_limit, options.retry, options.reread
