@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Shards: parts of the files, so that several machines index the same folders without speaking to each other."""
+"""Shards: parts of the files, for machines that index the same folders without speaking to each other."""
 
 from __future__ import annotations
 
