@@ -9,8 +9,8 @@ They are tried again when they change, or with --retry.
            only. * and ? stand for any characters but the slash, [a-z] for one of some, ** for any number of
            folders. What is in an excluded folder is excluded. Files that were indexed before stay in the
            library.
---shard    which part a file belongs to depends on its path below FOLDER, so machines agree without speaking to
-           each other; they may run at the same time if the library is in a database
+--shard    which part a file belongs to depends on its path below FOLDER, so machines agree without speaking
+           to each other; they may run at the same time if the library is in a database
 --log      lines with time and level: what was started, each file with its shapes and seconds, warnings,
            failures with the whole reason, unexpected errors with their traceback, and the summary
 
