@@ -113,6 +113,12 @@ def add_bpy_session(series: str, python: str) -> None:
 
 
 @nox.session(python=False)
+def docs(session: nox.Session) -> None:
+    """Build the documentation site, running every example."""
+    session.run(sys.executable, "scripts/build_docs.py", external=True)
+
+
+@nox.session(python=False)
 def build(session: nox.Session) -> None:
     """Build the zips of the extension for this machine."""
     session.run(sys.executable, "scripts/build_extension.py", external=True)

@@ -63,6 +63,12 @@ COMMANDS = (
         ("joblib", "platformdirs", "skimage"),
     ),
     Command(
+        "published",
+        "benchmarks.published.command",
+        "the same on collections as they are distributed: PSB, SHREC'11, SHREC'07, TOSCA",
+        ("joblib", "platformdirs", "skimage"),
+    ),
+    Command(
         "network",
         "benchmarks.network.command",
         "what a small pre-trained network would add to that",

@@ -5,8 +5,8 @@
 
 Each part is a session of nox (`noxfile.py`). The add-on is tested on the bpy module of Blender 4.5, as
 installed from the built zip, and in the window of a real Blender if the environment variable BLENDER names
-one or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender. What cannot run here is
-skipped with the reason. Exit code 0 if nothing failed.
+one or there is one on PATH; with --ci also on bpy 4.2 and inside the real Blender, and the documentation is
+built. What cannot run here is skipped with the reason. Exit code 0 if nothing failed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ ALL = (*CI, "addon-5.0", "addon-5.2")
 FOLDERS = {"tests/extension": ("extension",), "tests/gui": ("window",)}
 
 
-def sessions_for(paths: Sequence[str], addon: Sequence[str] = EVERYDAY) -> list[list[str]]:
+def sessions_for(
+    paths: Sequence[str], addon: Sequence[str] = EVERYDAY, *, docs: bool = False
+) -> list[list[str]]:
     """Choose the sessions to run.
 
     Parameters
@@ -41,6 +43,8 @@ def sessions_for(paths: Sequence[str], addon: Sequence[str] = EVERYDAY) -> list[
         Tests to run, relative to the repository; none: everything.
     addon : sequence of str, optional
         Sessions that test the add-on.
+    docs : bool, optional
+        Build the documentation, too, unless tests are named.
 
     Returns
     -------
@@ -49,7 +53,7 @@ def sessions_for(paths: Sequence[str], addon: Sequence[str] = EVERYDAY) -> list[
     """
     if not paths:
         # The long sessions first, so that two processors are busy to the end.
-        return [["checks"], ["core"], ["build"], ["window", *addon, "extension"]]
+        return [["checks"], ["core"], ["build"], ["window", *addon, *(["docs"] if docs else []), "extension"]]
     folders = {**FOLDERS, "tests/addon": addon}
     wanted = {
         session
@@ -107,14 +111,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     amount.add_argument("--long", action="store_true", help="run the tests that take minutes, too")
     blenders = parser.add_mutually_exclusive_group()
     for name, sessions, where in (
-        ("--ci", CI, "also on bpy 4.2 and inside the real Blender"),
+        ("--ci", CI, "also on bpy 4.2 and inside the real Blender; build the documentation"),
         ("--all-blenders", ALL, "on all supported bpy modules, too"),
     ):
         blenders.add_argument(
             name, dest="addon", action="store_const", const=sessions, help=f"test the add-on {where}"
         )
     options, others = parser.parse_known_args(arguments)
-    bootstrap.enter(["benchmark", "demo", "test"])
+    # With everything that a session needs: two of them run at a time, and must not install at once.
+    bootstrap.enter(["benchmark", "demo", "test", *(["docs"] if options.addon else [])])
 
     marker = "" if options.long else "not long and not real_data" if options.fast else "not long"
     data = Path(os.environ.get("SHAPEGOOGLE_DATA") or bootstrap.ROOT.parent / "shared" / "data")
@@ -123,7 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     paths = [word for word in others if (bootstrap.ROOT / word.partition("::")[0]).exists()]
     started = time.monotonic()
     passed: dict[str, bool] = {}
-    for stage in sessions_for(paths, options.addon or EVERYDAY):
+    for stage in sessions_for(paths, options.addon or EVERYDAY, docs=bool(options.addon)):
         run = partial(run_session, options=["-m", marker, *others], live=len(stage) == 1)
         with ThreadPoolExecutor(2) as pool:
             passed |= dict(zip(stage, pool.map(run, stage), strict=True))

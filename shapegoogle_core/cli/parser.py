@@ -27,7 +27,7 @@ from shapegoogle_core.processes.temporary import remove_abandoned_folders
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ExternalReader
 
-__all__ = ["COMMANDS", "main"]
+__all__ = ["COMMANDS", "build_parser", "main"]
 
 COMMANDS = (
     index.COMMAND,
@@ -68,7 +68,7 @@ def main(
         # A file name that the terminal's encoding lacks must not end the run.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    options = _parser(program, reader).parse_args(arguments)
+    options = build_parser(program, reader).parse_args(arguments)
     options.reader = reader
     options.arguments = list(sys.argv[1:] if arguments is None else arguments)
     if reader is not None:
@@ -120,7 +120,22 @@ def _sender(*, events: bool) -> Callable[[Event], None] | None:
     return None
 
 
-def _parser(program: str, reader: ExternalReader | None) -> argparse.ArgumentParser:
+def build_parser(
+    program: str = "shapegoogle {command}", reader: ExternalReader | None = None
+) -> argparse.ArgumentParser:
+    """Make the parser with all commands and their options.
+
+    Parameters
+    ----------
+    program : str, optional
+        Name of the command in its help, as for `main`.
+    reader : ExternalReader, optional
+        Another program that reads more kinds of files, with options of its own.
+
+    Returns
+    -------
+    parser : argparse.ArgumentParser
+    """
     parser = _Parser(
         prog=program.partition(" {")[0],
         description="Find a 3D shape again: in another pose, at another size, with another mesh.",

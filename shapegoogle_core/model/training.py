@@ -9,7 +9,8 @@ shapes.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol, TypeVar, cast
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
@@ -60,6 +62,7 @@ ALIGNED_PAIRS = 2_000
 
 logger = logging.getLogger(__name__)
 
+A = TypeVar("A")
 T = TypeVar("T")
 
 
@@ -149,7 +152,7 @@ def train_model(
     versions : int, optional
         Number of augmented versions of each shape, besides its own meshes.
     jobs : int, optional
-        Number of worker processes.
+        Number of worker processes; 0 trains in this process, as a short script or a notebook may want to.
     seed : int, optional
         Seed of all random choices: the same shapes, settings and seed give the same model.
     trained_on : str, optional
@@ -166,7 +169,8 @@ def train_model(
     ModelError
         If there are too few usable shapes.
     ValueError
-        If `versions` is less than 1, or a shape is not a `TrainingShape` or has no mesh.
+        If `versions` is less than 1, `jobs` is less than 0, or a shape is not a `TrainingShape` or has no
+        mesh.
 
     Examples
     --------
@@ -184,19 +188,20 @@ def train_model(
         if not isinstance(shape, TrainingShape):
             raise ValueError(f"shapes must be TrainingShape(identity, meshes), not {type(shape).__name__}")
     _check_variety(len({shape.identity for shape in shapes}))
+    check_count("jobs", jobs, 0)
     if versions < 1 or not all(shape.meshes for shape in shapes):
         raise ValueError("training needs at least one version and at least one mesh of every shape")
     random = np.random.default_rng(seed)
     plan = _plan_versions(shapes, versions, random)
     show = progress or _silent
-    with Pool(jobs, time_limit=None) as pool:
+    with _tasks_run(jobs) as run:
         chosen = random.permutation(len(plan))[: max(400, len(plan) // 8)]
-        sampling = _results(pool.map(partial(_sample_descriptors, settings), [plan[i] for i in chosen]))
+        sampling = run(partial(_sample_descriptors, settings), [plan[i] for i in chosen])
         sampled = [sample for sample in show(sampling, "descriptors", len(chosen)) if sample is not None]
         if not sampled:
             raise ModelError("none of the training shapes could be described; see the warnings")
         vocabularies = _learn_vocabularies(settings, sampled, seed)
-        describing = _results(pool.map(partial(_describe_version, settings, vocabularies), plan))
+        describing = run(partial(_describe_version, settings, vocabularies), plan)
         described = list(show(describing, "bags", len(plan)))
     usable = [(version.label, *found) for version, found in zip(plan, described, strict=True) if found]
     labels = np.array([label for label, _, _ in usable], dtype=np.int64)
@@ -212,6 +217,16 @@ def train_model(
 def _check_variety(different: int) -> None:
     if different < 8:
         raise ModelError(f"a model needs at least 8 different usable shapes to learn from, not {different}")
+
+
+@contextmanager
+def _tasks_run(jobs: int) -> Iterator[Callable[[Callable[[A], T], Sequence[A]], Iterator[T]]]:
+    """Yield the function that maps versions to what is computed of them, in order."""
+    if jobs == 0:
+        yield map
+        return
+    with Pool(jobs, time_limit=None) as pool:
+        yield lambda function, items: _results(pool.map(function, items))
 
 
 def _results(tasks: Iterable[PoolTask[T]]) -> Iterator[T]:

@@ -31,6 +31,8 @@ def test_more_blenders_are_tested_on_request(test_script: ModuleType) -> None:
     assert (*test_script.CI, "addon-5.0", "addon-5.2") == test_script.ALL
     addon = test_script.sessions_for([], test_script.CI)[3]
     assert addon == ["window", "blender", "addon-4.5", "addon-4.2", "extension"]
+    documented = test_script.sessions_for([], test_script.CI, docs=True)[3]
+    assert documented == ["window", "blender", "addon-4.5", "addon-4.2", "docs", "extension"]
     assert test_script.sessions_for(["tests/addon"], test_script.CI) == [[name] for name in test_script.CI]
 
 

@@ -56,7 +56,7 @@ def test_training_is_reproducible(trained: ShapeModel, training_shapes: list[Tra
 
 
 def test_idf_weighs_every_bag(training_shapes: list[TrainingShape]) -> None:
-    model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=2, jobs=1)
+    model = train_model(training_shapes, replace(SMALL, inverse_document_frequency=True), versions=2, jobs=0)
     for weights in np.split(model.weights, np.cumsum(SMALL.channels[0].bag_sizes())[:-1]):
         assert (weights > 0).mean() > 0.9
         assert len(np.unique(weights)) > 1
@@ -78,7 +78,7 @@ def test_versions_that_cannot_be_made_are_left_out(training_shapes: list[Trainin
 def test_training_with_the_papers_distances(
     training_shapes: list[TrainingShape], change: dict[str, Any]
 ) -> None:
-    model = train_model(training_shapes, replace(SMALL, **change), versions=2, jobs=1)
+    model = train_model(training_shapes, replace(SMALL, **change), versions=2, jobs=0)
     bags = np.array([model.describe(shape.meshes[0]).bags for shape in training_shapes[:3]])
     distances = model.distances(bags[0], bags)
     assert distances[0] == pytest.approx(0, abs=1e-6)
