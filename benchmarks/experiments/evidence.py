@@ -211,7 +211,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=number_from(1),
         default=2,
         metavar="N",
-        help="of each of 31 kinds, 14 pairs each (%(default)s)",
+        help="of each of 31 kinds, 16 pairs each (%(default)s)",
     )
     parser.add_argument("--calibrate", action="store_true", help="fit the probability of another pose")
     parser.add_argument(

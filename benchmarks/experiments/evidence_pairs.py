@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
@@ -15,10 +16,12 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.preprocessing.resampling import simplify
 from shapegoogle_core.preprocessing.subdivision import subdivide
 
-__all__ = ["EvidencePair", "cut", "make_pairs", "remeshed"]
+__all__ = ["EvidencePair", "cut", "make_pairs", "remeshed", "subdivided"]
 
 # Offsets of the seeds of other individuals, beyond all seeds of queries.
 _SIBLING, _STRANGER = 50_000, 70_000
+# Vertices of a mesh that is made to be subdivided.
+_COARSE = 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,7 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
     size = float(random.choice([1.0, random.uniform(0.3, 3)]))
     part = cut(mesh, random.normal(size=3), random.uniform(0.35, 0.85))
     share = part.area / mesh.area
+    coarse = simplify(mesh, _COARSE)
     reflected = Mesh(mesh.vertices * [-1, 1, 1], mesh.faces[:, ::-1].copy(), mesh.name)
 
     def pair(
@@ -93,7 +97,27 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
         EvidencePair("part of", "the whole, other mesh", remeshed(part, random), mesh, 1.0, share),
         pair("similar", "another individual of its kind", _moved(sibling, random)),
         pair("similar", "another kind", _moved(stranger, random)),
+        # Last, so that the others are the same as before these were added.
+        EvidencePair("version", "subdivided", coarse, _moved(subdivided(coarse), random)),
+        EvidencePair("version", "the base of it", _moved(subdivided(coarse), random), coarse),
     ]
+
+
+def subdivided(mesh: Mesh, levels: int = 2) -> Mesh:
+    """Subdivide and smooth a mesh, as a subdivision modifier does.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    levels : int, optional
+
+    Returns
+    -------
+    smooth : Mesh
+        By the method of Loop.
+    """
+    vertices, faces = trimesh.remesh.subdivide_loop(mesh.vertices, mesh.faces, levels)
+    return Mesh(vertices, faces.astype(np.int32), mesh.name)
 
 
 def _moved(mesh: Mesh, random: np.random.Generator, scale: float = 1.0) -> Mesh:

@@ -35,6 +35,7 @@ KINDS = {
     "MOVED": ("Moved", "EMPTY_ARROWS"),
     "MIRRORED": ("Mirrored", "MOD_MIRROR"),
     "RE_MESHED": ("Re-meshed", "MOD_REMESH"),
+    "VERSION": ("Version", "MOD_SUBSURF"),
     "RE_POSED": ("Re-posed", "ARMATURE_DATA"),
     "PART_OF": ("Whole of It", "SELECT_EXTEND"),
     "CONTAINS": ("Part of It", "SELECT_INTERSECT"),

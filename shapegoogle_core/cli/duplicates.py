@@ -5,6 +5,7 @@ copies     files that are equal byte for byte
 identical  the same geometry in the same place; the other kinds are relative to the first of the group:
 moved, scaled, mirrored   the same geometry elsewhere, at another size, or reflected
 re-meshed  the same surface with other vertices
+version    nearly the same surface: subdivided, smoothed, or with fewer faces
 re-posed   bent; "part of" and "contains": the first is a part of the others, or they are parts of it
 similar    at least --min-similarity to the first of the group, and none of these
 not compared   the same, but the surfaces were not compared: beyond --evidence, or none are stored

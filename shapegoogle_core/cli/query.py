@@ -18,6 +18,7 @@ evidence    {"kind": …} and its values, found by comparing the surfaces; lengt
             of the query:
   identical, moved, scaled, mirrored   a copy; factor: its size, deviation of 95 % of its surface
   re-meshed                            the same surface, another mesh
+  version                              nearly the same: subdivided, smoothed, with fewer faces; deviation
   re-posed                             bent; displacement: how far; probability that it is the same shape
   part of, contains                    the query is a part of it, or it is a part of the query; share
   similar                              none of these; null where nothing could be compared

@@ -14,6 +14,7 @@ EvidenceKind = Literal[
     "scaled",
     "mirrored",
     "re-meshed",
+    "version",
     "re-posed",
     "part of",
     "contains",

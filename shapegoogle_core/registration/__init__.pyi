@@ -3,12 +3,11 @@ from shapegoogle_core.registration.aligning.align import align as align
 from shapegoogle_core.registration.aligning.align import align_all as align_all
 from shapegoogle_core.registration.alignment import Alignment as Alignment
 from shapegoogle_core.registration.alignment import measure as measure
-from shapegoogle_core.registration.fit.exact_fit import RoughPose as RoughPose
 from shapegoogle_core.registration.fit.exact_fit import fit_exactly as fit_exactly
-from shapegoogle_core.registration.fit.exact_fit import rough_pose as rough_pose
-from shapegoogle_core.registration.fit.exact_fit import rough_poses as rough_poses
 from shapegoogle_core.registration.fit.part_pose import PartPose as PartPose
 from shapegoogle_core.registration.fit.part_pose import PartPoses as PartPoses
+from shapegoogle_core.registration.fit.rough_pose import RoughPose as RoughPose
+from shapegoogle_core.registration.fit.rough_pose import rough_poses as rough_poses
 from shapegoogle_core.registration.fit.surface_fit import Fit as Fit
 from shapegoogle_core.registration.fit.surface_fit import Surface as Surface
 from shapegoogle_core.registration.fit.surface_fit import TangentPlanes as TangentPlanes
@@ -28,6 +27,7 @@ from shapegoogle_core.registration.local_words import LocalWords as LocalWords
 from shapegoogle_core.registration.local_words import fit_local_words as fit_local_words
 from shapegoogle_core.registration.measures.mesh_measures import MeshMeasures as MeshMeasures
 from shapegoogle_core.registration.measures.mesh_measures import measure_mesh as measure_mesh
+from shapegoogle_core.registration.measures.same_mesh import are_flat_sided as are_flat_sided
 from shapegoogle_core.registration.measures.same_mesh import handed_alike as handed_alike
 from shapegoogle_core.registration.measures.same_mesh import is_same_mesh as is_same_mesh
 from shapegoogle_core.registration.measures.same_mesh import is_same_place as is_same_place

@@ -23,7 +23,7 @@ __all__ = ["PART_SCALES", "SCALES", "SHARED_SCALES", "PreparedSample"]
 SCALES = (1.0, 0.85, 0.7)
 """Scales of the query that an alignment tries besides guessed ones."""
 
-PART_SCALES = (1.0, 0.85, 0.7, 0.6)
+PART_SCALES = (1.0, 0.9, 0.8, 0.7, 0.6)
 """Scales for a query that may be a part of the candidate, down to a third of its area."""
 
 SHARED_SCALES = (1.0, 0.85, 1.2, 0.7, 0.6)
@@ -53,6 +53,7 @@ class PreparedSample:
         self.key_points = sample.points[:keypoints].astype(np.float32)
         self.key_centers = self.centers[:keypoints].astype(np.float32)
         self._known_cells: dict[int, NDArray[np.int32]] = {}
+        self._known_enlarged: dict[float, tuple[NDArray[np.float32], NDArray[np.float32]]] = {}
         self._known_scales: dict[
             float, tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
         ] = {}
@@ -146,6 +147,24 @@ class PreparedSample:
                 np.float32(scale) * centers,
             )
         return self._known_scales[scale]
+
+    def enlarged(self, scale: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Describe all keypoints at another size, as those of a whole; each size once.
+
+        Parameters
+        ----------
+        scale : float
+
+        Returns
+        -------
+        descriptors : (k, d) array of float32
+        half_squares : (k,) array of float32
+            Half the squared length of each descriptor.
+        """
+        if scale not in self._known_enlarged:
+            descriptors = self.sample.descriptors_at(scale)
+            self._known_enlarged[scale] = descriptors, (descriptors**2).sum(axis=1) / 2
+        return self._known_enlarged[scale]
 
     @cached_property
     def _distances(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

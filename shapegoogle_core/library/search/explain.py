@@ -7,9 +7,11 @@ The search orders shapes by how likely they are the same. This stage finds what 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import cast
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -19,7 +21,7 @@ from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.kinds import Compared
-from shapegoogle_core.library.search.placements import best_placement, shown_at
+from shapegoogle_core.library.search.placements import Placed, best_placement, shown_at
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
@@ -27,7 +29,6 @@ from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import Alignment
 
 __all__ = ["by_bags", "explain_matches"]
 
@@ -76,40 +77,42 @@ def explain_matches(
     typical = [model.typical_distances(query.bags, bags) for query, _ in usable]
     rows = {shape_id: row for row, shape_id in enumerate(found)}
     measures = unpack_measures(store, shape_ids)
-    pairs: dict[int, PairFigures] = {}
     explained: dict[int, Match] = {}
     several = [match.shape_id for match in matches if match.placement_count > 1]
     placements = store.placements(several) if several else {}
-    # On matrices of this size a second BLAS thread only doubles the processor time.
-    with threadpool_limits(1, user_api="blas"):
-        for shape_id, sample in stored_samples(store, model, shape_ids):
-            if shape_id not in nearest:  # removed meanwhile
-                continue
-            match, example = by_id[shape_id], nearest[shape_id]
-            query, query_sample = usable[example]
-            if example not in pairs:
-                pairs[example] = PairFigures(model, settings, query, query_sample, certain)
-            alignment, distance = known_alignment(match, query_sample), least[shape_id]
-            usual = typical[example]
-            plain = None if usual is None else float(usual[rows[shape_id]])
-            pooled, pooled_plain = match.bag_distance, match.typical_distance
-            if pooled is None:  # a match that is not of this search
-                pooled, pooled_plain = distance, plain
-            figures = BagFigures(distance, plain, pooled, pooled_plain)
-            similarities: list[float] = []
-            explain = partial(_explain, pairs[example], figures, similarities)
+    stored: defaultdict[int, list[Compared]] = defaultdict(list)
+    for shape_id, sample in stored_samples(store, model, shape_ids):
+        if shape_id in nearest:  # not removed meanwhile
+            match = by_id[shape_id]
             if shape_id in placements:
                 match = shown_at(match, placements[shape_id], 0)
-                compared = Compared(sample, match, measures.get(shape_id))
-                evidence, position = best_placement(
-                    query_sample, compared, placements[shape_id], alignment, explain, where
-                )
-                match = shown_at(match, placements[shape_id], position)
-            else:
-                evidence = explain(Compared(sample, match, measures.get(shape_id)), alignment)
-            similarity = max(similarities)
-            evidence = with_kind(evidence, similarity, match.likeness)
-            explained[shape_id] = replace(match, similarity=similarity, evidence=evidence)
+            stored[nearest[shape_id]].append(Compared(sample, match, measures.get(shape_id)))
+    # On matrices of this size a second BLAS thread only doubles the processor time.
+    with threadpool_limits(1, user_api="blas"):
+        for example, group in stored.items():
+            query, query_sample = usable[example]
+            pair = PairFigures(model, settings, query, query_sample, certain)
+            for compared, pose in zip(group, pair.poses(group), strict=True):
+                match = cast(Match, compared.shape)
+                shape_id = match.shape_id
+                placed = Placed(compared, known_alignment(match, query_sample), pose)
+                distance, usual = least[shape_id], typical[example]
+                plain = None if usual is None else float(usual[rows[shape_id]])
+                pooled, pooled_plain = match.bag_distance, match.typical_distance
+                if pooled is None:  # a match that is not of this search
+                    pooled, pooled_plain = distance, plain
+                figures = BagFigures(distance, plain, pooled, pooled_plain)
+                similarities: list[float] = []
+                explain = partial(_explain, pair, figures, similarities)
+                if shape_id in placements:
+                    shown = placements[shape_id]
+                    evidence, position = best_placement(query_sample, placed, shown, explain, where)
+                    match = shown_at(match, shown, position)
+                else:
+                    evidence = explain(placed)
+                similarity = max(similarities)
+                evidence = with_kind(evidence, similarity, match.likeness)
+                explained[shape_id] = replace(match, similarity=similarity, evidence=evidence)
     return [explained.get(match.shape_id) or replace(match, evidence=None) for match in matches]
 
 
@@ -117,11 +120,10 @@ def _explain(
     pair: PairFigures,
     bags: BagFigures,
     similarities: list[float],
-    compared: Compared,
-    alignment: Alignment | None,
+    placed: Placed,
 ) -> Evidence:
     """Find the evidence at one placement, and note the similarity there."""
-    similarity, evidence = pair.figures(compared, bags, alignment)
+    similarity, evidence = pair.figures(placed.compared, bags, placed.alignment, placed.pose)
     similarities.append(similarity)
     return evidence
 

@@ -8,6 +8,7 @@ verified, whatever else was found.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from shapegoogle_core.library.evidence import Evidence
@@ -76,11 +77,31 @@ class PairFigures:
         self._sample = QuerySample(sample)
         self._explainer = Explainer(Compared(sample, query, query.measures), query.surface, settings.evidence)
 
+    def poses(self, matches: Sequence[Compared]) -> list[PartPose | None]:
+        """Find the poses of many matches at once, which is faster than one by one.
+
+        Parameters
+        ----------
+        matches : sequence of Compared
+
+        Returns
+        -------
+        poses : list of PartPose or None
+            For `figures`; None for copies of the query, which need none. Independent of each other.
+        """
+        poses: list[PartPose | None] = [None] * len(matches)
+        others = [place for place, match in enumerate(matches) if not self._explainer.is_copy(match)]
+        candidates = [PreparedSample(matches[place].sample, (1.0,)) for place in others]
+        for place, pose in zip(others, self._explainer.poses(candidates), strict=True):
+            poses[place] = pose
+        return poses
+
     def figures(
         self,
         match: Compared,
         bags: BagFigures,
-        alignment: Alignment | None,
+        alignment: Alignment | None = None,
+        pose: PartPose | None = None,
     ) -> tuple[float, Evidence]:
         """Find the similarity and the evidence of a match.
 
@@ -90,6 +111,8 @@ class PairFigures:
         bags : BagFigures
         alignment : Alignment, optional
             From `align`, where the search has found one.
+        pose : PartPose, optional
+            From `poses`, where it is known.
 
         Returns
         -------
@@ -103,7 +126,8 @@ class PairFigures:
             return max(by_bags, _SAME_SURFACE), other
         weighed = float(self._model.weighed_distances(bags.distance, bags.typical))
         candidate = PreparedSample(match.sample, (1.0,))
-        pose = self._explainer.pose(candidate)
+        if pose is None:
+            (pose,) = self._explainer.poses([candidate])
         if by_bags >= self._certain:
             return by_bags, _limited(self._explainer.relate(match, weighed, pose), by_bags, bags, weighed)
         verified, pose = self._verify(candidate, bags, pose, alignment)

@@ -9,6 +9,7 @@ right.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,6 +35,7 @@ from shapegoogle_core.registration import (
     SurfaceSample,
     TangentPlanes,
     align,
+    are_flat_sided,
     fit_numbered,
     fit_surface,
     frame_between,
@@ -121,21 +123,22 @@ class Explainer:
         """
         if (found := self.copy(match) or self.other_mesh(match)) is not None:
             return found
-        return self.relate(match, distance, self.pose(PreparedSample(match.sample, (1.0,))))
+        (pose,) = self.poses([PreparedSample(match.sample, (1.0,))])
+        return self.relate(match, distance, pose)
 
-    def pose(self, candidate: PreparedSample) -> PartPose:
-        """Find how a match lies on the query, or the query on it.
+    def poses(self, candidates: Sequence[PreparedSample]) -> list[PartPose]:
+        """Find how matches lie on the query, or the query on them; many at once are faster than one by one.
 
         Parameters
         ----------
-        candidate : PreparedSample
-            Of the match; its first scale is 1.
+        candidates : sequence of PreparedSample
+            Of the matches.
 
         Returns
         -------
-        pose : PartPose
+        poses : list of PartPose
         """
-        return self._parts.find(candidate)
+        return self._parts.find(candidates)
 
     def refined(self, candidate: PreparedSample, pose: PartPose, alignment: Alignment) -> PartPose:
         """Try the position that verification has found too; see `PartPoses.refine`.
@@ -162,17 +165,30 @@ class Explainer:
         distance : float
             As for `explain`.
         pose : PartPose
-            From `pose`.
+            From `poses`.
 
         Returns
         -------
         evidence : Evidence
         """
-        if pose.frame is not None and pose.exact >= self._settings.promising:
+        if pose.frame is not None and self._is_promising(pose):
             fitted = fit_surface(self._surface, self._sample, match.sample, pose.frame)
-            if (part := self._part(fitted, match)) is not None:
-                return part
+            if (found := self._version(fitted, match) or self._part(fitted, match)) is not None:
+                return found
         return self._posed(match, distance)
+
+    def is_copy(self, match: Compared) -> bool:
+        """Decide whether a match is a copy of the query's mesh, of which nothing else needs to be found.
+
+        Parameters
+        ----------
+        match : Compared
+
+        Returns
+        -------
+        copy : bool
+        """
+        return copy_kind(self._query.measures, match.measures) is not None
 
     def copy(self, match: Compared) -> Evidence | None:
         """Recognise a copy of the query's mesh by its measures; many times faster than `explain`.
@@ -269,6 +285,22 @@ class Explainer:
             factor = 1.0
         return Evidence(kind, factor=_digits(factor), deviation=_digits(fitted.deviation))
 
+    def _is_promising(self, pose: PartPose) -> bool:
+        return pose.exact >= self._settings.promising or pose.covered >= self._settings.widely
+
+    def _version(self, fitted: Fit, match: Compared) -> Evidence | None:
+        """Check whether each surface lies on all of the other one, but for small changes.
+
+        Of two flat-sided parts such a change is another size, and not a smoother or a coarser mesh.
+        """
+        settings = self._settings
+        whole = fitted.covered(settings.version) >= settings.whole and fitted.query_covered >= settings.whole
+        own, other = self._query.measures, match.measures
+        known = own is not None and other is not None
+        if not whole or (known and are_flat_sided(own, other)):
+            return None
+        return self._congruent("version", fitted, match)
+
     def _part(self, fitted: Fit, match: Compared) -> Evidence | None:
         """Check whether the smaller surface lies on the larger one."""
         factor = self._factor(fitted, match.sample)
@@ -278,6 +310,11 @@ class Explainer:
         share = share if on_query else 1 / share
         covered = fitted.covered(self._near) if on_query else fitted.query_covered
         if share > self._settings.largest_part or covered < self._settings.part:
+            return None
+        # A smoothed surface is smaller, too, but nothing is far from it.
+        far = self._settings.far
+        rest = 1 - (fitted.query_within(far) if on_query else fitted.covered(far))
+        if rest < self._settings.missing * (1 - share):
             return None
         near = fitted.distances[fitted.distances <= self._near]
         return Evidence(

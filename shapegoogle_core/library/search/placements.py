@@ -23,7 +23,7 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration import Alignment, Frame, SurfaceSample
+from shapegoogle_core.registration import Alignment, Frame, PartPose, SurfaceSample
 
 __all__ = ["Placed", "best_placement", "shown_at"]
 
@@ -36,8 +36,6 @@ _SIZE = 1e-3
 # Kinds of evidence that are the same for all placements but for the size.
 _WITHOUT_PLACE = ("re-posed", "similar")
 
-Explain = Callable[[Compared, Alignment | None], Evidence]
-
 
 @dataclass(frozen=True, eq=False)
 class Placed:
@@ -47,18 +45,23 @@ class Placed:
     ----------
     compared : Compared
     alignment : Alignment or None
-        From the query to the shape.
+        From the query to the shape, where it is known.
+    pose : PartPose or None
+        How the shape lies on the query, where it is known.
     """
 
     compared: Compared
     alignment: Alignment | None
+    pose: PartPose | None
+
+
+Explain = Callable[[Placed], Evidence]
 
 
 def best_placement(
     query: SurfaceSample,
-    stored: Compared,
+    stored: Placed,
     placements: Sequence[Placement],
-    alignment: Alignment | None,
     explain: Explain,
     where: Filter | None = None,
 ) -> tuple[Evidence, int]:
@@ -67,12 +70,10 @@ def best_placement(
     Parameters
     ----------
     query : SurfaceSample
-    stored : Compared
+    stored : Placed
         The shape as it is stored, that is at its first placement.
     placements : sequence of Placement
         At least one.
-    alignment : Alignment or None
-        From the query to the stored shape.
     explain : callable
         Finds the evidence of the shape at a placement.
     where : Filter, optional
@@ -92,11 +93,11 @@ def best_placement(
     flipped = np.linalg.det(relative[:, :3, :3]) < 0
 
     def explained(position: int) -> tuple[Evidence, int]:
-        placed = _placed(stored, alignment, relative[position])
-        return explain(placed.compared, placed.alignment), position
+        return explain(_placed(stored, relative[position])), position
 
-    first = _in_place(query, stored.sample, relative, scales)
-    found = explained(_nearest(query, stored.sample, relative, scales, flipped) if first is None else first)
+    sample = stored.compared.sample
+    first = _in_place(query, sample, relative, scales)
+    found = explained(_nearest(query, sample, relative, scales, flipped) if first is None else first)
     evidence, position = found
     sizes = np.abs(np.log(evidence.factor * scales / scales[position]))
     if evidence.kind in _WITHOUT_PLACE:
@@ -153,11 +154,11 @@ def _rank(evidence: Evidence) -> tuple[int, float]:
     return ranks.get(evidence.kind, 1), abs(math.log(evidence.factor))
 
 
-def _placed(stored: Compared, alignment: Alignment | None, relative: FloatArray) -> Placed:
+def _placed(stored: Placed, relative: FloatArray) -> Placed:
     """Carry a stored shape to a placement."""
     if np.array_equal(relative, np.eye(4)):
-        return Placed(stored, alignment)
-    sample = stored.sample
+        return stored
+    shape, sample, measures = stored.compared.shape, stored.compared.sample, stored.compared.measures
     scale = float(np.sqrt((relative[:3, :3] ** 2).sum() / 3))
     rotation = relative[:3, :3] / scale
     turned = replace(
@@ -169,14 +170,20 @@ def _placed(stored: Compared, alignment: Alignment | None, relative: FloatArray)
     )
     compared = Compared(
         turned,
-        replace(stored.shape, area=scale**2 * stored.shape.area),
-        None if stored.measures is None else stored.measures.moved(relative),
+        replace(shape, area=scale**2 * shape.area),
+        None if measures is None else measures.moved(relative),
     )
-    if alignment is None or np.linalg.det(rotation) < 0:
-        return Placed(compared, None)
-    frame = alignment.frame
-    moved = Frame(frame.scale, rotation @ frame.rotation, rotation @ frame.translation)
-    return Placed(compared, replace(alignment, frame=moved))
+    alignment, pose = stored.alignment, stored.pose
+    if np.linalg.det(rotation) < 0:
+        return Placed(compared, None, None)
+    if alignment is not None:
+        frame = alignment.frame
+        moved = Frame(frame.scale, rotation @ frame.rotation, rotation @ frame.translation)
+        alignment = replace(alignment, frame=moved)
+    if pose is not None and pose.frame is not None:
+        frame = pose.frame
+        pose = replace(pose, frame=Frame(frame.scale, frame.rotation @ rotation.T, frame.translation))
+    return Placed(compared, alignment, pose)
 
 
 def _in_place(

@@ -175,8 +175,14 @@ class EvidenceSettings:
         Largest share of the whole that is called a part of it.
     same_size : float
         Largest relative difference of equal sizes.
-    promising : float
-        Least share of one surface that fits the other one exactly, by their samples, for a fit to its faces.
+    version : float
+        Tolerance for "version": the largest deviation of a smoother, coarser or slightly changed surface.
+    far, missing : float, float
+        A part lacks something of its whole: the least share of the whole that is farther than `far` from it, as
+        a multiple of the share that it lacks by its area. A smoothed surface is smaller, but lacks nothing.
+    promising, widely : float
+        Least share of one surface that fits the other one exactly, by their samples, for a fit to its faces;
+        or that lies roughly on it.
     other_spectrum : float
         Difference of the lowest eigenvalues from which no other pose is considered.
     least_residual : float
@@ -199,11 +205,15 @@ class EvidenceSettings:
     near: float = 1e-2
     coarse: float = 1.2e-2
     coarse_near: float = 2e-2
-    whole: float = 0.97
+    whole: float = 0.95
     part: float = 0.85
     largest_part: float = 0.95
+    version: float = 2e-2
+    far: float = 4e-2
+    missing: float = 0.37
     same_size: float = 2e-3
     promising: float = 0.4
+    widely: float = 0.65
     other_spectrum: float = 0.35
     least_residual: float = 0.1
     fewest_modes: int = 8

@@ -20,7 +20,7 @@ from shapegoogle_core.registration.frames import Frame, similarity_transformatio
 from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 
-__all__ = ["Motions", "axis_motions", "compatibility", "joined", "paired_motions"]
+__all__ = ["Motions", "axis_motions", "compatibility", "joined", "paired_motions", "reverse_motions"]
 
 # Largest difference of two distances of compatible pairs, in units of √area.
 _TOLERANCE = 0.05
@@ -104,7 +104,7 @@ def compatibility(
     ----------
     counterparts : (..., k) array of int
         Counterpart of each of k keypoints of a query.
-    distances, center_distances : (k, k) arrays
+    distances, center_distances : (..., k, k) arrays
         Distances between those keypoints, and between the centres of their medial balls.
     points, centers : (..., k, 3) arrays
         Positions of the counterparts, and of the centres of their medial balls.
@@ -172,19 +172,82 @@ def _paired(
     counterparts = likeness.argmax(axis=2)
     points = candidates.points[rows[:, None], counterparts]
     centers = candidates.centers[rows[:, None], counterparts]
-    first_order = compatibility(counterparts, distances, center_distances, points, centers, _TOLERANCE)
-    second_order = first_order * (first_order @ first_order)
-    members, weights = _groups(second_order, groups)
+    compatible = compatibility(counterparts, distances, center_distances, points, centers, _TOLERANCE)
     known = len(distances)
-    own = np.concatenate([query.points[:known][members], query.centers[:known][members]], axis=2)
-    batch = np.arange(len(rows))[:, None, None]
-    others = np.concatenate([points[batch, members], centers[batch, members]], axis=2)
-    size = len(rows) * members.shape[1]
-    fitted = similarity_transformations(
-        own.reshape(size, -1, 3),
-        others.reshape(size, -1, 3).astype(np.float64),
-        np.tile(weights, 2).reshape(size, -1),
+    own = np.broadcast_to(query.key_points[:known], points.shape), np.broadcast_to(
+        query.key_centers[:known], points.shape
     )
+    return _grouped(rows, compatible, own, (points, centers), groups)
+
+
+def reverse_motions(
+    query: PreparedSample,
+    candidates: SampleStack,
+    rows: NDArray[np.intp],
+    scale: float,
+    groups: int,
+    keypoints: int,
+) -> Motions:
+    """Fit motions to pairs of the candidates' keypoints with the query's, for candidates that are parts of it.
+
+    All keypoints of a part have counterparts on its whole, but not the other way round.
+
+    Parameters
+    ----------
+    query : PreparedSample
+    candidates : SampleStack
+    rows : (b,) array of int
+        The candidates to pair.
+    scale : float
+        Size at which the candidates are compared.
+    groups : int
+        Number of motions for each candidate.
+    keypoints : int
+        Number of a candidate's keypoints that are paired.
+
+    Returns
+    -------
+    motions : Motions
+        From the query to the candidates, as from `paired_motions`.
+    """
+    # Instead of shrinking each candidate, the query is enlarged once.
+    growth = np.float32(1 / scale)
+    descriptors, half_squares = query.enlarged(1 / scale)
+    found = []
+    for start in range(0, len(rows), _AT_ONCE):
+        some = rows[start : start + _AT_ONCE]
+        own = candidates.points[some, :keypoints], candidates.centers[some, :keypoints]
+        count = min(keypoints, candidates.descriptors.shape[1])
+        own = own[0][:, :count], own[1][:, :count]
+        likeness = candidates.descriptors[some, :count] @ descriptors.T
+        likeness -= half_squares
+        counterparts = likeness.argmax(axis=2)
+        points, centers = query.key_points[counterparts], query.key_centers[counterparts]
+        distances, center_distances = (array[some, :count, :count] for array in candidates.distances)
+        compatible = compatibility(
+            counterparts, distances, center_distances, growth * points, growth * centers, _TOLERANCE
+        )
+        found.append(_grouped(some, compatible, (points, centers), own, groups))
+    return joined(found)
+
+
+_Places = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+def _grouped(
+    rows: NDArray[np.intp], compatible: NDArray[np.float32], first: _Places, second: _Places, groups: int
+) -> Motions:
+    """Fit motions that take (b, k, 3) points and centres of the query to those of b candidates."""
+    members, weights = _groups(compatible * (compatible @ compatible), groups)
+    batch = np.arange(len(rows))[:, None, None]
+    size = len(rows) * members.shape[1]
+    both = [
+        np.concatenate([points[batch, members], centers[batch, members]], axis=2)
+        .reshape(size, -1, 3)
+        .astype(np.float64)
+        for points, centers in (first, second)
+    ]
+    fitted = similarity_transformations(*both, np.tile(weights, 2).reshape(size, -1))
     return Motions(np.repeat(rows, members.shape[1]), *fitted)
 
 

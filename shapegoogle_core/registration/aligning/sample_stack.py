@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.registration.medial_axis import AxisMeasures, axis_lengths, measure_axis
+from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["SampleStack", "alike"]
@@ -27,7 +29,7 @@ class SampleStack:
     descriptors : (b, k, d) array of float32
     half_squares : (b, k) array of float32
         Half the squared length of each descriptor.
-    axes : tuple of AxisMeasures
+    samples : tuple of SurfaceSample
     """
 
     points: NDArray[np.float32]
@@ -36,7 +38,18 @@ class SampleStack:
     lengths: NDArray[np.float32]
     descriptors: NDArray[np.float32]
     half_squares: NDArray[np.float32]
-    axes: tuple[AxisMeasures, ...]
+    samples: tuple[SurfaceSample, ...]
+
+    @cached_property
+    def axes(self) -> tuple[AxisMeasures, ...]:
+        """Measures of the medial axes."""
+        return tuple(measure_axis(sample) for sample in self.samples)
+
+    @cached_property
+    def distances(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """(b, k, k) distances between the keypoints of each candidate, and between their ball centres."""
+        keypoints = self.descriptors.shape[1]
+        return point_distances(self.points[:, :keypoints]), point_distances(self.centers[:, :keypoints])
 
     @classmethod
     def of(cls, samples: Sequence[SurfaceSample]) -> SampleStack:
@@ -56,9 +69,8 @@ class SampleStack:
             for name in ("points", "normals", "centers", "descriptors")
         )
         half_squares = (descriptors**2).sum(axis=2) / 2
-        axes = tuple(measure_axis(sample) for sample in samples)
         lengths = np.stack([axis_lengths(sample) for sample in samples]).astype(np.float32)
-        return cls(points, normals, centers, lengths, descriptors, half_squares, axes)
+        return cls(points, normals, centers, lengths, descriptors, half_squares, tuple(samples))
 
 
 def alike(samples: Sequence[SurfaceSample]) -> list[list[int]]:

@@ -20,7 +20,7 @@ from shapegoogle_core.registration.aligning.sample_stack import SampleStack
 from shapegoogle_core.registration.frames import similarity_transformations
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 
-__all__ = ["Resolution", "best_motions", "refined_motions", "scores_of_both", "scores_of_query"]
+__all__ = ["Resolution", "best_motions", "refined_motions", "scores_of_both", "scores_of_candidates", "scores_of_query"]
 
 # A motion needs this many points with a counterpart, of at least this weight.
 _FEWEST, _COUNTS = 8, 0.1
@@ -97,6 +97,25 @@ def scores_of_both(
     surface = _shares(query, candidates, motions, resolution, of_surface=True)
     axis = _shares(query, candidates, motions, resolution, of_surface=False)
     return np.asarray((np.sqrt(surface.prod(axis=0)) + np.sqrt(axis.prod(axis=0))) / 2)
+
+
+def scores_of_candidates(
+    query: PreparedSample, candidates: SampleStack, motions: Motions, resolution: Resolution
+) -> FloatArray:
+    """Score motions by the share of the candidate's surface that lies on the query, whatever else that has.
+
+    Parameters
+    ----------
+    query : PreparedSample
+    candidates : SampleStack
+    motions : Motions
+    resolution : Resolution
+
+    Returns
+    -------
+    scores : (h,) array
+    """
+    return np.asarray(_shares(query, candidates, motions, resolution, of_surface=True)[0])
 
 
 def scores_of_query(

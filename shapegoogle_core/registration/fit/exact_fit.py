@@ -9,35 +9,15 @@ n and m, (p - q) · (n + m) = 0: this symmetric distance is exact to second orde
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
-
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.aligning.motions import joined, paired_motions
-from shapegoogle_core.registration.aligning.sample_stack import SampleStack, alike
-from shapegoogle_core.registration.aligning.scoring import (
-    Resolution,
-    best_motions,
-    refined_motions,
-    scores_of_query,
-)
 from shapegoogle_core.registration.frames import Frame, height_derivatives, stepped
 from shapegoogle_core.registration.prepared_sample import PreparedSample
-from shapegoogle_core.registration.sample import SurfaceSample
 
-__all__ = ["RoughPose", "fit_exactly", "rough_pose", "rough_poses"]
+__all__ = ["fit_exactly"]
 
 # All lengths in this module are in units of the candidate's √area.
-# Rough pose: number of motions at each scale; number of the query's points, and tolerance.
-_GROUPS = 8
-_POINTS, _TOLERANCE = 64, 0.05
-# Of many candidates: score by which some motions are refined, steps of that, and the score that decides.
-_REFINED = 3
-_ROUGH = Resolution(128, 40, 0.05)
-_ROUGH_STEPS = ((200, 0.07), (200, 0.05))
-_LESS_ROUGH = Resolution(400, 96, 0.03)
 # Steps of the fit: number of the query's points, tolerance of the distances.
 _STEPS = (
     (120, 0.1),
@@ -56,90 +36,6 @@ _EXACT = 0.005
 _ASIDE, _SMALLEST_COSINE = 0.07, 0.7
 _FEWEST = 16  # points with a counterpart
 _SMALLEST_SCALE, _LARGEST_SCALE = 0.4, 2.5
-
-
-@dataclass(frozen=True, eq=False)
-class RoughPose:
-    """Rough position of a query on a candidate, found much faster than by `align`.
-
-    Attributes
-    ----------
-    covered : float
-        Share of the query's points that lie roughly on the candidate, from 0 to 1.
-    frame : Frame or None
-        From the query to the candidate; None if no position was found.
-    """
-
-    covered: float
-    frame: Frame | None
-
-
-def rough_pose(query: PreparedSample, candidate: PreparedSample) -> RoughPose:
-    """Align a query fast and roughly with a candidate, of which it may be only a part.
-
-    Parameters
-    ----------
-    query, candidate : PreparedSample
-
-    Returns
-    -------
-    pose : RoughPose
-        The one that puts the largest share of the query on the candidate, whatever else the candidate has.
-    """
-    stack, row = SampleStack.of([candidate.sample]), np.zeros(1, int)
-    found = joined([paired_motions(query, stack, row, scale, _GROUPS) for scale in query.scales])
-    motions = found.within(_SMALLEST_SCALE, _LARGEST_SCALE)
-    if len(motions) == 0:
-        return RoughPose(0.0, None)
-    points, normals = query.points[:_POINTS], query.normals[:_POINTS]
-    turns = motions.rotations.transpose(0, 2, 1)
-    moved = motions.scales[:, None, None] * (points @ turns) + motions.translations[:, None]
-    distances, nearest = candidate.tree.query(moved.reshape(-1, 3), distance_upper_bound=2 * _TOLERANCE)
-    # A point without a neighbour gets an infinite distance and the index after the last one.
-    nearest = np.minimum(nearest, len(candidate.points) - 1).reshape(moved.shape[:2])
-    agreement = np.abs(((normals @ turns) * candidate.normals[nearest]).sum(axis=2))
-    near = np.exp(-((np.asarray(distances).reshape(moved.shape[:2]) / _TOLERANCE) ** 2))
-    covered = (near * agreement).mean(axis=1)
-    first = int(covered.argmax())
-    return RoughPose(float(covered[first]), motions.frame(first))
-
-
-def rough_poses(
-    query: PreparedSample, candidates: Sequence[SurfaceSample], scales_tried: Sequence[Collection[int]]
-) -> list[RoughPose]:
-    """Align a query fast and roughly with many candidates, each of which it may be a part of.
-
-    More thorough than `rough_pose`, but slower for a query that is aligned with one candidate only.
-
-    Parameters
-    ----------
-    query : PreparedSample
-    candidates : sequence of SurfaceSample
-    scales_tried : sequence of collection of int
-        For each candidate, indices of the query's scales to try.
-
-    Returns
-    -------
-    poses : list of RoughPose
-        Independent of each other.
-    """
-    poses = [RoughPose(0.0, None)] * len(candidates)
-    for group in alike(candidates):
-        stack = SampleStack.of([candidates[place] for place in group])
-        found = []
-        for number, scale in enumerate(query.scales):
-            rows = np.array([row for row, place in enumerate(group) if number in scales_tried[place]], int)
-            if len(rows):
-                found.append(paired_motions(query, stack, rows, scale, _GROUPS))
-        if not found:
-            continue
-        motions = joined(found).within(_SMALLEST_SCALE, _LARGEST_SCALE)
-        motions, _ = best_motions(motions, scores_of_query(query, stack, motions, _ROUGH), _REFINED)
-        motions = refined_motions(query, stack, motions, _ROUGH_STEPS, (_SMALLEST_SCALE, _LARGEST_SCALE))
-        motions, scores = best_motions(motions, scores_of_query(query, stack, motions, _LESS_ROUGH), 1)
-        for position, row in enumerate(motions.rows.tolist()):
-            poses[group[row]] = RoughPose(float(scores[position]), motions.frame(position))
-    return poses
 
 
 def fit_exactly(

@@ -2,29 +2,33 @@
 """Search for the position in which one of two surfaces lies on the other, as a part lies on its whole.
 
 Most pairs of shapes have nothing in common, so the cheap test comes first: a rough position at a few relative
-sizes. Only where it puts enough of one surface on the other, that surface is fitted exactly.
-docs/measurements/evidence.md has the shares of parts and of other shapes.
+sizes, of many candidates at once. Only where it puts enough of one surface on the other, that surface is
+fitted exactly. docs/measurements/evidence.md has the shares of parts and of other shapes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from shapegoogle_core.registration.alignment import Alignment
-from shapegoogle_core.registration.fit.exact_fit import fit_exactly, rough_pose
+from shapegoogle_core.registration.fit.exact_fit import fit_exactly
+from shapegoogle_core.registration.fit.rough_pose import RoughPose, rough_poses, rough_poses_back
 from shapegoogle_core.registration.frames import Frame
 from shapegoogle_core.registration.prepared_sample import PART_SCALES, PreparedSample
 from shapegoogle_core.registration.sample import SurfaceSample
 
 __all__ = ["PartPose", "PartPoses"]
 
-# Share of a surface that lies roughly on the other from which it is fitted.
-_ROUGHLY = 0.4
+# Share of the query, and of the candidate, that lies roughly on the other surface from which it is fitted.
+_ROUGHLY, _ROUGHLY_BACK = 0.45, 0.27
 # Share that lies exactly on the other below which a fit is not finished.
 _EXACTLY = 0.35
 # Share of the query that an alignment puts on the other surface from which it is fitted.
 _ALIGNED = 0.5
+# Sizes of candidates that are parts of the query, beside it.
+_SMALLER = (0.85, 0.7, 0.6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,7 @@ class PartPose:
     @property
     def is_promising(self) -> bool:
         """Whether enough of one surface lies roughly on the other for a closer look."""
-        return self.covered >= _ROUGHLY
+        return self.covered >= (_ROUGHLY if self.of_query else _ROUGHLY_BACK)
 
 
 class PartPoses:
@@ -73,34 +77,43 @@ class PartPoses:
     @cached_property
     def _as_whole(self) -> list[tuple[float, PreparedSample]]:
         """The query enlarged: as a whole of which a candidate of unit area is a part."""
-        scales = [1 / scale for scale in PART_SCALES if scale < 1]
+        scales = [1 / scale for scale in _SMALLER]
         return [(scale, PreparedSample(_enlarged(self._sample, scale), (1.0,))) for scale in scales]
 
-    def find(self, candidate: PreparedSample) -> PartPose:
-        """Find the position in which most of one surface lies on the other.
+    def find(self, candidates: Sequence[PreparedSample]) -> list[PartPose]:
+        """Find the positions in which most of one surface lies on the other.
 
         Parameters
         ----------
-        candidate : PreparedSample
-            Its first scale is 1.
+        candidates : sequence of PreparedSample
 
         Returns
         -------
-        pose : PartPose
+        poses : list of PartPose
+            Independent of each other.
         """
-        forth = rough_pose(self._as_part, candidate)
-        found = [PartPose(forth.covered)]
+        samples = [candidate.sample for candidate in candidates]
+        forth = rough_poses(self._as_part, samples, [range(len(PART_SCALES))] * len(samples))
+        back = rough_poses_back(self._as_part, samples, _SMALLER)
+        return [
+            max(self._fitted(*three), key=lambda pose: (pose.exact, pose.covered))
+            for three in zip(candidates, forth, back, strict=True)
+        ]
+
+    def _fitted(self, candidate: PreparedSample, forth: RoughPose, back: RoughPose) -> list[PartPose]:
+        found = [PartPose(forth.covered), PartPose(back.covered, of_query=False)]
         if forth.frame is not None and found[0].is_promising:
             exact, frame = fit_exactly(self._as_part, candidate, forth.frame, hopeless=_EXACTLY)
             found.append(PartPose(forth.covered, exact, frame=frame.inverse()))
-        poses = [(rough_pose(candidate, whole), scale, whole) for scale, whole in self._as_whole]
-        back, scale, whole = max(poses, key=lambda pose: pose[0].covered)
-        found.append(PartPose(back.covered))
-        if back.frame is not None and found[-1].is_promising:
-            exact, frame = fit_exactly(candidate, whole, back.frame, hopeless=_EXACTLY)
+        if back.frame is not None and found[1].is_promising:
+            size = back.frame.scale
+            scale, whole = min(self._as_whole, key=lambda pair: abs(pair[0] - size))
+            start = back.frame.inverse()
+            start = Frame(start.scale * scale, start.rotation, start.translation * scale)
+            exact, frame = fit_exactly(candidate, whole, start, hopeless=_EXACTLY)
             frame = Frame(frame.scale / scale, frame.rotation, frame.translation / scale)
             found.append(PartPose(back.covered, exact, of_query=False, frame=frame))
-        return max(found, key=lambda pose: (pose.exact, pose.covered))
+        return found
 
     def refine(self, candidate: PreparedSample, pose: PartPose, alignment: Alignment) -> PartPose:
         """Try the position of an alignment too.

@@ -50,7 +50,7 @@ _ROUGHLY, _REACH = 0.02, 4
 # Distances above this many times the reach need not be exact: such points lie on no surface.
 _MEASURED = 0.01
 # A point of the query is covered if it is this near to the tangent plane of the candidate's nearest point,
-# and if that point is no farther than the spacing of the sample.
+# and if that point is not much farther than the spacing of the sample.
 _HEIGHT, _SPACING = 0.02, 0.08
 
 
@@ -138,13 +138,23 @@ class Fit:
         From the candidate's sample to the query's.
     distances : (m,) array
         Distances of the candidate's points from the query's surface, in units of the query's √area.
-    query_covered : float
-        Share of the query's points that lie on the candidate, measured on the candidate's sample.
+    query_distances : (n,) array
+        Distances of the query's points from the candidate's tangent planes; infinite for points that are
+        farther from its sample than the points of that are from each other.
     """
 
     frame: Frame
     distances: FloatArray
-    query_covered: float
+    query_distances: FloatArray
+
+    @property
+    def query_covered(self) -> float:
+        """Share of the query's points that lie on the candidate."""
+        return self.query_within(_HEIGHT)
+
+    def query_within(self, tolerance: float) -> float:
+        """Return the share of the query's points within a distance of the candidate."""
+        return float((self.query_distances <= tolerance).mean())
 
     def covered(self, tolerance: float) -> float:
         """Return the share of the candidate's points within a distance of the query's surface."""
@@ -222,7 +232,7 @@ def fit_surface(
     points = frame.apply(candidate.points)
     nearest, _ = surface.nearest(points, _MEASURED)
     distances = np.linalg.norm(points - nearest, axis=1)
-    return Fit(frame, distances, _covered(query.points, points, candidate.normals @ frame.rotation.T))
+    return Fit(frame, distances, _heights(query.points, points, candidate.normals @ frame.rotation.T))
 
 
 def measured(surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: Frame) -> float:
@@ -261,7 +271,7 @@ def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
     """
     frame = similarity_frame(candidate.points, query.points, np.ones(len(query.points)))
     distances = np.linalg.norm(frame.apply(candidate.points) - query.points, axis=1)
-    return Fit(frame, distances, float((distances <= _HEIGHT).mean()))
+    return Fit(frame, distances, distances)
 
 
 def _step(
@@ -278,7 +288,7 @@ def _step(
     return stepped(frame, middle, solution, 0.8, 1.25)
 
 
-def _covered(points: FloatArray, sample: FloatArray, normals: FloatArray) -> float:
+def _heights(points: FloatArray, sample: FloatArray, normals: FloatArray) -> FloatArray:
     distances, nearest = cKDTree(sample).query(points)
     heights = np.abs(((points - sample[nearest]) * normals[nearest]).sum(axis=1))
-    return float(((heights <= _HEIGHT) & (distances <= _SPACING)).mean())
+    return np.where(distances <= _SPACING, heights, np.inf)

@@ -9,6 +9,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.measures.mesh_measures import WAVELENGTHS, MeshMeasures, full
 
 __all__ = [
+    "are_flat_sided",
     "handed_alike",
     "is_same_mesh",
     "is_same_place",
@@ -124,6 +125,20 @@ def handed_alike(first: MeshMeasures, second: MeshMeasures) -> bool | None:
     return bool(alike[largest] < unlike[largest])
 
 
+def are_flat_sided(first: MeshMeasures, second: MeshMeasures) -> bool:
+    """Decide whether both shapes are flat-sided parts, such as a plate or a bracket.
+
+    Parameters
+    ----------
+    first, second : MeshMeasures
+
+    Returns
+    -------
+    flat : bool
+    """
+    return max(first.curved, second.curved) <= _FLAT_SIDED
+
+
 def may_be_bent(first: MeshMeasures, second: MeshMeasures) -> bool:
     """Decide whether one shape may be the other in another pose.
 
@@ -142,7 +157,7 @@ def may_be_bent(first: MeshMeasures, second: MeshMeasures) -> bool:
     difference, tolerance = surface_difference(first, second)
     if tolerance < difference < _NEARLY_EQUAL:
         return False
-    if max(first.curved, second.curved) > _FLAT_SIDED:
+    if not are_flat_sided(first, second):
         return True
     if (first.vertex_count, first.face_count) != (second.vertex_count, second.face_count):
         return False

@@ -63,6 +63,19 @@ def test_a_part_finds_its_whole(tmp_path: Path, pairs: list[EvidencePair]) -> No
     assert match.evidence.share == pytest.approx(chosen.share, abs=0.05)
 
 
+@pytest.mark.parametrize("detail", ["subdivided", "the base of it"])
+def test_a_smoothed_version_is_no_part(tmp_path: Path, pairs: list[EvidencePair], detail: str) -> None:
+    chosen = next(pair for pair in pairs if pair.detail == detail)
+    with Library.open(tmp_path / "shapes.sglib") as library:
+        library.add(chosen.candidate, detail)
+        (match,) = library.query(chosen.query)
+    assert match.evidence is not None
+    assert match.evidence.kind == "version"
+    assert match.evidence.factor == pytest.approx(1, abs=0.05)
+    assert match.evidence.deviation is not None
+    assert 0.001 < match.evidence.deviation <= 0.02
+
+
 def test_only_the_best_are_explained(
     answers: tuple[Library, dict[str, Evidence]], pairs: list[EvidencePair]
 ) -> None:

@@ -15,7 +15,8 @@ from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.preprocessing.resampling import simplify
 from shapegoogle_core.preprocessing.subdivision import subdivide
 from shapegoogle_core.registration import PreparedSample, SampleSettings, sample_surface
-from shapegoogle_core.registration.fit.exact_fit import fit_exactly, rough_pose
+from shapegoogle_core.registration.fit.exact_fit import fit_exactly
+from shapegoogle_core.registration.fit.rough_pose import rough_poses, rough_poses_back
 from shapegoogle_core.registration.frames import Frame
 from shapegoogle_core.registration.prepared_sample import SHARED_SCALES
 
@@ -44,7 +45,8 @@ def test_a_half_lies_exactly_on_its_whole_alone(
     shapes: tuple[PreparedSample, PreparedSample, PreparedSample],
 ) -> None:
     half, whole, relative = shapes
-    pose, other = rough_pose(half, whole), rough_pose(half, relative)
+    every = range(len(half.scales))
+    pose, other = rough_poses(half, [whole.sample, relative.sample], [every, every])
     assert pose.frame is not None
     assert pose.covered > 0.5
     exact, frame = fit_exactly(half, whole, pose.frame)
@@ -52,6 +54,18 @@ def test_a_half_lies_exactly_on_its_whole_alone(
     assert frame.scale == pytest.approx(np.sqrt(0.5), rel=0.02)  # both are of unit area
     if other.frame is not None:
         assert fit_exactly(half, relative, other.frame)[0] < exact - 0.15
+
+
+def test_a_whole_knows_where_its_half_lies(
+    shapes: tuple[PreparedSample, PreparedSample, PreparedSample],
+) -> None:
+    half, whole, relative = shapes
+    pose, _ = rough_poses_back(whole, [half.sample, relative.sample], [0.85, 0.7, 0.6])
+    assert pose.frame is not None
+    assert pose.frame.scale == pytest.approx(np.sqrt(2), rel=0.1)
+    exact, frame = fit_exactly(half, whole, pose.frame.inverse())
+    assert exact > 0.7
+    assert frame.scale == pytest.approx(np.sqrt(0.5), rel=0.02)
 
 
 def test_spheres_of_other_points_fit_to_a_thousandth() -> None:
