@@ -178,8 +178,9 @@ class EvidenceSettings:
     version : float
         Tolerance for "version": the largest deviation of a smoother, coarser or slightly changed surface.
     far, missing : float, float
-        A part lacks something of its whole: the least share of the whole that is farther than `far` from it, as
-        a multiple of the share that it lacks by its area. A smoothed surface is smaller, but lacks nothing.
+        A part lacks something of its whole: the least share of the whole that is farther than `far` from it,
+        as a multiple of the share that it lacks by its area. A smoothed surface is smaller, but lacks
+        nothing.
     promising, widely : float
         Least share of one surface that fits the other one exactly, by their samples, for a fit to its faces;
         or that lies roughly on it.

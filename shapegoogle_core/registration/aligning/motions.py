@@ -38,6 +38,9 @@ _SIGNED = [
 _AXIS_ROTATIONS = np.array([matrix for matrix in _SIGNED if np.linalg.det(matrix) > 0])
 
 
+_Places = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
 @dataclass(frozen=True, eq=False)
 class Motions:
     """Similarity transformations of a query onto some of many candidates.
@@ -174,8 +177,9 @@ def _paired(
     centers = candidates.centers[rows[:, None], counterparts]
     compatible = compatibility(counterparts, distances, center_distances, points, centers, _TOLERANCE)
     known = len(distances)
-    own = np.broadcast_to(query.key_points[:known], points.shape), np.broadcast_to(
-        query.key_centers[:known], points.shape
+    own = (
+        np.broadcast_to(query.key_points[:known], points.shape),
+        np.broadcast_to(query.key_centers[:known], points.shape),
     )
     return _grouped(rows, compatible, own, (points, centers), groups)
 
@@ -188,9 +192,10 @@ def reverse_motions(
     groups: int,
     keypoints: int,
 ) -> Motions:
-    """Fit motions to pairs of the candidates' keypoints with the query's, for candidates that are parts of it.
+    """Fit motions to pairs of keypoints, for candidates that are parts of the query.
 
-    All keypoints of a part have counterparts on its whole, but not the other way round.
+    Each keypoint of a candidate is paired with one of the query: all of a part have counterparts on its
+    whole, but not the other way round.
 
     Parameters
     ----------
@@ -213,12 +218,11 @@ def reverse_motions(
     # Instead of shrinking each candidate, the query is enlarged once.
     growth = np.float32(1 / scale)
     descriptors, half_squares = query.enlarged(1 / scale)
+    count = min(keypoints, candidates.descriptors.shape[1])
     found = []
     for start in range(0, len(rows), _AT_ONCE):
         some = rows[start : start + _AT_ONCE]
-        own = candidates.points[some, :keypoints], candidates.centers[some, :keypoints]
-        count = min(keypoints, candidates.descriptors.shape[1])
-        own = own[0][:, :count], own[1][:, :count]
+        own = candidates.points[some, :count], candidates.centers[some, :count]
         likeness = candidates.descriptors[some, :count] @ descriptors.T
         likeness -= half_squares
         counterparts = likeness.argmax(axis=2)
@@ -229,9 +233,6 @@ def reverse_motions(
         )
         found.append(_grouped(some, compatible, (points, centers), own, groups))
     return joined(found)
-
-
-_Places = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 def _grouped(

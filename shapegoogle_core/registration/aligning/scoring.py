@@ -20,7 +20,14 @@ from shapegoogle_core.registration.aligning.sample_stack import SampleStack
 from shapegoogle_core.registration.frames import similarity_transformations
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 
-__all__ = ["Resolution", "best_motions", "refined_motions", "scores_of_both", "scores_of_candidates", "scores_of_query"]
+__all__ = [
+    "Resolution",
+    "best_motions",
+    "refined_motions",
+    "scores_of_both",
+    "scores_of_candidates",
+    "scores_of_query",
+]
 
 # A motion needs this many points with a counterpart, of at least this weight.
 _FEWEST, _COUNTS = 8, 0.1
