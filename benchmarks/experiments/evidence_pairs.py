@@ -116,7 +116,7 @@ def subdivided(mesh: Mesh, levels: int = 2) -> Mesh:
     smooth : Mesh
         By the method of Loop.
     """
-    vertices, faces = trimesh.remesh.subdivide_loop(mesh.vertices, mesh.faces, levels)
+    vertices, faces = trimesh.remesh.subdivide_loop(mesh.vertices, mesh.faces, levels)  # type: ignore[no-untyped-call]
     return Mesh(vertices, faces.astype(np.int32), mesh.name)
 
 

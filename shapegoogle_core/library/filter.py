@@ -51,8 +51,8 @@ class Filter:
     size : (float or None, float or None) or None
         Least and largest extent of the shape along its longest axis, in units of its file; None for no limit.
     area : (float or None, float or None) or None
-        Least and largest area of the shape's surface, in squared units of its file; None for no limit. It
-        stays about the same in every pose.
+        Least and largest area of the shape's surface, in squared units of its file, at any of its placements;
+        None for no limit. It stays about the same in every pose.
     kind : str or None
         Kind of the evidence, one of `KINDS`. A search explains as many matches as this needs, up to
         `EvidenceSettings.max_filtered`.
@@ -122,13 +122,29 @@ class Filter:
         texts = (self.name, self.text, self.folder, self.sources, self.not_sources, self.tag, self.file_type)
         return any(condition is not None for condition in (*texts, self.faces, self.size, self.area))
 
-    def accepts(self, placement: Placement) -> bool:
-        """Decide whether a placement meets the conditions on the name and the size.
+    def accepts_area(self, area: float) -> bool:
+        """Decide whether an area is in the range of the filter.
+
+        Parameters
+        ----------
+        area : float
+
+        Returns
+        -------
+        accepted : bool
+        """
+        low, high = self.area or (None, None)
+        return (low is None or area >= low) and (high is None or area <= high)
+
+    def accepts(self, placement: Placement, area: float) -> bool:
+        """Decide whether a placement meets the conditions on the name, the size and the area.
 
         Parameters
         ----------
         placement : Placement
             With its extents.
+        area : float
+            Of the surface at that placement.
 
         Returns
         -------
@@ -139,6 +155,8 @@ class Filter:
             largest = max(placement.extents)
             if (low is not None and largest < low) or (high is not None and largest > high):
                 return False
+        if not self.accepts_area(area):
+            return False
         if self.name is None:
             return True
         name, pattern = placement.object_name.casefold(), self.name.casefold()

@@ -296,8 +296,7 @@ class Explainer:
         settings = self._settings
         whole = fitted.covered(settings.version) >= settings.whole and fitted.query_covered >= settings.whole
         own, other = self._query.measures, match.measures
-        known = own is not None and other is not None
-        if not whole or (known and are_flat_sided(own, other)):
+        if not whole or (own is not None and other is not None and are_flat_sided(own, other)):
             return None
         return self._congruent("version", fitted, match)
 

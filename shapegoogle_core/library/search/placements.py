@@ -77,7 +77,7 @@ def best_placement(
     explain : callable
         Finds the evidence of the shape at a placement.
     where : Filter, optional
-        Only placements that meet its name and size are chosen, if there are any.
+        Only placements that meet its name, size and area are chosen, if there are any.
 
     Returns
     -------
@@ -85,8 +85,12 @@ def best_placement(
     position : int
         Of the placement.
     """
-    every = range(len(placements))
-    chosen = every if where is None else [index for index in every if where.accepts(placements[index])]
+    chosen = every = list(range(len(placements)))
+    if where is not None:
+        areas = [
+            stored.compared.shape.area * (placed.scale / placements[0].scale) ** 2 for placed in placements
+        ]
+        chosen = [index for index in every if where.accepts(placements[index], areas[index])]
     matrices = np.stack([placements[index].matrix for index in chosen or every])
     relative = matrices @ np.linalg.inv(placements[0].matrix)
     scales = np.sqrt((relative[:, :3, :3] ** 2).sum(axis=(1, 2)) / 3)

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.roots.keys import source_keys
 from shapegoogle_core.library.roots.paths import path_key, relative_to, spellings
 from shapegoogle_core.library.storage.records import Root
 
-__all__ = ["NAME", "OBJECT_NAME", "PATH", "Dialect", "filter_conditions", "folded"]
+__all__ = ["NAME", "OBJECT_NAME", "PATH", "Dialect", "filter_conditions", "folded", "kept_by_area"]
 
 WILDCARDS = {"*": "%", "?": "_"}
 
@@ -96,6 +98,41 @@ def filter_conditions(where: Filter, roots: Sequence[Root], dialect: Dialect) ->
     return statement or "TRUE", tuple(value for _, values in conditions for value in values)
 
 
+def kept_by_area(
+    where: Filter,
+    rows: Sequence[tuple[Any, ...]],
+    placements: Callable[[Sequence[int]], Mapping[int, Sequence[Placement]]],
+) -> list[int]:
+    """Keep the shapes of which any placement has an area in the range of a filter.
+
+    Parameters
+    ----------
+    where : Filter
+    rows : sequence of (int, float)
+        Ids of the shapes that meet its conditions in SQL, and their areas at their first placements.
+    placements : callable
+        Finds the placements of shapes.
+
+    Returns
+    -------
+    shape_ids : list of int
+        In their order.
+    """
+    others = [shape_id for shape_id, area in rows if not where.accepts_area(area)]
+    if not others:
+        return [shape_id for shape_id, _ in rows]
+    areas, found = dict(rows), placements(others)
+    dropped = {
+        shape_id
+        for shape_id in others
+        if not any(
+            where.accepts_area(areas[shape_id] * (placed.scale / found[shape_id][0].scale) ** 2)
+            for placed in found.get(shape_id, ())
+        )
+    }
+    return [shape_id for shape_id, _ in rows if shape_id not in dropped]
+
+
 class _Conditions:
     """Writes the conditions of a filter."""
 
@@ -128,7 +165,9 @@ class _Conditions:
             own, values = self._range(largest, where.size)
             yield f"{own} OR id IN (SELECT shape_id FROM placements WHERE {own})", 2 * values
         if where.area is not None:
-            yield self._range("area", where.area)
+            own, values = self._range("area", where.area)
+            # Sizes of other placements follow from their matrices, see `kept_by_area`.
+            yield f"{own} OR placement_count > 1", values
 
     def _range(self, column: str, limits: tuple[float | None, float | None]) -> Condition:
         """Compare a column with a low and a high limit."""

@@ -242,13 +242,13 @@ def _grouped(
     members, weights = _groups(compatible * (compatible @ compatible), groups)
     batch = np.arange(len(rows))[:, None, None]
     size = len(rows) * members.shape[1]
-    both = [
+    own, others = (
         np.concatenate([points[batch, members], centers[batch, members]], axis=2)
         .reshape(size, -1, 3)
         .astype(np.float64)
         for points, centers in (first, second)
-    ]
-    fitted = similarity_transformations(*both, np.tile(weights, 2).reshape(size, -1))
+    )
+    fitted = similarity_transformations(own, others, np.tile(weights, 2).reshape(size, -1))
     return Motions(np.repeat(rows, members.shape[1]), *fitted)
 
 

@@ -17,6 +17,7 @@ from shapegoogle_core.library.storage.filter_conditions import (
     PATH,
     Dialect,
     filter_conditions,
+    kept_by_area,
 )
 from shapegoogle_core.library.storage.placement_rows import placements_from
 from shapegoogle_core.library.storage.postgresql.sources import SourceTable
@@ -71,8 +72,8 @@ class ShapeTable(SourceTable):
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
         condition, parameters = filter_conditions(where, self.roots(), DIALECT)
-        rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
-        return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+        rows = self.rows(f"SELECT id, area FROM shapes WHERE {condition} ORDER BY id", *parameters)
+        return np.array(kept_by_area(where, rows, self.placements), np.int64)
 
     def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
         """Return the placements of some shapes, see `Store.placements`."""

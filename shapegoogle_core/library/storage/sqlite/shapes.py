@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.storage.filter_conditions import Dialect, filter_conditions
+from shapegoogle_core.library.storage.filter_conditions import Dialect, filter_conditions, kept_by_area
 from shapegoogle_core.library.storage.placement_rows import placement_rows, placements_from
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
 from shapegoogle_core.library.storage.shape_records import shape_records
@@ -98,8 +98,8 @@ class ShapeTable(SourceTable):
         condition, parameters = filter_conditions(where, self.roots(), DIALECT)
         with self.explained():
             self.connection.create_function("fold_case", 1, _fold_case, deterministic=True)
-        rows = self.rows(f"SELECT id FROM shapes WHERE {condition} ORDER BY id", *parameters)
-        return np.fromiter((row[0] for row in rows), np.int64, len(rows))
+        rows = self.rows(f"SELECT id, area FROM shapes WHERE {condition} ORDER BY id", *parameters)
+        return np.array(kept_by_area(where, rows, self.placements), np.int64)
 
     def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
         """Return the placements of some shapes, see `Store.placements`."""

@@ -202,6 +202,17 @@ def test_placements_are_no_duplicates(library: sg.Library) -> None:
     assert set(members[0]) >= {"name", "source", "scale", "placements"}
 
 
+@pytest.mark.parametrize(("name", "factor"), [("First", 0.5), ("Twice", 1.0), ("Far", 3.0), (None, 2.0)])
+def test_any_placement_may_be_of_the_area_of_a_filter(
+    library: sg.Library, data: Mesh, name: str | None, factor: float
+) -> None:
+    area = data.area * factor**2
+    where = sg.Filter(area=(0.9 * area, 1.1 * area))
+    # In another place, so that no placement is identical.
+    found = library.query(placed(data, moved(9, 9, (factor, factor, factor))), where=where)
+    assert [match.object_name for match in found] == ([] if name is None else [name])
+
+
 def test_duplicates_compare_the_placements_that_agree_best(tmp_path: Path, data: Mesh) -> None:
     others = {
         "of the size of Twice": ("moved", 1.0, moved(70, 7)),
