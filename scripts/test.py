@@ -119,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     options, others = parser.parse_known_args(arguments)
     # With everything that a session needs: two of them run at a time, and must not install at once.
-    bootstrap.enter(["benchmark", "demo", "test", *(["docs"] if options.addon else [])])
+    bootstrap.enter(["benchmark", "demo", "serve", "test", *(["docs"] if options.addon else [])])
 
     marker = "" if options.long else "not long and not real_data" if options.fast else "not long"
     data = Path(os.environ.get("SHAPEGOOGLE_DATA") or bootstrap.ROOT.parent / "shared" / "data")

@@ -15,7 +15,18 @@ from importlib import metadata
 from typing import TYPE_CHECKING, NoReturn
 
 from shapegoogle_core.api.text import one_line
-from shapegoogle_core.cli import duplicates, forget, index, info, move, query, suggest, train
+from shapegoogle_core.cli import (
+    duplicates,
+    forget,
+    index,
+    info,
+    move,
+    query,
+    serve,
+    suggest,
+    token,
+    train,
+)
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.events import CommandError, Event, event_to_json
 from shapegoogle_core.cli.text import put, say, say_lines
@@ -38,6 +49,8 @@ COMMANDS = (
     move.COMMAND,
     forget.COMMAND,
     train.COMMAND,
+    serve.COMMAND,
+    token.COMMAND,
 )
 """All commands, in the order of the help text."""
 

@@ -24,7 +24,7 @@ from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.rendering import make_preview, thumbnail
 
-__all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape"]
+__all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape", "failure_of"]
 
 ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | str]]
 """`ShapeReader.iterate` or a function like it."""
@@ -157,7 +157,7 @@ class Describer:
                     np.save(file, mesh.faces)
             return ReadFile(tuple(shapes), tuple(problems))
         except Exception as error:
-            return _failure(path.name, error, self._memory_limit)
+            return failure_of(path.name, error, self._memory_limit)
 
     def describe(self, shape: NewShape[MeshOnDisk]) -> NewShape[ShapeSignature] | Failure:
         """Describe a shape whose mesh waits on disk.
@@ -176,10 +176,24 @@ class Describer:
                 vertices, faces = (np.load(file, allow_pickle=False) for _ in range(2))
             return describe_shape(shape.with_content(Mesh(vertices, faces, shape.name)), self._model)
         except Exception as error:
-            return _failure(shape.name, error, self._memory_limit)
+            return failure_of(shape.name, error, self._memory_limit)
 
 
-def _failure(name: str, error: Exception, memory_limit: int) -> Failure:
+def failure_of(name: str, error: Exception, memory_limit: int) -> Failure:
+    """Turn an error into the reason why a file or shape could not be described.
+
+    Parameters
+    ----------
+    name : str
+        Of the file or shape.
+    error : Exception
+    memory_limit : int
+        Megabytes that the task could use.
+
+    Returns
+    -------
+    failure : Failure
+    """
     if isinstance(error, MemoryError) or isinstance(error.__cause__, MemoryError):
         return Failure(
             f"{name!r} needs more than {memory_limit} MB of memory; simplify it or raise the memory limit"

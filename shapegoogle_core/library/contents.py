@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from shapegoogle_core.api.arguments import as_tuple, check_type, path_text
+from shapegoogle_core.api.arguments import as_tuple, check_count, check_type, path_text
 from shapegoogle_core.api.text import counted
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.sources import LibrarySources, PathLike
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord, SourceKey
@@ -227,6 +228,60 @@ class LibraryContents(LibrarySources):
         while page := self._store.shapes_after(last_id, PAGE):
             yield from page
             last_id = page[-1].shape_id
+
+    def find(self, where: Filter | None = None, *, after: int = 0, limit: int = 100) -> list[ShapeRecord]:
+        """List shapes that meet the conditions of a filter, without a search.
+
+        Parameters
+        ----------
+        where : Filter, optional
+            Conditions; those on kind and similarity need a search and are not used.
+        after : int, optional
+            Number of the last shape of the page before.
+        limit : int, optional
+            Maximum number of shapes.
+
+        Returns
+        -------
+        shapes : list of ShapeRecord
+            In the order of their numbers.
+
+        Raises
+        ------
+        ValueError
+            If `limit` is below 1, or an argument is of a wrong type.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         for name in ("oak chair", "table", "chair"):
+        ...             _ = library.add(trimesh.creation.box(), name=name)
+        ...         [shape.name for shape in library.find(sg.Filter(name="chair"))]
+        ['oak chair', 'chair']
+        """
+        check_count("limit", limit, 1)
+        check_type("where", where, (Filter, type(None)), "a shapegoogle_core.Filter")
+        if where is None or not where.selects_shapes:
+            return self._store.shapes_after(after, limit)
+        found = self._store.filtered_ids(where)
+        return self._store.shapes(found[found > after][:limit].tolist())
+
+    def has_shape(self, shape_id: int) -> bool:
+        """Return whether there is a shape.
+
+        Parameters
+        ----------
+        shape_id : int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        there : bool
+        """
+        return bool(self._store.shapes([shape_id]))
 
     def signature(self, shape_id: int) -> ShapeSignature:
         """Return the signature of a shape.

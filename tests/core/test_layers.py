@@ -34,6 +34,7 @@ LAYERS = (
     "rendering",
     "indexing",
     "worker",
+    "service",
     "cli",
 )
 USERS = ("benchmarks", "blender_addon", "scripts", "tests", "bpy")

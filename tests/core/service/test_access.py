@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""Tokens, scopes, rates, sizes and slow clients."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import trimesh
+from fastapi.testclient import TestClient
+
+from shapegoogle_core.service.library_lanes import LibraryLanes
+from shapegoogle_core.service.limits import Limits
+from shapegoogle_core.service.settings import ServiceError, ServiceSettings
+from shapegoogle_core.service.tokens import TokenError, TokenFile
+
+Serve = Callable[..., TestClient]
+QUERY = {"like": [{"shape_id": 1}], "limit": 1, "evidence": 0}
+
+
+def bearer(token: str) -> dict[str, str]:
+    return {"Authorization": f"Bearer {token}"}
+
+
+@pytest.fixture
+def tokens(tmp_path: Path) -> TokenFile:
+    return TokenFile(tmp_path / "tokens.json")
+
+
+def test_tokens_have_scopes_and_can_be_revoked(serve: Serve, tokens: TokenFile, library_path: Path) -> None:
+    reading, writing = tokens.create("ana", "read"), tokens.create("ben", "write")
+    client = serve(token_file=str(tokens.path), library=str(library_path))
+    decision = {"kind": "master", "shape": {"shape_id": 1}, "author": "somebody else"}
+    assert client.get("/api/health").status_code == 200
+    assert client.get("/api/info").status_code == 401
+    assert client.get("/api/info", headers=bearer("sg_wrong")).status_code == 401
+    assert client.post("/api/queries", json=QUERY, headers=bearer(reading)).status_code == 200
+    refused = client.post("/api/decisions", json=decision, headers=bearer(reading))
+    assert (refused.status_code, "reading only" in refused.json()["error"]) == (403, True)
+    made = client.post("/api/decisions", json=decision, headers=bearer(writing))
+    assert (made.status_code, made.json()["author"]) == (200, "ben")
+    assert tokens.revoke("ben")
+    assert client.post("/api/decisions", json=decision, headers=bearer(writing)).status_code == 401
+    assert reading not in tokens.path.read_text()
+
+
+def test_the_page_keeps_a_token_in_a_cookie(serve: Serve, tokens: TokenFile) -> None:
+    token = tokens.create("ana", "read")
+    client = serve(token_file=str(tokens.path))
+    assert client.get("/api/session").json() == {"needs_token": True, "scope": "none", "name": ""}
+    assert client.post("/api/session", json={"token": "wrong"}).status_code == 401
+    signed = client.post("/api/session", json={"token": token})
+    assert signed.json()["scope"] == "read"
+    assert {"HttpOnly", "SameSite=strict"} <= set(signed.headers["set-cookie"].split("; "))
+    assert client.get("/api/info").status_code == 200
+    client.delete("/api/session")
+    assert client.get("/api/info").status_code == 401
+
+
+def test_other_web_pages_can_do_nothing(client: TestClient) -> None:
+    assert (
+        client.post("/api/queries", json=QUERY, headers={"Sec-Fetch-Site": "cross-site"}).status_code == 403
+    )
+    assert (
+        client.post("/api/queries", json=QUERY, headers={"Origin": "http://evil.example"}).status_code == 403
+    )
+    assert (
+        client.post("/api/queries", json=QUERY, headers={"Sec-Fetch-Site": "same-origin"}).status_code == 200
+    )
+    assert client.get("/api/info", headers={"Host": "evil.example"}).status_code == 403
+    assert "default-src 'none'" in client.get("/api/info").headers["content-security-policy"]
+
+
+def test_too_many_searches(serve: Serve) -> None:
+    client = serve(rate=2)
+    codes = [client.post("/api/queries", json=QUERY) for _ in range(3)]
+    assert [answer.status_code for answer in codes] == [200, 200, 429]
+    assert int(codes[2].headers["Retry-After"]) >= 1
+    assert client.get("/api/info").status_code == 200  # looking costs little
+
+
+def test_too_large(serve: Serve) -> None:
+    client = serve(max_upload=1)
+    answer = client.post("/api/uploads", files={"file": ("large.obj", b"#" * (2 * 2**20))})
+    assert (answer.status_code, "1 MB" in answer.json()["error"]) == (413, True)
+
+    def chunks() -> Any:
+        yield b'{"like": ['
+        for _ in range(100):
+            yield b" " * 2**16
+
+    # Without saying how long it will be.
+    answer = client.post("/api/queries", content=chunks(), headers={"content-type": "application/json"})
+    assert answer.status_code == 413
+
+
+def test_too_slow(settings: ServiceSettings) -> None:
+    sent: list[dict[str, Any]] = []
+
+    async def application(scope: Any, receive: Any, send: Any) -> None:
+        while (await receive())["more_body"]:
+            pass
+
+    async def receive() -> dict[str, Any]:
+        await asyncio.sleep(0.02)
+        return {"type": "http.request", "body": b"x", "more_body": True}
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    limited = Limits(application, replace(settings, upload_seconds=0.2))
+    scope = {"type": "http", "path": "/api/uploads", "headers": []}
+    asyncio.run(limited(scope, receive, send))
+    assert sent[0]["status"] == 408
+    assert "did not arrive" in json.loads(sent[1]["body"])["error"]
+
+
+def test_a_busy_library(settings: ServiceSettings) -> None:
+    async def ask() -> list[int]:
+        lanes = LibraryLanes(replace(settings, time_limit=0.5, max_waiting=2))
+        waiting = [lanes.run("search", lambda library: time.sleep(1.0)) for _ in range(3)]
+        found = await asyncio.gather(*waiting, return_exceptions=True)
+        # What reads only does not wait for searches.
+        assert await lanes.run("read", len) == 7
+        lanes.close()
+        return [error.status for error in found if isinstance(error, ServiceError)]
+
+    assert asyncio.run(ask()) == [504, 504, 503]
+
+
+def test_an_upload_that_takes_too_long_or_too_much(serve: Serve) -> None:
+    ball = trimesh.creation.icosphere(6).export(file_type="off").encode()
+    answer = serve(time_limit=0.05).post("/api/uploads", files={"file": ("ball.off", ball)})
+    assert (answer.status_code, "given up" in answer.json()["error"]) == (504, True)
+    answer = serve(memory_limit=1).post("/api/uploads", files={"file": ("ball.off", ball)})
+    assert (answer.status_code, "1 MB of memory" in answer.json()["error"]) == (422, True)
+
+
+@pytest.mark.parametrize("content", ["", "[]", '{"tokens": [{"name": "a"}]}', "\x00"])
+def test_a_damaged_file_of_tokens(tokens: TokenFile, content: str) -> None:
+    tokens.path.write_text(content)
+    with pytest.raises(TokenError, match="is not a file of tokens"):
+        tokens.find("anything")
+
+
+def test_names_of_tokens_are_used_once(tokens: TokenFile) -> None:
+    tokens.create("ana", "read")
+    with pytest.raises(TokenError, match="has a token 'ana' already"):
+        tokens.create("ana", "write")
+    assert not tokens.revoke("ben")
+    assert [(token.name, token.scope) for token in tokens.tokens()] == [("ana", "read")]
