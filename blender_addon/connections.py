@@ -12,18 +12,16 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from .reading.importers import importable_suffixes
+
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ExternalReader
 
 __all__ = [
-    "BLENDER_SUFFIXES",
     "asset_libraries",
     "blend_reader",
     "package_command",
 ]
-
-BLENDER_SUFFIXES = (".blend", ".fbx")
-"""Files that only Blender reads."""
 
 # Factory settings exclude other add-ons and the user's start-up file; scripts in files do not run.
 _QUIET_BLENDER = ("--background", "--factory-startup", "--disable-autoexec", "--python-exit-code", "1")
@@ -36,7 +34,7 @@ def asset_libraries() -> list[tuple[str, Path]]:
 
 
 def blend_reader() -> ExternalReader:
-    """Return the Blender that reads .blend and .fbx files for the core.
+    """Return the Blender that reads .blend files and what it imports for the core.
 
     Returns
     -------
@@ -45,14 +43,14 @@ def blend_reader() -> ExternalReader:
     """
     from shapegoogle_core.indexing import ExternalReader, ReaderOption
 
-    script = str(Path(__file__).with_name("library") / "reader.py")
+    script = str(Path(__file__).with_name("reading") / "reader.py")
     command: tuple[str, ...]
     if bpy.app.binary_path:
         command = (bpy.app.binary_path, *_QUIET_BLENDER, "--python", script)
     else:
         command = (sys.executable, script)
     return ExternalReader(
-        suffixes=frozenset(BLENDER_SUFFIXES),
+        suffixes=frozenset((".blend", *importable_suffixes())),
         command=command,
         title=f"Blender {bpy.app.version_string}",
         offers=(
@@ -61,6 +59,13 @@ def blend_reader() -> ExternalReader:
                 ("all", "assets"),
                 "objects of a .blend file that are shapes: all meshes, or only those marked as assets if "
                 "there are any",
+            ),
+            ReaderOption(
+                "frames",
+                ("",),
+                "frames of animated .blend files, such as 1,10,20: each pose of an object is a shape of its "
+                'own, such as "Horse @ 10" (default: the frame that the file was saved at)',
+                numbers=True,
             ),
         ),
     )

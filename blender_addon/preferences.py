@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,13 @@ def _absolute(name: str, *, of_library: bool = False) -> Callable[[Any, Any], No
             library_changed(context)
 
     return update
+
+
+def _listed_numbers(group: Any, _context: Any) -> None:
+    """Keep the whole numbers of the frames, in order and each once."""
+    numbers = ",".join(map(str, sorted(set(map(int, re.findall(r"-?\d+", group.frames))))))
+    if group.frames != numbers:
+        group.frames = numbers  # which calls this again
 
 
 def _changed(_group: Any, context: Any) -> None:
@@ -99,6 +107,14 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
     )
     objects: EnumProperty(
         name="Objects", description="Which objects of a .blend file are shapes", items=_OBJECTS
+    )
+    frames: StringProperty(
+        name="Frames",
+        description=(
+            "Frames of animated .blend files, such as 1,10,20: each pose of an object is a shape of its own. "
+            "If empty, the frame that the file was saved at"
+        ),
+        update=_listed_numbers,
     )
     jobs: IntProperty(
         name="Workers",

@@ -37,9 +37,14 @@ def name_in(context: Any, path: Path, sought: Sought) -> str:
         If Blender cannot read the file.
     """
     with bpy.data.libraries.load(str(path), link=True, assets_only=False) as (content, _):
-        names = list(content.objects)
-    if sought.object_name in names:
+        names, collections = list(content.objects), list(content.collections)
+    if sought.object_name in (collections if sought.is_collection else names):
         return sought.object_name
+    if sought.is_collection:
+        raise PlacingError(
+            f"{path.name!r} contains no collection {sought.object_name!r} any more; Index Library reads the "
+            "changed file, then search again"
+        )
     for name in _candidates(path, names, sought):
         if _has(context, path, name, sought):
             return name

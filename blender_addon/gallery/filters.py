@@ -26,8 +26,16 @@ def conditions(session: Any) -> Filter:
     """
     from shapegoogle_core import Filter
 
+    least, most = session.least_faces or None, session.most_faces or None
+    if least is not None and most is not None and most < least:
+        least, most = most, least
     return Filter(
         text=session.text.strip() or None,
+        tag=session.tag.strip() or None,
+        catalog=session.catalog.strip().strip("/") or None,
+        shape_type=None if session.shape_type == "ANY" else session.shape_type,
+        faces=None if least is None and most is None else (least, most),
+        kind=None if session.evidence == "ANY" else session.evidence,
         sources=(open_source(),) if session.source == "SCENE" else None,
         not_sources=(open_source(),) if session.source == "FILES" else None,
         min_similarity=session.least_similarity or None,
@@ -50,6 +58,12 @@ def size_factor(session: Any) -> float | None:
 
 def is_filtered(session: Any) -> bool:
     """Whether any filter is set; cheap enough for a panel."""
+    texts = (session.text, session.tag, session.catalog.strip().strip("/"))
     return bool(
-        session.text.strip() or session.source != "ANY" or session.least_similarity > 0 or session.use_size
+        any(text.strip() for text in texts)
+        or any(choice != "ANY" for choice in (session.source, session.shape_type, session.evidence))
+        or session.least_similarity > 0
+        or session.least_faces
+        or session.most_faces
+        or session.use_size
     )

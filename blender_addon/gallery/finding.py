@@ -16,6 +16,7 @@ from ..state import session_of
 from .errors import PlacingError
 
 __all__ = [
+    "WHOLES",
     "find_objects",
     "is_here",
     "object_of",
@@ -24,6 +25,10 @@ __all__ = [
     "sought",
     "unregister",
 ]
+
+
+WHOLES = ("collection", "instance", "scatter")
+"""Types of shapes that consist of several meshes."""
 
 
 def sought(match: Any) -> Sought:
@@ -37,7 +42,10 @@ def sought(match: Any) -> Sought:
     -------
     sought : Sought
     """
-    return Sought(match.object_name, match.session_uid, match.vertex_count, match.face_count, match.area)
+    if match.shape_type in WHOLES:  # their meshes are not those of objects
+        return Sought(match.object_name, match.session_uid, shape_type=match.shape_type)
+    counts = match.vertex_count, match.face_count
+    return Sought(match.object_name, match.session_uid, *counts, match.area, match.shape_type)
 
 
 def object_of(context: Any, match: Any) -> Any | None:
@@ -85,14 +93,20 @@ def placements_here(context: Any, match: Any) -> list[Any]:
     from shapegoogle_core import Library
 
     objects = SceneObjects(context)
-    found = [_usable(context, objects, sought(match))]
+    wanted = sought(match)
+    if wanted.is_collection:
+        here = set(context.view_layer.objects)
+        items = [item for item in objects.of_collection(wanted.object_name) if item in here]
+        return items or [_usable(context, objects, wanted)]
+    found = [_usable(context, objects, wanted)]
     if match.placement_count > 1:
         session, numbers, source = session_of(context), state.current().library.objects, open_source()
         with Library.open(session.library, read_only=True) as library:
             names = [placement.object_name for placement in library.placements(match.shape_id)]
         here = set(context.view_layer.objects)
-        others = [objects.find(Sought(name, numbers.get((source, name), 0))) for name in names]
-        found += [item for item in others if item in here]
+        for name in dict.fromkeys(names):
+            item = objects.find(Sought(name, numbers.get((source, name), 0)))
+            found += [other for other in (item, *objects.instancers(name)) if other in here]
     return list(dict.fromkeys(found))
 
 
@@ -122,6 +136,8 @@ def is_here(match: Any) -> bool:
         return False
     if match.session_uid:
         return match.session_uid in _numbers()
+    if match.shape_type == "collection":
+        return match.object_name in bpy.data.collections
     return match.object_name in bpy.context.scene.objects
 
 

@@ -17,6 +17,7 @@ __all__ = [
     "set_evidence",
     "set_state",
     "similarity_text",
+    "title",
     "tooltip",
 ]
 
@@ -39,6 +40,20 @@ def below_picture(match: Any) -> str:
         Such as "0.98  Re-posed"; without evidence the similarity alone.
     """
     return f"{similarity_text(match)}  {match.label}".rstrip()
+
+
+def title(match: Any) -> str:
+    """Return the name of a match: of its object, or of its asset or file if the object's says nothing.
+
+    Parameters
+    ----------
+    match : SHAPEGOOGLE_PG_match
+
+    Returns
+    -------
+    title : str
+    """
+    return str(match.title or match.object_name or match.name)
 
 
 def details(match: Any) -> list[str]:
@@ -71,12 +86,27 @@ def tooltip(match: Any) -> str:
     text : str
     """
     where = f"{match.object_name} in {match.source}" if match.object_name else match.source
+    lines = [where or match.name]
+    if match.title and match.title != match.object_name:
+        lines.insert(0, match.title)
+    what = [match.shape_type.capitalize()] if match.shape_type else []
+    if match.placement_count > 1:
+        what.append(f"shown {match.placement_count:,} times")
+    if match.frame:
+        what.append(f"frame {match.frame}")
+    if match.catalog:
+        what.append(f"catalog {match.catalog}")
+    if match.tags:
+        what.append(f"tags {match.tags}")
+    if what:
+        lines.append(", ".join(what))
     kind = f"{match.kind}. " if match.kind else ""
     likeness = f"likeness {match.likeness:.2f}, " if match.likeness >= 0 else ""
-    return (
-        f"{where or match.name}\n{kind}Similarity {match.similarity:.3f}, {likeness}"
-        f"distance {match.distance:.4f}, {match.vertex_count:,} vertices, size ×{match.size:.3g}"
+    lines.append(
+        f"{kind}Similarity {match.similarity:.3f}, {likeness}distance {match.distance:.4f}, "
+        f"{match.vertex_count:,} vertices, size ×{match.size:.3g}"
     )
+    return "\n".join(lines)
 
 
 def similarity_text(match: Any) -> str:

@@ -84,7 +84,8 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Link it."""
         match = active_match(context)
-        linked = placing.find_linked(match.source, match.object_name)
+        is_object = match.shape_type != "collection"
+        linked = placing.find_linked(match.source, match.object_name) if is_object else None
         if linked is not None and linked in set(context.view_layer.objects):
             placing.to_object_mode(context)
             placing.select_only(context, [linked])

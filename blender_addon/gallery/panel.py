@@ -11,7 +11,7 @@ from typing import Any
 
 from ..transfer.panel import draw_transfer
 from . import pictures
-from .labels import below_picture, details
+from .labels import below_picture, details, title
 from .on_match import shown_lines
 
 __all__ = ["draw_gallery", "draw_match"]
@@ -73,7 +73,7 @@ def _versions(session: Any, match: Any | None) -> str:
 
 
 def _title(match: Any | None) -> str:
-    return "No match chosen" if match is None else match.object_name or match.name
+    return "No match chosen" if match is None else title(match)
 
 
 def _lines(match: Any | None) -> list[str]:
@@ -125,9 +125,7 @@ def draw_gallery(layout: Any, session: Any, context: Any) -> None:
         index, match = cell
         column.template_icon(icon_value=pictures.icon_of(match.shape_id), scale=PICTURE_SCALE)
         row = column.row(align=True)
-        row.operator(
-            "shape_google.choose_match", text=match.object_name or match.name, depress=index == active
-        ).index = index
+        row.operator("shape_google.choose_match", text=title(match), depress=index == active).index = index
         if match.version_count and session.opened < 0:
             count = row.row(align=True)
             count.scale_x = 0.6

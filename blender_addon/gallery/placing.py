@@ -11,6 +11,7 @@ import bpy
 from mathutils import Matrix, Vector
 
 from ..library.open_file import is_open_file, is_unsaved
+from ..reading.importers import importer_of, is_importable
 from ..scene.finding import Sought
 from . import blend_objects
 from .errors import PlacingError
@@ -26,7 +27,7 @@ __all__ = [
     "to_object_mode",
 ]
 
-# Importers of Blender by suffix: module and name of the operator.
+# Importers of Blender by suffix, besides those in `reading.importers`: module and name of the operator.
 _IMPORTERS = {
     ".obj": ("wm", "obj_import"),
     ".ply": ("wm", "ply_import"),
@@ -78,8 +79,9 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
     try:
         if path.suffix.lower() == ".blend":
             object_name = blend_objects.name_in(context, path, sought)
+            folder = "Collection" if sought.is_collection else "Object"
             operator = bpy.ops.wm.link if link else bpy.ops.wm.append
-            operator(directory=f"{path}/Object/", filename=object_name, autoselect=True)
+            operator(directory=f"{path}/{folder}/", filename=object_name, autoselect=True)
         else:
             _import(context, path, object_name)
     except RuntimeError as error:
@@ -189,14 +191,19 @@ def _instance(context: Any, path: Path, object_name: str) -> Any:
 
 def _import(context: Any, path: Path, object_name: str) -> None:
     suffix = path.suffix.lower()
-    if suffix == ".fbx":
-        # Blender 4.5 has an importer of its own; earlier ones, an add-on that may be off.
-        module, name = ("wm", "fbx_import") if "fbx_import" in dir(bpy.ops.wm) else ("import_scene", "fbx")
-    elif suffix in _IMPORTERS:
-        module, name = _IMPORTERS[suffix]
-    else:
+    importer = importer_of(suffix)
+    if importer is not None:
+        importer[0](filepath=str(path))
+        return
+    if is_importable(suffix):
+        version = bpy.app.version_string
+        raise PlacingError(
+            f"Blender {version} does not import {suffix} files, or its importer is off in the preferences"
+        )
+    if suffix not in _IMPORTERS:
         _from_core(context, path, object_name)
         return
+    module, name = _IMPORTERS[suffix]
     if name not in dir(getattr(bpy.ops, module)):
         raise PlacingError(f"Blender's importer of {suffix} files is off; switch it on in the preferences")
     getattr(getattr(bpy.ops, module), name)(filepath=str(path))

@@ -32,6 +32,39 @@ _RANKS = (
     ("KIND", "Same Kind", "Only by how likely they are of the same kind, such as another chair"),
 )
 
+_ANY = ("ANY", "Any", "")
+
+# As `shapegoogle_core.library.origin.SHAPE_TYPES`, which registering must not import; a test compares them.
+_TYPES = (
+    _ANY,
+    ("file", "File", "A mesh file that is one shape"),
+    ("object", "Object", "A mesh object"),
+    ("point cloud", "Point Cloud", "A point cloud"),
+    ("curve", "Curve", "A curve with a surface"),
+    ("text", "Text", "A text object"),
+    ("surface", "Surface", "A surface object"),
+    ("metaball", "Metaball", "A family of metaballs"),
+    ("collection", "Collection", "A collection, appended as one"),
+    ("instance", "Instance", "An object that shows a collection"),
+    ("scatter", "Scatter", "An object with all that it instances"),
+)
+
+# As `shapegoogle_core.library.evidence.KINDS`; a test compares them.
+_EVIDENCE = (
+    _ANY,
+    ("identical", "Identical", "The same surface at the same place"),
+    ("moved", "Moved", "The same surface, moved or turned"),
+    ("scaled", "Scaled", "The same surface at another size"),
+    ("mirrored", "Mirrored", "Its mirror image"),
+    ("re-meshed", "Re-Meshed", "The same surface with another mesh"),
+    ("re-posed", "Re-Posed", "The same shape, bent"),
+    ("part of", "Part Of", "The query is a part of it"),
+    ("contains", "Contains", "It is a part of the query"),
+    ("similar", "Similar", "Alike, but none of the others"),
+    ("same kind", "Same Kind", "Another shape of the same kind"),
+    ("nothing in common", "Nothing in Common", "Another shape of another kind"),
+)
+
 
 def _is_in_scene(match: Any) -> bool:
     return is_here(match)
@@ -43,6 +76,11 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     shape_id: IntProperty()
     source: StringProperty(name="Source")
     object_name: StringProperty(name="Object")
+    title: StringProperty(description="A name that says more than that of the object; may be empty")
+    shape_type: StringProperty(name="Type", description="What the shape is in its file")
+    tags: StringProperty(name="Tags", description="Separated by commas")
+    catalog: StringProperty(name="Catalog", description="Path of the asset catalog")
+    frame: StringProperty(name="Frame", description="Of the animation; empty for none")
     similarity: FloatProperty(name="Similarity")
     likeness: FloatProperty(
         name="Likeness", description="That it is of the same kind; -1: not known", default=-1
@@ -110,8 +148,35 @@ class GalleryProperties:
     )
     text: StringProperty(
         name="Text",
-        description="Find only matches with this text in their name or path",
+        description="Find only matches with this text in their name, tags, catalog or path",
         options={"TEXTEDIT_UPDATE"},
+        update=search_again,
+    )
+    shape_type: EnumProperty(
+        name="Type", description="What a shape is in its file", items=_TYPES, update=search_again
+    )
+    tag: StringProperty(
+        name="Tag",
+        description="Find only assets with this tag",
+        options={"TEXTEDIT_UPDATE"},
+        update=search_again,
+    )
+    catalog: StringProperty(
+        name="Catalog",
+        description="Find only assets in this catalog or below it, such as Props/Chairs",
+        options={"TEXTEDIT_UPDATE"},
+        update=search_again,
+    )
+    least_faces: IntProperty(
+        name="Faces", description="Lowest number of faces", default=0, min=0, update=search_again
+    )
+    most_faces: IntProperty(
+        name="To", description="Highest number of faces; 0: any", default=0, min=0, update=search_again
+    )
+    evidence: EnumProperty(
+        name="Evidence",
+        description="Kind of the evidence, found by comparing surfaces",
+        items=_EVIDENCE,
         update=search_again,
     )
     rank: EnumProperty(

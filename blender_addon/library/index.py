@@ -105,6 +105,8 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
 def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
     arguments = ["index", *map(str, sources), "--library", str(path)]
     arguments += ["--objects", chosen.objects.lower()]
+    if chosen.frames:
+        arguments += [f"--frames={chosen.frames}"]
     arguments += ["--time-limit", str(chosen.time_limit), "--memory-limit", str(chosen.memory_limit)]
     if chosen.jobs:
         arguments += ["--jobs", str(chosen.jobs)]

@@ -1,32 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Index the open scene: its meshes and point clouds as they are now, saved or not.
+"""Index the open scene: its shapes as they are now, saved or not.
 
-Objects that show the same mesh are read and described once.
+First all meshes are written into a file, as the Blender that reads files does it; then they are described one
+after the other.
 """
 
 from __future__ import annotations
 
 import time
-from collections import deque
-from dataclasses import dataclass, field, replace
+from collections import Counter, deque
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import jobs, state
-from ..scene.selection import asset_tags, shape_objects, split_evaluated
+from ..reading.arrays import MeshWriter, what_is_empty
+from ..reading.assets import catalogs_for
+from ..reading.contents import evaluated_state
+from ..reading.entries import SHAPE_TYPES, Assembly, Entry, State, group_of, item_of
+from ..reading.instancers import Instance, collect_instances
+from ..reading.sharing import SharedMeshes
+from ..scene.selection import split_evaluated
 from .open_file import is_unsaved, open_source, take_over
-from .sharing import SharedMeshes
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from shapegoogle_core import Mesh, ShapeSignature
     from shapegoogle_core.cli.events import Event
-    from shapegoogle_core.library.placement import Placement
+    from shapegoogle_core.indexing.notes import FileNotes
     from shapegoogle_core.library.storage.records import NewShape
-    from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["SceneIndexing"]
 
@@ -36,39 +43,6 @@ UP_AXIS = 2
 AHEAD = 3
 # How long the window may be kept from answering by reading objects.
 SECONDS_OF_READING = 0.1
-
-
-@dataclass
-class _Entry:
-    """A mesh on its way into the library, and the objects that show it.
-
-    Attributes
-    ----------
-    first : Placement
-        Of the first object.
-    mesh : Mesh or None
-        As the first object places it; kept only if other objects may show it too.
-    objects : list of (str, array)
-        Name and matrix of each object.
-    uids : list of int
-        Session numbers of the objects.
-    tags : list of str
-    described : NewShape or str or None
-        A sentence if it cannot be described; None until the worker is done.
-    """
-
-    first: Placement
-    mesh: Mesh | None
-    objects: list[tuple[str, FloatArray]] = field(default_factory=list)
-    uids: list[int] = field(default_factory=list)
-    tags: list[str] = field(default_factory=list)
-    described: NewShape[ShapeSignature] | str | None = None
-
-    def add(self, item: Any, matrix: FloatArray) -> None:
-        """Add an object that shows the mesh."""
-        self.objects.append((item.name, matrix))
-        self.uids.append(item.session_uid)
-        self.tags += [tag for tag in asset_tags(item) if tag not in self.tags]
 
 
 class SceneIndexing:
@@ -86,22 +60,65 @@ class SceneIndexing:
     """
 
     def __init__(self, context: Any, library: Path, model: str) -> None:
+        from shapegoogle_core.processes.temporary import temporary_folder
+
         self._error = ""
         self.exit_code: int | None = None
         self.reported = False
         self._started = time.monotonic()
         self._library, self._model = library, model
         self._opened = state.current().library.opened
-        # What is not evaluated has neither its modifiers nor, perhaps, its place.
-        shown, _ = split_evaluated(shape_objects(context.scene.objects), context)
-        # Numbers, not objects: those may be gone when it is their turn.
-        self._waiting = deque(item.session_uid for item in shown)
-        self._total = len(self._waiting)
+        self._resources = ExitStack()
+        self._output = self._resources.enter_context(temporary_folder()) / "shapes.bin"
+        self._file = self._resources.enter_context(self._output.open("wb"))
+        self._writer = MeshWriter(self._file)
+        self._left_out: Counter[str] = Counter()
+        self._collect(context)
+        self._states: dict[int, State] = {}
+        self._known: dict[tuple[int, bytes], int] = {}
+        self._shapes: Iterator[NewShape[Mesh] | FileNotes | str] | None = None
+        self._all_submitted = False
+        self._expected = 0
+        self._done = 0
         self._first_described: tuple[float, int] | None = None
-        self._meshes: SharedMeshes[_Entry] = SharedMeshes(shown)
-        self._entries: list[_Entry] = []
-        self._tasks: dict[Future[Any], _Entry] = {}
+        self._described: list[NewShape[ShapeSignature]] = []
+        self._tasks: dict[Future[Any], str] = {}
         self._failed: list[tuple[str, str]] = []
+
+    def _collect(self, context: Any) -> None:
+        """Note what is in the scene: numbers, not objects, which may be gone when it is their turn."""
+        catalogs = catalogs_for(Path(open_source()))
+        objects = list(context.scene.objects)
+        # What is not evaluated has neither its modifiers nor, perhaps, its place.
+        shown, hidden = split_evaluated(objects, context)
+        self._left_out["hidden object"] += sum(item.type in SHAPE_TYPES for item in hidden)
+        depsgraph = context.evaluated_depsgraph_get()
+        found = collect_instances(depsgraph, SHAPE_TYPES, self._writer.write_part, lambda _item: True)
+        self._left_out["further instance"] += found.further
+        every = {item.session_uid: item for item in bpy.data.objects}
+        self._groups = [group_of(collection, catalogs) for collection in bpy.data.collections]
+        self._instances = found.of
+        seen = {item.session_uid for item in shown}
+        self._wholes = {
+            group.uid: [
+                Instance(uid, None, every[uid].matrix_world.copy(), group.offset, ())
+                for uid in sorted(group.members & seen, key=lambda uid: every[uid].name)
+            ]
+            for group in self._groups
+            if group.is_asset and group.members & seen
+        }
+        self._items = {uid: item_of(item, catalogs) for uid, item in every.items()}
+        listed = [self._items[item.session_uid] for item in sorted(shown, key=lambda item: item.name)]
+        self._chosen = [item.uid for item in listed if item.has_mesh]
+        self._carriers = [item for item in listed if item.carries]
+        self._left_out.update(item.kind for item in listed if not item.has_mesh and not item.carries)
+        instanced = (*found.of.values(), *self._wholes.values())
+        leaves = list(dict.fromkeys(one.uid for own in instanced for one in own if one.mesh is None))
+        # Objects that are only instanced are shapes, too, unless they are in another file.
+        self._only_instanced = [uid for uid in leaves if uid not in seen and self._items[uid].is_local]
+        self._waiting = deque(dict.fromkeys([*self._chosen, *leaves]))
+        read = [every[uid] for uid in self._waiting]
+        self._meshes: SharedMeshes[Entry] = SharedMeshes([*read, *(every[uid] for uid in leaves)])
 
     def last_words(self) -> str:
         """Return why it ended."""
@@ -122,6 +139,7 @@ class SceneIndexing:
         for task in self._tasks:
             task.cancel()
         self._tasks.clear()
+        self._resources.close()
 
     def events(self) -> list[Event]:
         """Report the objects described since the last call; stores all after the last one."""
@@ -138,7 +156,7 @@ class SceneIndexing:
                 )
             events = self._take_finished()
             self._submit()
-            if not self._tasks and not self._waiting:
+            if self._all_submitted and not self._tasks:
                 events.append(self._store())
                 self.exit_code = DONE
         except ShapeGoogleError as error:
@@ -149,54 +167,72 @@ class SceneIndexing:
         return events
 
     def _submit(self) -> None:
-        """Read some objects, and hand new meshes to the worker."""
-        from shapegoogle_core import Library, MeshError, load_model
+        """Read some objects; once all are read, hand shapes to the worker."""
+        from shapegoogle_core import Library, load_model
+        from shapegoogle_core.indexing.notes import FileNotes
+        from shapegoogle_core.worker.requests import describe
 
         if not self._library.exists():
             Library.open(self._library, load_model(self._model)).close()
         end = time.monotonic() + SECONDS_OF_READING
-        here = {item.session_uid: item for item in bpy.context.scene.objects}
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        while self._waiting and len(self._tasks) < AHEAD and time.monotonic() < end:
-            item = here.get(self._waiting.popleft())
-            if item is None:
-                self._total -= 1  # deleted meanwhile
-                continue
-            try:
-                self._read(item, depsgraph)
-            except MeshError as error:
-                self._failed.append((item.name, str(error)))
+        if self._waiting:
+            here = {item.session_uid: item for item in bpy.data.objects}
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            while self._waiting and time.monotonic() < end:
+                item = here.get(self._waiting.popleft())
+                if item is not None:  # else it was deleted meanwhile
+                    self._read(item, depsgraph)
+        if self._waiting:
+            return
+        if self._shapes is None:
+            self._shapes = self._assembled()
+        while len(self._tasks) < AHEAD and time.monotonic() < end:
+            found = next(self._shapes, None)
+            if found is None:
+                self._expected, self._all_submitted = 0, True
+                return
+            self._expected -= not isinstance(found, FileNotes)
+            if isinstance(found, str):
+                self._failed.append((open_source(), found))
+            elif not isinstance(found, FileNotes):
+                self._tasks[jobs.worker().submit(describe, self._library, found)] = found.name
 
     def _read(self, item: Any, depsgraph: Any) -> None:
-        """Add an object to the entry of its mesh, or make a new entry."""
-        import numpy as np
+        """Write the mesh of an object."""
+        kind = self._items[item.session_uid].kind
+        try:
+            found = evaluated_state(item, depsgraph, self._meshes, self._writer, self._known)
+        except RuntimeError as error:
+            if kind != "metaball":
+                reason = f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers"
+                self._failed.append((item.name, reason))
+            found = None
+        if found is not None:
+            self._states[item.session_uid] = found
+        elif item.session_uid not in self._instances and item.session_uid in self._chosen:
+            self._left_out[what_is_empty(kind)] += 1
 
-        from shapegoogle_core.library.placement import placements_of
-        from shapegoogle_core.library.storage.records import NewShape
-        from shapegoogle_core.worker.requests import describe
+    def _assembled(self) -> Iterator[NewShape[Mesh] | FileNotes | str]:
+        """Make shapes of all that was read."""
+        from shapegoogle_core.indexing.external_reader import shapes_in
 
-        from ..scene.meshes import evaluated_arrays, placed_mesh
-
-        evaluated = item.evaluated_get(depsgraph)
-        matrix, content = evaluated.matrix_world, self._meshes.content(evaluated)
-        entry = None if content is None else self._meshes.find(item, matrix, content)
-        if entry is None:
-            vertices, faces = evaluated_arrays(item, depsgraph)
-            if not len(faces) and (item.type == "MESH" or not len(vertices)):
-                self._total -= 1  # wires and single points are helpers, as in files
-                return
-            content = self._meshes.read(evaluated, vertices, faces)
-            entry = self._meshes.find(item, matrix, content)
-            if entry is None:
-                mesh = placed_mesh(item.name, vertices, faces, np.array(matrix, np.float64))
-                place = np.array(matrix, np.float64)
-                (first,) = placements_of(mesh, [(item.name, place)])
-                entry = _Entry(first, mesh if self._meshes.is_shared(item) else None)
-                self._entries.append(entry)
-                self._meshes.put(item, matrix, content, entry)
-                shape = NewShape(mesh, item.name, item.name, up_axis=UP_AXIS)
-                self._tasks[jobs.worker().submit(describe, self._library, shape)] = entry
-        entry.add(item, np.array(matrix, np.float64))
+        self._file.flush()
+        chosen = [*self._chosen, *self._only_instanced]
+        assembly = Assembly(
+            self._items.values(), self._groups, self._meshes, self._writer.faces, self._chosen, chosen
+        )
+        assembly.add_all(self._carriers, self._instances, self._wholes, self._states)
+        self._left_out.update(assembly.left_out)
+        shapes = [entry.to_json() for entry in assembly.entries if entry.placements]
+        self._expected = len(shapes)
+        answer = {
+            "meshes": self._writer.counts(),
+            "shapes": shapes,
+            "problems": [],
+            "joined": False,
+            "up_axis": UP_AXIS,
+        }
+        return shapes_in(Path(open_source()), answer, self._output)
 
     def _take_finished(self) -> list[Event]:
         from shapegoogle_core import ShapeGoogleError
@@ -204,16 +240,17 @@ class SceneIndexing:
 
         events: list[Event] = []
         for task in [task for task in self._tasks if task.done()]:
-            entry = self._tasks.pop(task)
-            name = entry.objects[0][0]
+            name = self._tasks.pop(task)
+            self._done += 1
             try:
-                entry.described = task.result()
+                described = task.result()
             except ShapeGoogleError as error:  # the process died over it: the others go on
-                entry.described = str(error)
-            if isinstance(entry.described, str):
-                self._failed.append((name, entry.described))
-                events.append(FileOutcome(Path(name), "failed", entry.described))
+                described = str(error)
+            if isinstance(described, str):
+                self._failed.append((name, described))
+                events.append(FileOutcome(Path(name), "failed", described))
             else:
+                self._described.append(described)
                 events.append(FileOutcome(Path(name), "added", shapes=1))
         return [*events, self._progress()] if events else []
 
@@ -221,11 +258,7 @@ class SceneIndexing:
         from shapegoogle_core.indexing import IndexingProgress
 
         now = time.monotonic()
-        waiting = len(self._tasks)
-        done = len(self._entries) - waiting
-        # Of those that have not been read, as many share a mesh as of the others.
-        read = self._total - len(self._waiting)
-        expected = round(len(self._waiting) * len(self._entries) / max(read, 1))
+        waiting, done, expected = len(self._tasks), self._done, self._expected
         seconds_left = None
         if not waiting + expected:
             seconds_left = 0.0
@@ -251,21 +284,21 @@ class SceneIndexing:
     def _store(self) -> Event:
         from shapegoogle_core import Library
         from shapegoogle_core.indexing import IndexSummary
-        from shapegoogle_core.library.placement import placements_of
+        from shapegoogle_core.indexing.notes import LeftOut, total_left_out
 
         # First, since a file saved meanwhile is another source than before.
         take_over()
         source = open_source()
         shapes = []
         known = state.current().library.objects
-        for entry in self._entries:
-            if entry.described is not None and not isinstance(entry.described, str):
-                placements: tuple[Placement, ...] = (entry.first,)
-                if entry.mesh is not None:
-                    placements = placements_of(entry.mesh, entry.objects)
-                shapes.append(replace(entry.described, placements=placements, tags=tuple(entry.tags)))
-                for (name, _), uid in zip(entry.objects, entry.uids, strict=True):
-                    known[source, name] = uid
+        uids = {item.name: item.uid for item in self._items.values() if item.is_local}
+        for shape in self._described:
+            # A file that was never saved has no name that says more.
+            named = shape.named_after_file and is_unsaved(source)
+            shapes.append(replace(shape, name=shape.object_name) if named else shape)
+            for placement in shape.placements:
+                if placement.object_name in uids:
+                    known[source, placement.object_name] = uids[placement.object_name]
         with Library.open(self._library) as library:
             size = None
             if is_unsaved(source):
@@ -277,10 +310,13 @@ class SceneIndexing:
             # its folder is indexed.
             library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=shapes)
             count = len(library)
+        self._resources.close()
+        left_out = tuple(LeftOut(kind, number) for kind, number in self._left_out.items() if number)
         return IndexSummary(
             added=1,
             added_shapes=len(shapes),
             failed=tuple(self._failed),
+            left_out=total_left_out(left_out),
             library_shapes=count,
             seconds=time.monotonic() - self._started,
             scene=True,

@@ -7,6 +7,8 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
 
+import bpy
+
 from .selection import shape_objects
 
 __all__ = ["SceneObjects", "Sought", "is_alike"]
@@ -30,6 +32,8 @@ class Sought:
         Of its evaluated mesh, cut into triangles; no vertices if they are not known.
     area : float
         Of its evaluated mesh in the world.
+    shape_type : str
+        What it is in its file; see `shapegoogle_core.library.origin.SHAPE_TYPES`.
     """
 
     object_name: str
@@ -37,6 +41,12 @@ class Sought:
     vertex_count: int = 0
     face_count: int = 0
     area: float = 0.0
+    shape_type: str = ""
+
+    @property
+    def is_collection(self) -> bool:
+        """Whether it is a collection, not an object."""
+        return self.shape_type == "collection"
 
 
 class SceneObjects:
@@ -53,6 +63,7 @@ class SceneObjects:
         self._by_uid = {item.session_uid: item for item in self._objects}
         self._by_name = {item.name: item for item in self._objects if item.library is None}
         self._by_count: defaultdict[int, list[Any]] | None = None
+        self._instancers: dict[str, list[Any]] | None = None
         self._facts: dict[int, tuple[int, float]] = {}
 
     def find(self, sought: Sought) -> Any | None:
@@ -68,12 +79,35 @@ class SceneObjects:
         """
         if sought.session_uid in self._by_uid:
             return self._by_uid[sought.session_uid]
+        if sought.is_collection:
+            return next(iter(self.of_collection(sought.object_name)), None)
         named = self._by_name.get(sought.object_name)
         # Without its number, the name decides: its mesh may have been edited since.
         if named is not None and not sought.session_uid:
             return named
         alike = self._alike(sought)
-        return named if named in alike else next(iter(alike), None)
+        if named is not None or alike:
+            return named if named in alike else next(iter(alike), None)
+        return next(iter(self.instancers(sought.object_name)), None)
+
+    def instancers(self, object_name: str) -> list[Any]:
+        """Return the objects that instance an object of some name."""
+        if self._instancers is None:
+            found: defaultdict[str, dict[Any, None]] = defaultdict(dict)
+            for instance in self._context.evaluated_depsgraph_get().object_instances:
+                if instance.is_instance and instance.parent is not None:
+                    found[instance.object.original.name][instance.parent.original] = None
+            self._instancers = {name: list(carriers) for name, carriers in found.items()}
+        return [item for item in self._instancers.get(object_name, []) if item.name != object_name]
+
+    def of_collection(self, name: str) -> list[Any]:
+        """Return the objects that show a collection: those that instance it, and those that are in it."""
+        collection = bpy.data.collections.get(name)
+        if collection is None:
+            return []
+        instancing = [item for item in self._objects if item.instance_collection == collection]
+        inside = set(collection.all_objects)
+        return [*[item for item in self._objects if item in inside], *instancing]
 
     def _alike(self, sought: Sought) -> list[Any]:
         """Objects whose evaluated meshes have the counts and the area that are sought."""

@@ -116,6 +116,10 @@ def _fill(lines: Any, answer: Answer) -> None:
         line = lines.add()
         line.name = match.name
         line.object_name = match.object_name
+        line.title = match.name if match.name != match.object_name else ""
+        line.shape_type = match.origin.shape_type or ""
+        line.tags, line.catalog = ", ".join(match.tags), match.origin.catalog
+        line.frame = "" if match.origin.frame is None else str(match.origin.frame)
         line.shape_id = match.shape_id
         line.source = match.source
         line.similarity, line.distance = match.similarity, match.distance

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.origin import SHAPE_TYPES
 from shapegoogle_core.library.storage.address import as_place
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ __all__ = [
     "filter_of",
     "named_folder",
     "number_from",
+    "numbers",
     "positive_number",
     "positive_share",
     "shard_from",
@@ -54,6 +56,38 @@ def number_from(least: int) -> Callable[[str], int]:
         return int(text)
 
     return parse
+
+
+def numbers(text: str) -> str:
+    """Check a list of whole numbers.
+
+    Parameters
+    ----------
+    text : str
+        Such as "1, 10,20"; numbers may be negative. Empty for none.
+
+    Returns
+    -------
+    numbers : str
+        In ascending order, each once, separated by commas alone.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        For any other text.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.cli.arguments import numbers
+    >>> numbers("20, 1,10")
+    '1,10,20'
+    """
+    try:
+        listed = sorted({int(number) for number in text.split(",")}) if text else []
+    except ValueError:
+        message = f"must be whole numbers separated by commas, such as 1,10,20, not {text!r}"
+        raise argparse.ArgumentTypeError(message) from None
+    return ",".join(map(str, listed))
 
 
 def positive_number(text: str) -> float:
@@ -272,6 +306,11 @@ def add_filters(parser: argparse.ArgumentParser) -> None:
     add_value(group, "--name", "TEXT", name, _text)
     add_value(group, "--folder", "FOLDER", "the file is in this folder or below it", _text)
     add_value(group, "--tag", "TAG", "the shape has this tag", _text)
+    catalog = "the shape is in this asset catalog or below it, such as Props/Chairs"
+    add_value(group, "--catalog", "CATALOG", catalog, _text)
+    group.add_argument(
+        "--shape-type", choices=SHAPE_TYPES, help="what the shape is in its file, such as collection or text"
+    )
     add_value(group, "--file-type", "TYPE", "the file's name has this ending, such as blend or stl", _text)
     faces = "number of faces; one of the limits may be left out: 1000:"
     add_value(group, "--faces", "LO:HI", faces, _range)

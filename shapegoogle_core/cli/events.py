@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress, IndexSummary
+from shapegoogle_core.indexing.notes import LeftOut
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["CommandError", "Event", "StepProgress", "event_from_json", "event_to_json", "summary_to_json"]
@@ -109,7 +110,8 @@ def event_from_json(record: Mapping[str, Any]) -> Event:
         return _summary_from_json(values)
     event: Event = _TYPES[kind](**values)
     if isinstance(event, FileOutcome):
-        return replace(event, path=Path(event.path), warnings=tuple(event.warnings))
+        left_out = tuple(LeftOut(**note) for note in record.get("left_out", ()))
+        return replace(event, path=Path(event.path), warnings=tuple(event.warnings), left_out=left_out)
     return event
 
 
@@ -131,6 +133,7 @@ def summary_to_json(summary: IndexSummary) -> dict[str, Any]:
         "removed": list(summary.removed),
         "excluded": list(summary.excluded),
         "skipped": [asdict(skipped) for skipped in summary.skipped],
+        "left_out": {note.kind: note.count for note in summary.left_out},
         "new_shapes": summary.added_shapes + summary.updated_shapes + summary.partial_shapes,
         "added_shapes": summary.added_shapes,
         "updated_shapes": summary.updated_shapes,
@@ -156,6 +159,7 @@ def _summary_from_json(record: dict[str, Any]) -> IndexSummary:
         removed=tuple(record["removed"]),
         excluded=tuple(record["excluded"]),
         skipped=tuple(SkippedFormat(**skipped) for skipped in record["skipped"]),
+        left_out=tuple(LeftOut(kind, count) for kind, count in record["left_out"].items()),
         library_shapes=record["shapes"],
         seconds=record["seconds"],
         scene=record["scene"],

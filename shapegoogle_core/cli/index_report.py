@@ -56,6 +56,7 @@ def summary_of(
         removed=tuple(removed),
         excluded=names(excluded),
         skipped=tuple(skipped),
+        left_out=report.left_out,
         library_shapes=shapes,
         seconds=report.seconds,
     )

@@ -27,6 +27,7 @@ from shapegoogle_core.cli import (
     token,
     train,
 )
+from shapegoogle_core.cli.arguments import add_value, numbers
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.events import CommandError, Event, event_to_json
 from shapegoogle_core.cli.text import put, say, say_lines
@@ -36,7 +37,7 @@ from shapegoogle_core.processes.messages import MessageWriter, claim_message_pip
 from shapegoogle_core.processes.temporary import remove_abandoned_folders
 
 if TYPE_CHECKING:
-    from shapegoogle_core.indexing import ExternalReader
+    from shapegoogle_core.indexing import ExternalReader, ReaderOption
 
 __all__ = ["COMMANDS", "build_parser", "main"]
 
@@ -178,10 +179,15 @@ def build_parser(
         command.add_options(options)
         if command.reads_files and reader is not None:
             for offer in reader.offers:
-                options.add_argument(
-                    f"--{offer.name}",
-                    choices=offer.choices,
-                    default=offer.choices[0],
-                    help=f"{offer.summary} (%(default)s)",
-                )
+                _add_offer(options, offer)
     return parser
+
+
+def _add_offer(options: argparse.ArgumentParser, offer: ReaderOption) -> None:
+    """Add an option that the reader's program offers."""
+    option = f"--{offer.name}"
+    if offer.numbers:
+        add_value(options, option, "N,N,…", offer.summary, numbers, offer.choices[0])
+    else:
+        help_text = f"{offer.summary} (%(default)s)"
+        options.add_argument(option, choices=offer.choices, default=offer.choices[0], help=help_text)

@@ -5,7 +5,9 @@ With --json, one line for each mesh:
   {"query": path, "matches": [
     {"name", "source", "object_name", "similarity", "distance", "evidence", "placements"}, …]}
 placements is the number of objects that show the shape; placement, the matrix of the one that fits best,
-row by row. With --families, versions is the number of other shapes that are the same.
+row by row. shape_type says what it is in its file, such as collection, text or scatter; tags, catalog and
+frame are there where a shape has them. With --families, versions is the number of other shapes that are the
+same.
 A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
 With --together, all meshes are examples of what you search, and give one line:
   {"query": [path, …], "unlike": [path, …], "matches": […]}
@@ -269,6 +271,12 @@ def _match_table(query: str, matches: list[Match], shapes: int) -> str:
 def _name(match: Match) -> str:
     """Format the name, with the number of objects that show the shape, and of its other versions."""
     name = match.name if match.placement_count == 1 else f"{match.name} ×{match.placement_count:,}"
+    if (
+        match.placement is not None
+        and match.placement_count > 1
+        and match.placement.object_name != match.name
+    ):
+        name = f"{match.placement.object_name} ({name})"  # the evidence is of that one
     return f"{name} and {counted(match.versions, 'version')}" if match.versions else name
 
 

@@ -15,6 +15,7 @@ from shapegoogle_core.cli.events import CommandError, Event
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.indexing.events import FileOutcome, IndexSummary
+from shapegoogle_core.indexing.notes import left_out_sentence
 
 __all__ = ["RunLog"]
 
@@ -100,6 +101,8 @@ class RunLog:
                     text += f": {event.reason}"
                 elif event.status != "unchanged":
                     text += f" ({event.shapes:,} shape{'' if event.shapes == 1 else 's'})"
+                if event.left_out:
+                    text += f"; {left_out_sentence(event.left_out)}"
                 if event.seconds:
                     text += f" in {event.seconds:.2f} s"
                 self._write(_LEVELS.get(event.status, logging.INFO), text, event.details)

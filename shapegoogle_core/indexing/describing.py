@@ -17,6 +17,7 @@ import numpy as np
 
 from shapegoogle_core.errors import MeshError, PluginError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderError
+from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
 from shapegoogle_core.indexing.reading import ShapeReader
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
@@ -26,7 +27,7 @@ from shapegoogle_core.rendering import make_preview, thumbnail
 
 __all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape", "failure_of"]
 
-ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | str]]
+ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | FileNotes | str]]
 """`ShapeReader.iterate` or a function like it."""
 
 
@@ -74,10 +75,12 @@ class ReadFile:
     shapes : tuple of NewShape
     problems : tuple of str
         A sentence for each part that could not be read.
+    notes : FileNotes
     """
 
     shapes: tuple[NewShape[MeshOnDisk], ...]
     problems: tuple[str, ...]
+    notes: FileNotes = NO_NOTES
 
 
 def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSignature]:
@@ -144,18 +147,22 @@ class Describer:
             tempfile.tempdir = str(folder)
             shapes: list[NewShape[MeshOnDisk]] = []
             problems: list[str] = []
+            notes = FileNotes()
             arrays = folder / "arrays"
             with arrays.open("wb") as file:
                 for found in self._read(self._reader, path):
                     if isinstance(found, str):
                         problems.append(found)
                         continue
+                    if isinstance(found, FileNotes):
+                        notes = found
+                        continue
                     mesh = found.mesh
                     waiting = MeshOnDisk(arrays, file.tell())
                     shapes.append(found.with_content(waiting))
                     np.save(file, mesh.vertices)
                     np.save(file, mesh.faces)
-            return ReadFile(tuple(shapes), tuple(problems))
+            return ReadFile(tuple(shapes), tuple(problems), notes)
         except Exception as error:
             return failure_of(path.name, error, self._memory_limit)
 

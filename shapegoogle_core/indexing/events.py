@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from shapegoogle_core.api.text import counted, duration
+from shapegoogle_core.indexing.notes import LeftOut, left_out_sentence
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["FileOutcome", "IndexReport", "IndexSummary", "IndexingProgress"]
@@ -34,6 +35,8 @@ class FileOutcome:
         that was not read.
     warnings : tuple of str
         Sentences of the reader on what it left out or assumed.
+    left_out : tuple of LeftOut
+        Objects that are no shapes.
     """
 
     path: Path
@@ -43,6 +46,7 @@ class FileOutcome:
     shapes: int = 0
     seconds: float = 0.0
     warnings: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -133,6 +137,8 @@ class IndexReport:
         Number of shapes of files that count as failed since others of their shapes failed.
     warnings : list of (Path, str)
         Sentences of the readers on what they left out or assumed.
+    left_out : tuple of LeftOut
+        Objects of the added and updated files that are no shapes.
 
     Examples
     --------
@@ -151,6 +157,7 @@ class IndexReport:
     updated_shapes: int = 0
     partial_shapes: int = 0
     warnings: list[tuple[Path, str]] = field(default_factory=list)
+    left_out: tuple[LeftOut, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -175,6 +182,8 @@ class IndexSummary:
         Files and folders that were excluded.
     skipped : tuple of SkippedFormat
         Files in formats that are not read.
+    left_out : tuple of LeftOut
+        Objects that are no shapes.
     library_shapes : int
         Number of shapes that the library has now.
     seconds : float
@@ -194,6 +203,7 @@ class IndexSummary:
     removed: tuple[str, ...] = ()
     excluded: tuple[str, ...] = ()
     skipped: tuple[SkippedFormat, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
     library_shapes: int = 0
     seconds: float = 0.0
     scene: bool = False
@@ -204,8 +214,13 @@ class IndexSummary:
         Returns
         -------
         text : str
-            Such as "130 shapes added from 12 files, 3 files unchanged, 1 file failed".
+            Such as "130 shapes added from 12 files, 3 files unchanged, 1 file failed; 3 objects skipped: 3
+            lights".
         """
+        left_out = left_out_sentence(self.left_out)
+        return f"{self._counts()}; {left_out}" if left_out else self._counts()
+
+    def _counts(self) -> str:
         failed = len(self.failed)
         parts = []
         if self.scene:

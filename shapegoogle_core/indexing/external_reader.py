@@ -8,16 +8,21 @@ one line of JSON on its standard input::
 
 The limit is in megabytes, on top of what the program holds before its first request.
 
-It writes the arrays of all shapes into the output file, for each its vertices (float32, x y z) and then its
-triangles (int32), little-endian, in the coordinates of the objects that show it. It answers with one line of
-JSON on its message pipe (see `shapegoogle_core.processes.messages`); it may print whatever it likes. A shape
-has one placement for each object that shows it; "tags" may be left out. With "joined", all placements are
-parts of one shape::
+It writes the arrays of all meshes into the output file, for each its vertices (float32, x y z) and then its
+triangles (int32), little-endian, in coordinates of their own. It answers with one line of JSON on its message
+pipe (see `shapegoogle_core.processes.messages`); it may print whatever it likes. A shape is one mesh or
+several, each with a matrix from its coordinates to those of the shape; it has one placement for each object
+that shows it. All but its name, parts and placements may be left out. If each shape has one mesh of its own,
+it may give its "vertices" and "faces" itself, in place of "meshes" and "parts". With "joined", all placements
+are parts of one shape::
 
     {"ready": true}
-    {"shapes": [{"name": "Cube", "vertices": 8, "faces": 12, "tags": ["prop"],
-     "placements": [{"object": "Cube", "matrix": [16 numbers, row by row]}, …]}, …],
-     "problems": ["'Cube' has …"], "joined": false, "up_axis": 2}
+    {"meshes": [{"vertices": 8, "faces": 12}, …],
+     "shapes": [{"name": "Cube", "type": "object", "names": ["Oak chair"], "tags": ["prop"],
+     "catalog": "Props/Chairs", "frame": 10, "parts": [{"mesh": 0, "matrix": [16 numbers, row by row]}, …],
+     "placements": [{"object": "Cube", "matrix": [16 numbers]}, …]}, …],
+     "problems": ["'Cube' has …"], "left_out": {"light": 7}, "linked": ["…/props.blend"], "joined": false,
+     "up_axis": 2}
     {"error": "'scene.blend' is no Blender file"}
 """
 
@@ -25,14 +30,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing.naming import file_based_name, useful_name
+from shapegoogle_core.indexing.notes import FileNotes, LeftOut
+from shapegoogle_core.library.origin import Origin
 from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
@@ -40,10 +49,12 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.processes.program import Program
 from shapegoogle_core.processes.temporary import temporary_folder
 
-__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
+__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess", "shapes_in"]
 
 # Number of a program's last lines that an error message shows.
 SHOWN_LINES = 5
+# Matrix of a mesh that has the coordinates of its shape.
+_UNMOVED = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
 # Seconds that a program may take to start.
 START_LIMIT = 60.0
 
@@ -63,11 +74,14 @@ class ReaderOption:
         The first is the default.
     summary : str
         For the command's help.
+    numbers : bool
+        Whether it is a list of whole numbers instead, such as "1,10,20".
     """
 
     name: str
     choices: tuple[str, ...]
     summary: str
+    numbers: bool = False
 
 
 @dataclass(frozen=True)
@@ -146,7 +160,7 @@ class ReaderProcess:
         self._reader = reader
         self._program: Program | None = None
 
-    def read(self, path: Path) -> Iterator[NewShape[Mesh] | str]:
+    def read(self, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
         """Read the shapes of a file one by one.
 
         Parameters
@@ -155,7 +169,7 @@ class ReaderProcess:
 
         Yields
         ------
-        shape : NewShape or str
+        shape : NewShape, FileNotes or str
             A sentence for a part that cannot be read.
 
         Raises
@@ -174,7 +188,7 @@ class ReaderProcess:
             answer = self._ask(path, request)
             if "error" in answer:
                 raise MeshError(str(answer["error"]))
-            yield from _shapes(path, answer, output)
+            yield from shapes_in(path, answer, output)
 
     def close(self) -> None:
         """End the program."""
@@ -233,33 +247,112 @@ class ReaderProcess:
         )
 
 
-def _shapes(path: Path, answer: Mapping[str, Any], output: Path) -> Iterator[NewShape[Mesh] | str]:
-    """Read the arrays that the program wrote, one shape at a time."""
+def shapes_in(
+    path: Path, answer: Mapping[str, Any], output: Path
+) -> Iterator[NewShape[Mesh] | FileNotes | str]:
+    """Read the arrays that a program wrote, one shape at a time.
+
+    Parameters
+    ----------
+    path : Path
+        The file that the program has read.
+    answer : mapping
+        Its answer.
+    output : Path
+        File with the arrays.
+
+    Yields
+    ------
+    found : NewShape, FileNotes or str
+        A sentence for a part that cannot be read.
+    """
     yield from map(str, answer["problems"])
-    up_axis = answer["up_axis"]
-    parts: list[Mesh] = []
+    left_out = tuple(LeftOut(str(kind), int(count)) for kind, count in answer.get("left_out", {}).items())
+    linked = tuple(map(str, answer.get("linked", ())))
+    if left_out or linked:
+        yield FileNotes(left_out, linked)
+    up_axis, listed = answer["up_axis"], answer["shapes"]
+    joined: list[Mesh] = []
     with output.open("rb") as file:
-        for record in answer["shapes"]:
-            vertices = np.fromfile(file, "<f4", 3 * record["vertices"]).reshape(-1, 3)
-            faces = np.fromfile(file, "<i4", 3 * record["faces"]).reshape(-1, 3)
+        arrays = _Arrays(file, answer.get("meshes", listed))
+        for number, record in enumerate(listed):
             name = str(record["name"])
             objects = [
-                (str(placement["object"]), np.array(placement["matrix"], np.float64).reshape(4, 4))
-                for placement in record["placements"]
+                (str(placement["object"]), _matrix(placement["matrix"])) for placement in record["placements"]
+            ]
+            parts = [
+                (arrays.read(part["mesh"]), _matrix(part["matrix"]))
+                for part in record.get("parts", [{"mesh": number, "matrix": _UNMOVED}])
             ]
             try:
                 if answer["joined"]:
-                    parts += [_placed(vertices, faces, matrix, own) for own, matrix in objects]
+                    joined += [
+                        _placed(vertices, faces, matrix @ own, object_name)
+                        for object_name, matrix in objects
+                        for (vertices, faces), own in parts
+                    ]
                     continue
-                mesh = _placed(vertices, faces, objects[0][1], name)
+                first = objects[0][1]
+                placed = [_placed(vertices, faces, first @ own, name) for (vertices, faces), own in parts]
+                mesh = placed[0] if len(placed) == 1 else _joined(placed, name)
                 placements = placements_of(mesh, objects)
             except MeshError as error:
                 yield str(error)
                 continue
-            tags = tuple(map(str, record.get("tags", ())))
-            yield NewShape(mesh, name, objects[0][0], tags=tags, placements=placements, up_axis=up_axis)
-    if parts:
-        yield NewShape(_joined(parts, path.name), path.name, up_axis=up_axis)
+            shape = NewShape(mesh, name, name, placements=placements, up_axis=up_axis)
+            yield _described(shape, record, path, alone=len(listed) == 1)
+    if joined:
+        yield NewShape(_joined(joined, path.name), path.name, up_axis=up_axis)
+
+
+def _described(
+    shape: NewShape[Mesh], record: Mapping[str, Any], path: Path, *, alone: bool
+) -> NewShape[Mesh]:
+    """Add to a shape what its record says of it besides its mesh."""
+    frame = record.get("frame")
+    title = useful_name(shape.name, map(str, record.get("names", ())))
+    named_after_file = not title
+    title = title or file_based_name(path, shape.name, alone=alone)
+    origin = Origin(record.get("type"), str(record.get("catalog", "")), frame)
+    return replace(
+        shape,
+        name=title if frame is None else f"{title} @ {frame}",
+        tags=tuple(map(str, record.get("tags", ()))),
+        origin=origin,
+        named_after_file=named_after_file,
+    )
+
+
+class _Arrays:
+    """The meshes in the output file; the one that was read last is kept.
+
+    Parameters
+    ----------
+    file : file object
+    counts : sequence of mapping
+        Numbers of "vertices" and "faces" of each mesh.
+    """
+
+    def __init__(self, file: BinaryIO, counts: Sequence[Mapping[str, int]]) -> None:
+        self._file = file
+        self._counts = counts
+        sizes = [12 * (mesh["vertices"] + mesh["faces"]) for mesh in counts]
+        self._starts = [0, *accumulate(sizes)]
+        self._last: tuple[int, tuple[NDArray[np.float32], NDArray[np.int32]]] | None = None
+
+    def read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """Return vertices (n, 3) and faces (m, 3) of a mesh."""
+        if self._last is None or self._last[0] != number:
+            counts = self._counts[number]
+            self._file.seek(self._starts[number])
+            vertices = np.fromfile(self._file, "<f4", 3 * counts["vertices"]).reshape(-1, 3)
+            faces = np.fromfile(self._file, "<i4", 3 * counts["faces"]).reshape(-1, 3)
+            self._last = number, (vertices, faces)
+        return self._last[1]
+
+
+def _matrix(numbers: Sequence[float]) -> FloatArray:
+    return np.array(numbers, np.float64).reshape(4, 4)
 
 
 def _placed(vertices: NDArray[np.float32], faces: NDArray[np.int32], matrix: FloatArray, name: str) -> Mesh:

@@ -18,6 +18,7 @@ from typing import Any, Self
 
 from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
+from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.storage.records import NewShape
@@ -44,10 +45,13 @@ class DescribedFile:
         Empty if the file contains no mesh, such as a .blend file of materials.
     problem : str
         A sentence on the parts that could not be described, else empty.
+    notes : FileNotes
+        Objects that are no shapes, and files that it links.
     """
 
     shapes: tuple[NewShape[ShapeSignature], ...]
     problem: str = ""
+    notes: FileNotes = NO_NOTES
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +89,14 @@ class _FileInWork:
         failures += [result for result in described if isinstance(result, Failure)]
         shapes = tuple(result for result in described if not isinstance(result, Failure))
         if not failures:
-            return DescribedFile(shapes)
+            return DescribedFile(shapes, notes=self.found.notes)
         reasons = _listed(failures)
         if not shapes:
             details = next((failure.details for failure in failures if failure.details), "")
             return Failure(reasons, details, lasting=all(failure.lasting for failure in failures))
         total = len(self.found.shapes) + len(self.found.problems)
         problem = f"{self.path.name!r}: {len(failures)} of {total} objects failed: {reasons}"
-        return DescribedFile(shapes, problem)
+        return DescribedFile(shapes, problem, self.found.notes)
 
 
 def _mesh_sizes(found: ReadFile) -> list[int]:

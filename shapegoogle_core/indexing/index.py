@@ -24,6 +24,8 @@ from shapegoogle_core.indexing.files import (
     stamp,
     unreadable,
 )
+from shapegoogle_core.indexing.naming import file_based_name
+from shapegoogle_core.indexing.notes import LeftOut, total_left_out
 from shapegoogle_core.indexing.plan import failed_before, is_read_again
 from shapegoogle_core.indexing.reading import ShapeReader
 from shapegoogle_core.indexing.remaining import working_order
@@ -137,6 +139,9 @@ def index_files(
                 run.store_finished(pool)
         while len(pool):
             run.store_finished(pool)
+            # The meshes of linked files are shapes of those files.
+            for path in run.take_linked():
+                run.begin(path, pool)
     # Of shapes that an interrupted run or an older program has added, or whose neighbours are gone.
     library.update_neighbours()
     tracker.report(always=True)
@@ -150,6 +155,7 @@ def index_files(
         updated_shapes=run.updated_shapes,
         partial_shapes=run.partial_shapes,
         warnings=run.warnings,
+        left_out=total_left_out(run.left_out),
     )
 
 
@@ -179,7 +185,9 @@ class _Run:
         self.shapes = self.updated_shapes = self.partial_shapes = 0
         self.failed: list[tuple[Path, str]] = []
         self.warnings: list[tuple[Path, str]] = []
+        self.left_out: list[LeftOut] = []
         self.sizes: dict[Path, int] = {}
+        self._linked: dict[Path, None] = {}
         self._seconds: dict[Path, float] = {}
         self._tracker = tracker
         self._library = library
@@ -229,6 +237,18 @@ class _Run:
                 changed.append(path)
             else:
                 self._note_unchanged(path, source)
+        return changed
+
+    def take_linked(self) -> list[Path]:
+        """Return the files that have been read link to, as far as they have to be opened and are new."""
+        linked, self._linked = list(self._linked), {}
+        if not linked:
+            return []
+        self._library.add_roots(linked)
+        new = [path for path in map(Path, self._library.source_paths(linked)) if path not in self.sizes]
+        changed = self.pass_over_unchanged(new)
+        for path in changed:
+            self._tracker.add(path)
         return changed
 
     def begin(self, path: Path, pool: FilePool, *, first: bool = False) -> None:
@@ -281,22 +301,34 @@ class _Run:
     def _described_before(self, file: FileState) -> DescribedFile:
         """Take the shapes of a file of the same content from the library."""
         return DescribedFile(
-            tuple(
-                NewShape(
-                    self._library.signature(shape_id),
-                    name,
-                    name,
-                    self._library.thumbnail(shape_id),
-                    self._library.shape(shape_id).tags,
-                    self._library.placements(shape_id),
-                )
-                for shape_id, name in self._shape_ids[file.key].items()
-            )
+            tuple(self._stored(shape_id) for shape_id in self._shape_ids[file.key]),
+        )
+
+    def _stored(self, shape_id: int) -> NewShape[ShapeSignature]:
+        """Take a shape out of the library."""
+        record = self._library.shape(shape_id)
+        path = Path(record.source)
+        after_file = {file_based_name(path, record.object_name, alone=alone) for alone in (True, False)}
+        return NewShape(
+            self._library.signature(shape_id),
+            record.name,
+            record.object_name,
+            self._library.thumbnail(shape_id),
+            record.tags,
+            self._library.placements(shape_id),
+            origin=record.origin,
+            named_after_file=record.name in after_file,
         )
 
     def _store(self, file: FileState, described: DescribedFile) -> None:
         # Copies of a file share the described shapes, but not the name.
-        shapes = [replace(shape, name=shape.object_name or file.path.name) for shape in described.shapes]
+        shapes = [
+            replace(shape, name=_name(shape, file.path, alone=len(described.shapes) == 1))
+            for shape in described.shapes
+        ]
+        notes = described.notes
+        self.left_out += notes.left_out
+        self._linked |= dict.fromkeys(path for path in map(Path, notes.linked) if path.is_file())
         if described.problem and self._shapes_before(file) > len(shapes):
             self._keep(file, Failure(described.problem))
             return
@@ -307,12 +339,12 @@ class _Run:
         if described.problem:
             self.partial_shapes += len(shapes)
             # The described shapes are stored, but the file counts as failed, since others are missing.
-            self._fail(file.path, Failure(described.problem), len(shapes), warnings)
+            self._fail(file.path, Failure(described.problem), len(shapes), warnings, notes.left_out)
             return
         known = before is not None and before.shape_count > 0
         self.updated_shapes += len(shapes) if known else 0
         outcome = FileOutcome(file.path, "updated" if known else "added", shapes=len(shapes))
-        self._note(replace(outcome, warnings=warnings))
+        self._note(replace(outcome, warnings=warnings, left_out=notes.left_out))
 
     def _store_failure(self, file: FileState, failure: Failure) -> None:
         if self._shapes_before(file):
@@ -358,16 +390,33 @@ class _Run:
         else:
             self._fail(path, Failure(failed_before(source)))
 
-    def _fail(self, path: Path, failure: Failure, shapes: int = 0, warnings: tuple[str, ...] = ()) -> None:
+    def _fail(
+        self,
+        path: Path,
+        failure: Failure,
+        shapes: int = 0,
+        warnings: tuple[str, ...] = (),
+        left_out: tuple[LeftOut, ...] = (),
+    ) -> None:
         self.failed.append((path, failure.reason))
-        outcome = FileOutcome(path, "failed", failure.reason, failure.details, shapes, warnings=warnings)
-        self._note(outcome)
+        outcome = FileOutcome(path, "failed", failure.reason, failure.details, shapes)
+        self._note(replace(outcome, warnings=warnings, left_out=left_out))
 
     def _note(self, outcome: FileOutcome) -> None:
         self.counts[outcome.status] += 1
         self._tracker.file_done(outcome.path)
         if self._progress is not None:
             self._progress(replace(outcome, seconds=self._seconds.pop(outcome.path, 0.0)))
+
+
+def _name(shape: NewShape[ShapeSignature], path: Path, *, alone: bool) -> str:
+    """Name a shape of a file: copies of a file share their shapes, but not the name of the file."""
+    if not shape.object_name:
+        return path.name
+    if not shape.named_after_file:
+        return shape.name
+    name = file_based_name(path, shape.object_name, alone=alone)
+    return name if shape.origin.frame is None else f"{name} @ {shape.origin.frame}"
 
 
 def _as_copy(copy: FileState, first: Path, failure: Failure) -> Failure:

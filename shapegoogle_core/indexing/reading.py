@@ -10,6 +10,8 @@ from typing import Self
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.indexing.naming import is_generic
+from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
 from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
@@ -29,10 +31,13 @@ class FileShapes:
         May be empty: many .blend files contain only materials or lights.
     problems : sequence of str
         A sentence for each part that could not be read.
+    notes : FileNotes
+        Objects that are no shapes, and files that it links.
     """
 
     shapes: Sequence[NewShape[Mesh]]
     problems: Sequence[str] = ()
+    notes: FileNotes = NO_NOTES
 
     @property
     def warnings(self) -> list[str]:
@@ -101,14 +106,17 @@ class ShapeReader:
         """
         shapes: list[NewShape[Mesh]] = []
         problems: list[str] = []
+        notes = FileNotes()
         for found in self.iterate(path):
             if isinstance(found, str):
                 problems.append(found)
+            elif isinstance(found, FileNotes):
+                notes = found
             else:
                 shapes.append(found)
-        return FileShapes(shapes, problems)
+        return FileShapes(shapes, problems, notes)
 
-    def iterate(self, path: str | Path) -> Iterator[NewShape[Mesh] | str]:
+    def iterate(self, path: str | Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
         """Read the shapes of a file one by one.
 
         Parameters
@@ -117,7 +125,7 @@ class ShapeReader:
 
         Yields
         ------
-        found : NewShape or str
+        found : NewShape, FileNotes or str
             A sentence for a part that could not be read.
 
         Raises
@@ -138,4 +146,11 @@ class ShapeReader:
 def _shape(found: MeshObject) -> NewShape[Mesh]:
     mesh, name = found.mesh, found.object_name
     places = [(name, matrix) for matrix in found.matrices]
-    return NewShape(mesh, mesh.name, name, placements=placements_of(mesh, places), warnings=found.warnings)
+    return NewShape(
+        mesh,
+        mesh.name,
+        name,
+        placements=placements_of(mesh, places),
+        warnings=found.warnings,
+        named_after_file=bool(name) and is_generic(name),
+    )

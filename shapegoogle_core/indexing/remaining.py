@@ -124,9 +124,7 @@ class RemainingTime:
         self._several = frozenset(several_shapes)
         self._kinds: defaultdict[str, _Kind] = defaultdict(_Kind)
         for path, size in files:
-            unread = self._kinds[_kind(path)].unread[_bin(size)]
-            unread.files += 1
-            unread.bytes += size
+            self.add(path, size)
         self._closed: set[Path] = set()
         self.shapes_done = 0
         self._last: float | None = None
@@ -137,6 +135,19 @@ class RemainingTime:
     def shapes_waiting(self) -> int:
         """Number of shapes that were read and have not been described."""
         return sum(self._kinds[ALL_KINDS].waiting.values())
+
+    def add(self, path: Path, size: int) -> None:
+        """Note that there is one more file to read.
+
+        Parameters
+        ----------
+        path : Path
+        size : int
+            In bytes.
+        """
+        unread = self._kinds[_kind(path)].unread[_bin(size)]
+        unread.files += 1
+        unread.bytes += size
 
     def read(self, path: Path, size: int, spent: Spent, meshes: Collection[int], now: float) -> None:
         """Note that a file was read, or could not be.

@@ -58,6 +58,16 @@ class ProgressTracker:
         self._remaining = RemainingTime([(path, sizes[path]) for path in changed], jobs, several_shapes)
         self.report()
 
+    def add(self, path: Path) -> None:
+        """Learn of a file that has to be opened too; its size is known by now.
+
+        Parameters
+        ----------
+        path : Path
+        """
+        if self._remaining is not None:
+            self._remaining.add(path, self._sizes[path])
+
     def passed_over(self, path: Path) -> None:
         """Note that a file need not be read, since its content is known, or cannot be.
 

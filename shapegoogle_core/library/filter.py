@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from shapegoogle_core.api.arguments import as_tuple, check_number, check_type
 from shapegoogle_core.library.evidence import KINDS, EvidenceKind
+from shapegoogle_core.library.origin import SHAPE_TYPES, ShapeType
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.placement import Placement
@@ -35,7 +36,8 @@ class Filter:
         Text that the name of the shape contains, ignoring case. With the wildcards ``*`` (any characters) and
         ``?`` (one character) it is a pattern for the whole name.
     text : str or None
-        As `name`, but in the name of the shape or anywhere in the path of its source.
+        As `name`, but in the name of the shape, its tags and its catalog, or anywhere in the path of its
+        source.
     folder : str or None
         Folder that the source of the shape lies in, or in a folder below it; absolute, or relative to the
         working directory.
@@ -44,6 +46,10 @@ class Filter:
         given to `Library.add`.
     tag : str or None
         One of the tags of the shape.
+    catalog : str or None
+        Path of an asset catalog, such as "Props/Chairs": the shape is in it, or in one below it.
+    shape_type : str or None
+        What the shape is in its file, one of `SHAPE_TYPES`, such as "collection".
     file_type : str or None
         Ending of the source's name, such as "blend" or ".stl", ignoring case.
     faces : (int or None, int or None) or None
@@ -83,6 +89,8 @@ class Filter:
     sources: tuple[str, ...] | None = None
     not_sources: tuple[str, ...] | None = None
     tag: str | None = None
+    catalog: str | None = None
+    shape_type: ShapeType | None = None
     file_type: str | None = None
     faces: Range | None = None
     size: Range | None = None
@@ -102,6 +110,7 @@ class Filter:
             ("text", self.text),
             ("folder", self.folder),
             ("tag", self.tag),
+            ("catalog", self.catalog),
             ("file_type", self.file_type),
         ):
             if text is not None and (not isinstance(text, str) or not text.strip()):
@@ -113,6 +122,9 @@ class Filter:
                 _check_range(field, limits)
         if self.kind is not None and self.kind not in KINDS:
             raise ValueError(f"there is no kind of evidence {self.kind!r}; choose one of {', '.join(KINDS)}")
+        if self.shape_type is not None and self.shape_type not in SHAPE_TYPES:
+            known = ", ".join(SHAPE_TYPES)
+            raise ValueError(f"there is no type of shape {self.shape_type!r}; choose one of {known}")
         if self.min_similarity is not None:
             check_number("min_similarity", self.min_similarity, most=1)
 
@@ -120,7 +132,8 @@ class Filter:
     def selects_shapes(self) -> bool:
         """Whether it has a condition that is known before the search: all but kind and similarity."""
         texts = (self.name, self.text, self.folder, self.sources, self.not_sources, self.tag, self.file_type)
-        return any(condition is not None for condition in (*texts, self.faces, self.size, self.area))
+        conditions = (*texts, self.catalog, self.shape_type, self.faces, self.size, self.area)
+        return any(condition is not None for condition in conditions)
 
     def accepts_area(self, area: float) -> bool:
         """Decide whether an area is in the range of the filter.

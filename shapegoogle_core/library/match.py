@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.library.evidence import Evidence
+from shapegoogle_core.library.origin import UNKNOWN, Origin
 from shapegoogle_core.library.placement import Placement
 
 if TYPE_CHECKING:
@@ -62,6 +63,10 @@ class Match:
         more.
     version_ids : tuple of int
         Their numbers, best first; see `Library.versions`.
+    tags : tuple of str
+        In alphabetical order.
+    origin : Origin
+        What it is in its file: its type, catalog and frame.
     evidence : Evidence or None
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     bag_distance : float or None
@@ -95,6 +100,8 @@ class Match:
     placement: Placement | None = None
     versions: int = 0
     version_ids: tuple[int, ...] = field(default=(), repr=False)
+    tags: tuple[str, ...] = ()
+    origin: Origin = UNKNOWN
     evidence: Evidence | None = None
     likeness: float | None = None
     bag_distance: float | None = field(default=None, compare=False, repr=False)
@@ -116,7 +123,7 @@ class Match:
             ``name``, ``source``, ``object_name``, ``similarity``, ``likeness`` (a number or None),
             ``distance``, ``evidence`` (an object or None) and ``placements`` (their number); ``placement``,
             the matrix of the object that fits best, row by row, where one was chosen; ``versions`` where a
-            family has any.
+            family has any; ``shape_type``, and where there are any, ``tags``, ``catalog`` and ``frame``.
         """
         record: dict[str, object] = {
             "name": self.name,
@@ -127,7 +134,14 @@ class Match:
             "distance": self.distance,
             "evidence": None if self.evidence is None else self.evidence.to_json(),
             "placements": self.placement_count,
+            "shape_type": self.origin.completed(self.object_name).shape_type,
         }
+        if self.tags:
+            record["tags"] = list(self.tags)
+        if self.origin.catalog:
+            record["catalog"] = self.origin.catalog
+        if self.origin.frame is not None:
+            record["frame"] = self.origin.frame
         if self.placement is not None:
             record["placement"] = self.placement.matrix.ravel().tolist()
         if self.versions:

@@ -69,6 +69,7 @@ def blender(addon: ModuleType, tmp_path: Path) -> Any:
     preferences.folders.clear()
     preferences.use_asset_libraries, preferences.use_scene = False, False
     preferences.objects, preferences.jobs, preferences.model = "ALL", 1, "DEFAULT"
+    preferences.frames = ""
     session = bpy.context.window_manager.shape_google
     for name in (
         "matches",

@@ -21,6 +21,7 @@ from benchmarks.experiments.files.facts import FloatArray, IntArray, measure
 from benchmarks.experiments.files.reading import BLENDER, BLENDER_SUFFIXES, PRODUCT, Limits, Parts, Reading
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.indexing.notes import FileNotes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.launching import cause_of_death
@@ -31,7 +32,7 @@ __all__ = ["find_blender", "read_through_blender"]
 
 # Seconds that Blender may take to start.
 START_LIMIT = 120.0
-READER_OF_THE_PRODUCT = Path(__file__).resolve().parents[3] / "blender_addon" / "library" / "reader.py"
+READER_OF_THE_PRODUCT = Path(__file__).resolve().parents[3] / "blender_addon" / "reading" / "reader.py"
 
 
 def find_blender(program: str | None) -> tuple[str, ...] | None:
@@ -116,8 +117,8 @@ class _AsTheProduct:
             for shape in self._process.read(path):
                 if isinstance(shape, str):
                     problems.append(shape)
-                    continue
-                parts += _placed(shape)
+                elif not isinstance(shape, FileNotes):
+                    parts += _placed(shape)
             status = "read" if parts else "nothing"
         except MeshError as error:
             status, parts, problems = "refused", [], [str(error)]

@@ -144,12 +144,14 @@ def shown_at(match: Match, placements: Sequence[Placement], position: int) -> Ma
     Returns
     -------
     match : Match
-        With the name of the object and the area of that placement.
+        With the name of the object and the area of that placement. A collection keeps its own name, under
+        which it is appended, whatever object shows it.
     """
     chosen = placements[position]
     before = placements[0] if match.placement is None else match.placement
     area = match.area * (chosen.scale / before.scale) ** 2
-    return replace(match, placement=chosen, object_name=chosen.object_name, area=area)
+    name = match.object_name if match.origin.shape_type == "collection" else chosen.object_name
+    return replace(match, placement=chosen, object_name=name, area=area)
 
 
 def _rank(evidence: Evidence) -> tuple[int, float]:

@@ -131,6 +131,8 @@ class Reranker:
                 face_count=record.face_count,
                 area=record.area,
                 placement_count=record.placement_count,
+                tags=record.tags,
+                origin=record.origin,
             )
             for number, (record, distance, similarity) in enumerate(
                 zip(records, distances[chosen], similarities, strict=True)

@@ -9,12 +9,23 @@ from dataclasses import dataclass
 from typing import Any
 
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.origin import ShapeType
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.roots.keys import source_keys
 from shapegoogle_core.library.roots.paths import path_key, relative_to, spellings
 from shapegoogle_core.library.storage.records import Root
 
-__all__ = ["NAME", "OBJECT_NAME", "PATH", "Dialect", "filter_conditions", "folded", "kept_by_area"]
+__all__ = [
+    "CATALOG",
+    "NAME",
+    "OBJECT_NAME",
+    "PATH",
+    "TAG",
+    "Dialect",
+    "filter_conditions",
+    "folded",
+    "kept_by_area",
+]
 
 WILDCARDS = {"*": "%", "?": "_"}
 
@@ -23,6 +34,12 @@ NAME = "name"
 
 OBJECT_NAME = "object_name"
 """Column of the names of placements."""
+
+TAG = "tag"
+"""Column of tags."""
+
+CATALOG = "catalog"
+"""Column of the paths of catalogs."""
 
 PATH = "(coalesce(roots.path || '/', '') || sources.path)"
 """Full path of a source."""
@@ -47,7 +64,7 @@ class Dialect:
     exactly_like : str
         The same for a folded column and a folded pattern.
     folded : callable
-        Makes the expression of `NAME`, `OBJECT_NAME` or `PATH` without differences of case.
+        Makes the expression of one of the columns above without differences of case.
     greatest : str
         Function that returns the largest of its arguments.
     """
@@ -76,7 +93,9 @@ def folded(name: str) -> str | None:
     return None if name.isascii() else name.casefold()
 
 
-def filter_conditions(where: Filter, roots: Sequence[Root], dialect: Dialect) -> Condition:
+def filter_conditions(
+    where: Filter, roots: Sequence[Root], dialect: Dialect, *, with_origins: bool = True
+) -> Condition:
     """Translate the conditions of a filter that are known before a search.
 
     Parameters
@@ -85,6 +104,8 @@ def filter_conditions(where: Filter, roots: Sequence[Root], dialect: Dialect) ->
     roots : sequence of Root
         Of the library.
     dialect : Dialect
+    with_origins : bool, optional
+        Whether the library has the table `origins`.
 
     Returns
     -------
@@ -93,7 +114,7 @@ def filter_conditions(where: Filter, roots: Sequence[Root], dialect: Dialect) ->
     parameters : tuple
         Values for its placeholders.
     """
-    conditions = list(_Conditions(roots, dialect).of(where))
+    conditions = list(_Conditions(roots, dialect, with_origins=with_origins).of(where))
     statement = " AND ".join(f"({condition})" for condition, _ in conditions)
     return statement or "TRUE", tuple(value for _, values in conditions for value in values)
 
@@ -136,7 +157,8 @@ def kept_by_area(
 class _Conditions:
     """Writes the conditions of a filter."""
 
-    def __init__(self, roots: Sequence[Root], dialect: Dialect) -> None:
+    def __init__(self, roots: Sequence[Root], dialect: Dialect, *, with_origins: bool) -> None:
+        self._with_origins = with_origins
         self._roots = roots
         self._dialect = dialect
 
@@ -156,6 +178,10 @@ class _Conditions:
         if where.tag is not None:
             tagged = f"id IN (SELECT shape_id FROM tags WHERE tag = {self._dialect.text})"
             yield tagged, (self._dialect.encoded(where.tag),)
+        if where.catalog is not None:
+            yield self._catalog(where.catalog)
+        if where.shape_type is not None:
+            yield self._shape_type(where.shape_type)
         if where.file_type is not None:
             yield self._type(where.file_type)
         if where.faces is not None:
@@ -192,10 +218,37 @@ class _Conditions:
         return f"source_id IN ({_SOURCES} WHERE {like})", (value,)
 
     def _text(self, text: str) -> Condition:
-        """Search a text in names, and in the full paths of sources."""
-        name, values = self._name(text)
+        """Search a text in names, tags and catalogs, and in the full paths of sources."""
+        condition, values = self._name(text)
         like, value = self._like(PATH, text)
-        return f"{name} OR source_id IN ({_SOURCES} WHERE {like})", (*values, value)
+        condition += f" OR source_id IN ({_SOURCES} WHERE {like})"
+        for table, column in (("tags", TAG), ("origins", CATALOG))[: 1 + self._with_origins]:
+            like, _ = self._like(column, text)
+            condition += f" OR id IN (SELECT shape_id FROM {table} WHERE {like})"
+        return condition, (*values, *[value] * (2 + self._with_origins))
+
+    def _catalog(self, catalog: str) -> Condition:
+        """Find shapes in a catalog or below it, ignoring the case of ASCII letters."""
+        if not self._with_origins:
+            return "FALSE", ()
+        path, text = catalog.strip().strip("/"), self._dialect.text
+        encoded = self._dialect.encoded
+        return (
+            f"id IN (SELECT shape_id FROM origins WHERE lower(catalog) = lower({text})"
+            f" OR lower(substr(catalog, 1, {self._dialect.value})) = lower({text}))",
+            (encoded(path), len(path) + 1, encoded(f"{path}/")),
+        )
+
+    def _shape_type(self, shape_type: ShapeType) -> Condition:
+        """Find shapes of a type; those without a row are objects, or files without an object name."""
+        plain = {"object": "object_name <> ''", "file": "object_name = ''"}.get(shape_type, "FALSE")
+        if not self._with_origins:
+            return plain, ()
+        return (
+            f"id IN (SELECT shape_id FROM origins WHERE shape_type = {self._dialect.text})"
+            f" OR ({plain} AND id NOT IN (SELECT shape_id FROM origins))",
+            (self._dialect.encoded(shape_type),),
+        )
 
     def _like(self, column: str, text: str) -> tuple[str, object]:
         """Compare whole texts with a pattern that has wildcards; else search the text anywhere in them."""

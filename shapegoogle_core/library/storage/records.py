@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
+from shapegoogle_core.library.origin import UNKNOWN, Origin
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.signature import ShapeSignature
@@ -46,6 +47,11 @@ class NewShape(Generic[Content]):
         A sentence for each part of the file that was left out. They are shown, and not stored.
     preview : bytes or None
         A small mesh to show, see `shapegoogle_core.rendering.make_preview`, once it is described.
+    origin : Origin
+        What it is in its file.
+    named_after_file : bool
+        Whether its name is made of that of its file, since its object has only the name that a program gave
+        it.
     """
 
     content: Content
@@ -57,6 +63,8 @@ class NewShape(Generic[Content]):
     up_axis: int | None = None
     warnings: tuple[str, ...] = ()
     preview: bytes | None = None
+    origin: Origin = UNKNOWN
+    named_after_file: bool = False
 
     @property
     def mesh(self: NewShape[Mesh]) -> Mesh:
@@ -96,6 +104,8 @@ class NewShape(Generic[Content]):
             self.up_axis,
             self.warnings,
             preview,
+            self.origin,
+            self.named_after_file,
         )
 
 
@@ -123,6 +133,8 @@ class ShapeRecord:
         In alphabetical order, each once.
     placement_count : int
         Number of objects that show the shape; 1 for a file without objects.
+    origin : Origin
+        What it is in its file; with a type.
     """
 
     shape_id: int
@@ -135,6 +147,7 @@ class ShapeRecord:
     extents: tuple[float, float, float] = (0.0, 0.0, 0.0)
     tags: tuple[str, ...] = ()
     placement_count: int = 1
+    origin: Origin = UNKNOWN
 
 
 class SourceKey(NamedTuple):

@@ -14,6 +14,7 @@ __all__ = ["OTHER_SUFFIXES", "SkippedFormat", "advice", "skipped_formats"]
 
 _CAD = "export from the CAD program as STL or 3MF, with a fine tolerance"
 _SCENE = "import into Blender and save as .blend, or export as glTF"
+_IMPORTED = "index with Blender and scripts/index_library.py, or export as glTF"
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,14 @@ _FORMATS = (
     _Format("IFC", (".ifc", ".ifczip"), "export as glTF or OBJ"),
     _Format("Rhino", (".3dm",), "export from Rhino as OBJ or STL"),
     _Format("SketchUp", (".skp",), "export from SketchUp as glTF or OBJ"),
-    _Format("FBX", (".fbx",), _SCENE),
-    _Format("COLLADA", (".dae",), _SCENE),
-    _Format("USD", (".usd", ".usda", ".usdc", ".usdz"), _SCENE),
-    _Format("Alembic", (".abc",), _SCENE),
+    _Format("FBX", (".fbx",), _IMPORTED),
+    _Format(
+        "COLLADA",
+        (".dae",),
+        "index with Blender 4.5 or earlier and scripts/index_library.py, or export as glTF",
+    ),
+    _Format("USD", (".usd", ".usda", ".usdc", ".usdz"), _IMPORTED),
+    _Format("Alembic", (".abc",), _IMPORTED),
     _Format("3D Studio", (".3ds", ".max"), "export from 3ds Max as glTF or OBJ"),
     _Format("Maya", (".ma", ".mb"), "export from Maya as glTF or OBJ"),
     _Format("Cinema 4D", (".c4d",), "export from Cinema 4D as glTF or OBJ"),
@@ -79,8 +84,8 @@ def advice(suffix: str) -> str:
     Examples
     --------
     >>> from shapegoogle_core.mesh.io.other_formats import advice
-    >>> advice(".fbx")
-    'is of the format FBX, which is not read here; import into Blender and save as .blend, or export as glTF'
+    >>> advice(".vtk")
+    'is of the format VTK, which is not read here; export the surface as PLY or STL'
     >>> advice(".txt")
     ''
     """

@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from shapegoogle_core.indexing import ShapeReader, describing
+from shapegoogle_core.indexing.notes import FileNotes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.rendering import thumbnail
 
 
-def read(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+def read(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
     """Do what the file's name says; other files are read as ever."""
     match path.stem:
         case "hangs":
@@ -41,14 +42,14 @@ def read(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
     return reader.iterate(path)
 
 
-def read_and_log(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+def read_and_log(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
     """Note beside the library which files were really read."""
     with (Path(os.environ["READ_LOG"])).open("a") as log:
         log.write(f"{path.name}\n")
     return reader.iterate(path)
 
 
-def read_then_hang(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+def read_then_hang(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
     """Read a file, and make this process hang when it describes a shape named "x2"."""
     draw = thumbnail
 
@@ -61,7 +62,7 @@ def read_then_hang(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] |
     return reader.iterate(path)
 
 
-def read_then_take_two_seconds(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | str]:
+def read_then_take_two_seconds(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
     """Read a file, and make this process take two seconds for each shape that it describes."""
     draw = thumbnail
 

@@ -43,7 +43,7 @@ def test_files_of_other_formats_are_told_apart(tmp_path: Path) -> None:
     assert find_meshes([tmp_path, tmp_path / "c"], lambda *_: None, on_skipped=skipped.append) == [mesh]
     assert sorted(skipped) == sorted(other)
     assert [each.sentence() for each in skipped_formats(skipped)] == [
-        "1 FBX file skipped: import into Blender and save as .blend, or export as glTF",
+        "1 FBX file skipped: index with Blender and scripts/index_library.py, or export as glTF",
         "2 STEP files skipped: export from the CAD program as STL or 3MF, with a fine tolerance",
     ]
     skipped.clear()

@@ -9,6 +9,7 @@ from typing import Any
 
 import psycopg
 
+from shapegoogle_core.library.origin import UNKNOWN
 from shapegoogle_core.library.storage.filter_conditions import folded
 from shapegoogle_core.library.storage.placement_rows import placement_rows
 from shapegoogle_core.library.storage.postgresql.adapters import Bits
@@ -45,6 +46,7 @@ _COLUMNS: dict[str, dict[str, str]] = {
         "extent_y": "float8",
         "extent_z": "float8",
     },
+    "origins": {"shape_id": "int8", "shape_type": "text", "catalog": "text", "frame": "int8"},
     "codes": {"shape_id": "int8", "code": "bit"},
     "local_words": {"shape_id": "int8", "code": "bit"},
     "view_codes": {"shape_id": "int8", "code": "bit"},
@@ -90,6 +92,9 @@ def rows_of_shape(shape_id: int, source_id: int | None, shape: NewShape[ShapeSig
     )
     for tag in dict.fromkeys(shape.tags):
         yield "tags", (shape_id, tag)
+    origin = shape.origin.completed(shape.object_name)
+    if origin != UNKNOWN.completed(shape.object_name):
+        yield "origins", (shape_id, origin.shape_type, origin.catalog, origin.frame)
     for position, placement, matrix, *extents in placement_rows(shape.placements, signature.extents):
         yield "placements", (shape_id, position, placement, folded(placement), matrix, *extents)
     for table, code in (

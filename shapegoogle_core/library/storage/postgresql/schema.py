@@ -76,6 +76,12 @@ CREATE TABLE IF NOT EXISTS placements (
     extent_z double precision NOT NULL,
     PRIMARY KEY (shape_id, position)
 );
+CREATE TABLE IF NOT EXISTS origins (
+    {_OF_SHAPE},
+    shape_type text NOT NULL,
+    catalog {_TEXT} NOT NULL,
+    frame bigint
+);
 CREATE TABLE IF NOT EXISTS codes ({_OF_SHAPE}, code {{codes}} NOT NULL);
 CREATE TABLE IF NOT EXISTS local_words ({_OF_SHAPE}, code {{local_words}} NOT NULL);
 CREATE TABLE IF NOT EXISTS view_codes ({_OF_SHAPE}, code {{view_codes}} NOT NULL);

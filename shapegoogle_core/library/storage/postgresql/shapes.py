@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.filter_conditions import (
+    CATALOG,
     NAME,
     OBJECT_NAME,
     PATH,
+    TAG,
     Dialect,
     filter_conditions,
     kept_by_area,
@@ -22,13 +24,15 @@ from shapegoogle_core.library.storage.filter_conditions import (
 from shapegoogle_core.library.storage.placement_rows import placements_from
 from shapegoogle_core.library.storage.postgresql.sources import SourceTable
 from shapegoogle_core.library.storage.records import ShapeRecord
-from shapegoogle_core.library.storage.shape_records import shape_records
+from shapegoogle_core.library.storage.shape_records import origins_from, shape_records
 
 __all__ = ["ShapeTable"]
 
 _FOLDED = {
     NAME: "coalesce(folded, lower(name))",
     OBJECT_NAME: "coalesce(folded, lower(object_name))",
+    TAG: "lower(tag)",
+    CATALOG: "lower(catalog)",
     PATH: (
         "(coalesce(coalesce(roots.folded, lower(roots.path)) || '/', '')"
         " || coalesce(sources.folded, lower(sources.path)))"
@@ -66,8 +70,11 @@ class ShapeTable(SourceTable):
         )
 
     def _with_tags(self, rows: list[tuple[Any, ...]]) -> list[ShapeRecord]:
-        tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", [row[0] for row in rows])
-        return shape_records(rows, tags)
+        shape_ids = [row[0] for row in rows]
+        tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
+        columns = "shape_id, shape_type, catalog, frame"
+        origins = self.rows_with_ids(f"SELECT {columns} FROM origins WHERE shape_id", shape_ids)
+        return shape_records(rows, tags, origins_from(origins))
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""

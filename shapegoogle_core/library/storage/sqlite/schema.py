@@ -5,7 +5,7 @@ A shape's row is spread over several tables, so that reading all codes touches a
 and neither bags and samples (kilobytes) nor thumbnails (tens of kilobytes).
 """
 
-__all__ = ["APPLICATION_ID", "EARLIER_FORMAT", "FORMAT", "SCHEMA", "SCHEMA_OF_KINDS"]
+__all__ = ["APPLICATION_ID", "EARLIER_FORMAT", "FORMAT", "SCHEMA", "SCHEMA_OF_KINDS", "SCHEMA_OF_ORIGINS"]
 
 # "SGLB": tells a library from any other SQLite database (the `file` command shows it).
 APPLICATION_ID = 0x53474C42
@@ -87,3 +87,14 @@ CREATE TRIGGER view_code_removed AFTER DELETE ON view_codes
 CREATE TABLE neighbours ({_OF_SHAPE}, ids BLOB NOT NULL, distances BLOB NOT NULL);
 """
 """Statements for what finds shapes of the same kind, new in format 8; written as `SCHEMA`."""
+
+SCHEMA_OF_ORIGINS = f"""
+CREATE TABLE IF NOT EXISTS origins (
+    {_OF_SHAPE},
+    shape_type TEXT NOT NULL,
+    catalog TEXT NOT NULL,
+    frame INTEGER
+);
+"""
+"""What shapes are in their files. Made when the first shape needs it; a shape without a row is an object, or
+a file if it has no object name, in no catalog."""

@@ -15,6 +15,7 @@ from shapegoogle_core.library.storage.placement_rows import placement_rows, plac
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
 from shapegoogle_core.library.storage.shape_records import shape_records
 from shapegoogle_core.library.storage.sqlite.database import encoded
+from shapegoogle_core.library.storage.sqlite.origins import OriginTable
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -37,7 +38,7 @@ DIALECT = Dialect(
 )
 
 
-class ShapeTable(SourceTable):
+class ShapeTable(OriginTable, SourceTable):
     """Records, surface samples and pictures of the shapes of a library file."""
 
     def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
@@ -64,6 +65,7 @@ class ShapeTable(SourceTable):
                 for position, name, *row in placement_rows(shape.placements, signature.extents)
             ],
         )
+        self.insert_origin(shape_id, shape.origin, shape.object_name)
         if signature.sample is not None:
             content = signature.sample.to_bytes()
             self.connection.execute("INSERT INTO samples VALUES (?, ?)", (shape_id, content))
@@ -77,11 +79,11 @@ class ShapeTable(SourceTable):
     def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
         """Return the records of some shapes, see `Store.shapes`."""
         rows = self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids)
+        origins = self.origins(shape_ids)
         if not self._has_tags():
-            return shape_records(rows, [])
-        return shape_records(
-            rows, self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
-        )
+            return shape_records(rows, [], origins)
+        tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
+        return shape_records(rows, tags, origins)
 
     def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
         """Return the records of the next shapes, see `Store.shapes_after`."""
@@ -91,11 +93,13 @@ class ShapeTable(SourceTable):
         tags = self.rows(
             "SELECT shape_id, tag FROM tags WHERE shape_id BETWEEN ? AND ?", rows[0][0], rows[-1][0]
         )
-        return shape_records(rows, tags)
+        return shape_records(rows, tags, self.origins([row[0] for row in rows]))
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
-        condition, parameters = filter_conditions(where, self.roots(), DIALECT)
+        condition, parameters = filter_conditions(
+            where, self.roots(), DIALECT, with_origins=self.has_origins()
+        )
         with self.explained():
             self.connection.create_function("fold_case", 1, _fold_case, deterministic=True)
         rows = self.rows(f"SELECT id, area FROM shapes WHERE {condition} ORDER BY id", *parameters)

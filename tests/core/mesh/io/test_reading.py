@@ -164,7 +164,7 @@ def test_unsupported_suffix(tmp_path: Path, name: str) -> None:
     [
         ("a.STEP", ("is of the format STEP", "export from the CAD program as STL or 3MF")),
         ("a.igs", ("is of the format IGES", "STL or 3MF")),
-        ("a.fbx", ("is of the format FBX", "import into Blender")),
+        ("a.fbx", ("is of the format FBX", "index with Blender")),
         ("a.blend", ("is of the format Blender", "scripts/index_library.py")),
     ],
 )

@@ -50,7 +50,7 @@ class SharedMeshes(Generic[Entry]):
     def __init__(self, objects: Iterable[Any]) -> None:
         self._users = Counter(_number(item) for item in objects)
         self._known: dict[tuple[Any, ...], bytes] = {}
-        self._entries: dict[tuple[int, bytes], list[tuple[list[float], Entry]]] = {}
+        self._entries: dict[tuple[Any, ...], list[tuple[list[float], Entry]]] = {}
 
     def is_shared(self, item: Any) -> bool:
         """Whether other objects have the same data."""
@@ -104,19 +104,28 @@ class SharedMeshes(Generic[Entry]):
         content : bytes
             From `content` or `read`.
         """
+        return self.find_by((_number(item), content), matrix) if content else None
+
+    def put(self, item: Any, matrix: Any, content: bytes, entry: Entry) -> None:
+        """Add an entry whose first placement is an object."""
+        if content:
+            self.put_by((_number(item), content), matrix, entry)
+
+    def find_by(self, key: tuple[Any, ...], matrix: Any) -> Entry | None:
+        """Return the entry of something with a key that is stretched as a matrix says, or None."""
         own = _stretch(matrix)
-        if own is None or not content:
+        if own is None:
             return None
-        for stretch, entry in self._entries.get((_number(item), content), ()):
+        for stretch, entry in self._entries.get(key, ()):
             if all(abs(one - other) <= SAME_SHAPE for one, other in zip(own, stretch, strict=True)):
                 return entry
         return None
 
-    def put(self, item: Any, matrix: Any, content: bytes, entry: Entry) -> None:
-        """Add an entry whose first placement is an object."""
+    def put_by(self, key: tuple[Any, ...], matrix: Any, entry: Entry) -> None:
+        """Add an entry under a key; see `find_by`."""
         own = _stretch(matrix)
-        if own is not None and content:
-            self._entries.setdefault((_number(item), content), []).append((own, entry))
+        if own is not None:
+            self._entries.setdefault(key, []).append((own, entry))
 
 
 def _recipe(item: Any) -> tuple[Any, ...] | None:
@@ -126,7 +135,9 @@ def _recipe(item: Any) -> tuple[Any, ...] | None:
     """
     # In old files a parent deforms its children without any modifier.
     deformed = item.parent is not None and item.parent_type in DEFORMING_PARENTS
-    if deformed or getattr(item.original.data, "shape_keys", None) is not None:
+    # Curves and the like may follow other objects.
+    known = item.type in ("MESH", "POINTCLOUD")
+    if deformed or not known or getattr(item.original.data, "shape_keys", None) is not None:
         return None
     recipe: list[Any] = [_number(item)]
     for modifier in item.modifiers:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The Blender that reads .blend and .fbx files: what it finds, what it refuses, what it leaves alone."""
+"""The Blender that reads and imports files: what it finds, what it refuses, what it leaves alone."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def test_modifiers_of_many_objects_are_computed_once(addon: ModuleType) -> None:
     """Blender computes them for each object: 300 subdivided ones took longer than a file may."""
     import importlib
 
-    meshes = importlib.import_module(f"{addon.__name__}.library.sharing")
+    meshes = importlib.import_module(f"{addon.__name__}.reading.sharing")
     first = add("A")
     first.modifiers.new("Subdivision", "SUBSURF").levels = 1
     first.modifiers.new("Mirror", "MIRROR")

@@ -1,0 +1,476 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From objects and their instances to shapes: which of them are one, and which are wholes of several meshes.
+
+Objects are known here by their numbers: while the open scene is read, they may be deleted. It imports nothing
+but Blender's vectors and its neighbours, since `reader` runs in a Blender without this add-on.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from mathutils import Matrix
+
+from .assets import catalog_of, tags_of
+from .instancers import Instance, is_carrier
+from .sharing import SharedMeshes
+
+__all__ = ["SHAPE_TYPES", "Assembly", "Entry", "Group", "Item", "State", "group_of", "item_of", "other_kind"]
+
+SHAPE_TYPES = {
+    "MESH": "object",
+    "POINTCLOUD": "point cloud",
+    "CURVE": "curve",
+    "FONT": "text",
+    "SURFACE": "surface",
+    "META": "metaball",
+}
+"""Types of objects that have a mesh once they are evaluated, and what their shapes are called."""
+
+# What objects without a mesh are called in the report.
+_OTHERS = {
+    "GPENCIL": "grease pencil",
+    "GREASEPENCIL": "grease pencil",
+    "CURVES": "hair object",
+    "LIGHT_PROBE": "light probe",
+}
+# Faces that a whole may have; the meshes in it are shapes of their own.
+_MOST_FACES = 2_000_000
+# Decimals of matrices within a scatter that count as equal.
+_DECIMALS = 4
+
+
+@dataclass(frozen=True)
+class Item:
+    """An object.
+
+    Attributes
+    ----------
+    uid : int
+        Its session number.
+    name : str
+    kind : str
+        What its shape is called; of an object that has none, how the report calls it.
+    has_mesh : bool
+        Whether its type has a mesh.
+    carries : bool
+        Whether it may instance others.
+    is_local : bool
+        Whether it is in the file, not in a linked one.
+    data : int
+        Session number of its data, 0 without any.
+    data_name : str
+    collection : int
+        Session number of the collection that it instances; 0 for none.
+    collection_name : str
+    tags : tuple of str
+    catalog : str
+    """
+
+    uid: int
+    name: str
+    kind: str
+    has_mesh: bool
+    carries: bool
+    is_local: bool
+    data: int
+    data_name: str
+    collection: int
+    collection_name: str
+    tags: tuple[str, ...]
+    catalog: str
+
+
+@dataclass(frozen=True)
+class Group:
+    """A collection.
+
+    Attributes
+    ----------
+    uid : int
+        Its session number.
+    name : str
+    is_local, is_asset : bool
+    offset : mathutils.Matrix
+        Where its instances have their origin.
+    members : frozenset of int
+        Session numbers of the objects in it that have a mesh.
+    tags : tuple of str
+    catalog : str
+    """
+
+    uid: int
+    name: str
+    is_local: bool
+    is_asset: bool
+    offset: Any
+    members: frozenset[int]
+    tags: tuple[str, ...]
+    catalog: str
+
+
+@dataclass(frozen=True)
+class State:
+    """An object's mesh at a frame.
+
+    Attributes
+    ----------
+    matrix : mathutils.Matrix
+        To the world.
+    content : bytes
+        See `SharedMeshes`.
+    mesh : int
+        Its number.
+    """
+
+    matrix: Any
+    content: bytes
+    mesh: int
+
+
+@dataclass
+class Entry:
+    """A shape on its way into the answer; see `shapegoogle_core.indexing.external_reader`."""
+
+    name: str
+    kind: str
+    parts: list[tuple[int, Any]]
+    names: list[str] = field(default_factory=list)
+    tags: list[str] = field(default_factory=list)
+    catalog: str = ""
+    frame: int | None = None
+    placements: list[tuple[str, Any]] = field(default_factory=list)
+
+    def take_asset(self, asset: Item | Group) -> None:
+        """Add the tags and the catalog of an asset that is this shape."""
+        self.tags += [tag for tag in asset.tags if tag not in self.tags]
+        self.catalog = self.catalog or asset.catalog
+
+    def to_json(self) -> dict[str, Any]:
+        """Convert to an object of the answer."""
+        return {
+            "name": self.name,
+            "type": self.kind,
+            "names": self.names,
+            "tags": self.tags,
+            "catalog": self.catalog,
+            "frame": self.frame,
+            "parts": [{"mesh": mesh, "matrix": _numbers(matrix)} for mesh, matrix in self.parts],
+            "placements": [{"object": name, "matrix": _numbers(matrix)} for name, matrix in self.placements],
+        }
+
+
+def item_of(item: Any, catalogs: Mapping[str, str]) -> Item:
+    """Note what is known of an object without its mesh.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    catalogs : mapping of str to str
+        See `assets.catalogs_for`.
+
+    Returns
+    -------
+    item : Item
+    """
+    data, collection = item.data, item.instance_collection
+    carries = is_carrier(item)
+    instances = carries and item.instance_type == "COLLECTION"
+    return Item(
+        uid=item.session_uid,
+        name=item.name,
+        kind=SHAPE_TYPES.get(item.type) or other_kind(item.type),
+        has_mesh=item.type in SHAPE_TYPES,
+        carries=carries,
+        is_local=item.library is None,
+        data=0 if data is None else data.session_uid,
+        data_name="" if data is None else data.name,
+        collection=collection.session_uid if instances else 0,
+        collection_name=collection.name if instances else "",
+        tags=tuple(tags_of(item)),
+        catalog=catalog_of(item, catalogs),
+    )
+
+
+def group_of(collection: Any, catalogs: Mapping[str, str]) -> Group:
+    """Note what is known of a collection.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+    catalogs : mapping of str to str
+
+    Returns
+    -------
+    group : Group
+    """
+    return Group(
+        uid=collection.session_uid,
+        name=collection.name,
+        is_local=collection.library is None,
+        is_asset=collection.asset_data is not None and collection.library is None,
+        offset=Matrix.Translation(collection.instance_offset),
+        members=frozenset(item.session_uid for item in collection.all_objects if item.type in SHAPE_TYPES),
+        tags=tuple(tags_of(collection)),
+        catalog=catalog_of(collection, catalogs),
+    )
+
+
+def other_kind(object_type: str) -> str:
+    """Say what an object without a mesh is, by its type in Blender."""
+    return _OTHERS.get(object_type, object_type.lower().replace("_", " "))
+
+
+class Assembly:
+    """Makes entries of objects and instances.
+
+    Parameters
+    ----------
+    items : iterable of Item
+        All objects of the file, and what they instance.
+    groups : iterable of Group
+        All collections.
+    meshes : SharedMeshes
+        That has read the objects.
+    faces : sequence of int
+        Number of faces of each mesh; it may still grow.
+    shown : collection of int
+        Numbers of the objects that are seen in a scene, not only as instances.
+    chosen : collection of int
+        Numbers of the objects that are shapes.
+
+    Attributes
+    ----------
+    entries : list of Entry
+    left_out : Counter
+        How many objects of each kind are no shapes.
+    """
+
+    def __init__(
+        self,
+        items: Iterable[Item],
+        groups: Iterable[Group],
+        meshes: SharedMeshes[Entry],
+        faces: Sequence[int],
+        shown: Collection[int],
+        chosen: Collection[int],
+    ) -> None:
+        self.entries: list[Entry] = []
+        self.left_out: Counter[str] = Counter()
+        self._items = {item.uid: item for item in items}
+        self._groups = list(groups)
+        self._assets = [group for group in self._groups if group.is_asset]
+        self._meshes = meshes
+        self._faces = faces
+        self._shown = frozenset(shown)
+        self._chosen = frozenset(chosen)
+        self._poses: defaultdict[int, list[Entry]] = defaultdict(list)
+        # Objects that are an asset collection on their own, and those that are seen as instances.
+        self._absorbed: set[int] = set()
+
+    def add_all(
+        self,
+        carriers: Sequence[Item],
+        instances: Mapping[int, Sequence[Instance]],
+        wholes: Mapping[int, Sequence[Instance]],
+        states: Mapping[int, State],
+    ) -> None:
+        """Add everything at the first frame.
+
+        Parameters
+        ----------
+        carriers : sequence of Item
+            The chosen objects that may instance others.
+        instances : mapping of int to sequence of Instance
+            By the number of the carrier.
+        wholes : mapping of int to sequence of Instance
+            What is in collections that are shapes, by their numbers.
+        states : mapping of int to State
+            Of all objects that could be read, by number.
+        """
+        instanced = {one.uid for own in instances.values() for one in own if one.mesh is None}
+        self._hidden = instanced - self._shown
+        used = {item.collection for item in carriers}
+        for group in self._assets:
+            if group.uid in wholes:
+                self._add_collection(group, wholes[group.uid], states, is_used=group.uid in used)
+        self.add_objects(states, None)
+        for carrier in carriers:
+            self._add_instances(carrier, instances.get(carrier.uid, ()), states)
+
+    def add_objects(self, states: Mapping[int, State], frame: int | None, first: int | None = None) -> None:
+        """Add the chosen objects; in a pose that it had before, an object gives nothing.
+
+        Parameters
+        ----------
+        states : mapping of int to State
+        frame : int or None
+            None if there is only one.
+        first : int, optional
+            The first frame, at which they were added before.
+        """
+        for uid in states:
+            if uid not in self._chosen or uid in self._hidden or uid in self._absorbed:
+                continue
+            item, state, poses = self._items[uid], states[uid], self._poses[uid]
+            entry = self._find(item, state.matrix, state.content)
+            if entry is not None and entry in poses:
+                continue
+            if entry is None:
+                entry = self._new_of(item, state)
+                self._put(item, state.matrix, state.content, entry)
+            entry.placements.append((item.name, state.matrix))
+            entry.take_asset(item)
+            poses.append(entry)
+            if len(poses) > 1:
+                entry.frame = frame
+                poses[0].frame = first if poses[0].frame is None else poses[0].frame
+
+    def _find(self, item: Item, matrix: Any, content: bytes) -> Entry | None:
+        return self._meshes.find_by((item.data, content), matrix) if content else None
+
+    def _put(self, item: Item, matrix: Any, content: bytes, entry: Entry) -> None:
+        if content:
+            self._meshes.put_by((item.data, content), matrix, entry)
+
+    def _new(self, entry: Entry) -> Entry:
+        self.entries.append(entry)
+        return entry
+
+    def _new_of(self, item: Item, state: State) -> Entry:
+        """Make the entry of an object's mesh."""
+        entry = self._new(Entry(item.name, item.kind, [(state.mesh, Matrix())]))
+        inside = [group.name for group in self._assets if item.uid in group.members]
+        entry.names = [item.data_name, *(f"{name} ({item.name})" for name in inside)]
+        entry.take_asset(item)
+        return entry
+
+    def _add_collection(
+        self, group: Group, own: Sequence[Instance], states: Mapping[int, State], *, is_used: bool
+    ) -> None:
+        """Add a collection that is an asset."""
+        base = group.offset
+        parts = self._parts(own, base, states)
+        if not parts:
+            self.left_out["empty collection"] += 1
+            return
+        if len(parts) == 1:
+            # The only object of the collection is no shape besides it.
+            one = next(one for one in own if one.mesh is not None or one.uid in states)
+            entry, base = self._entry_of(one, states), one.matrix
+            self._absorbed.add(one.uid)
+        else:
+            whole = self._whole(("collection", group.uid), parts, base)
+            if whole is None:
+                return
+            entry = whole
+        entry.name, entry.kind, entry.names = group.name, "collection", []
+        if not is_used or group.members & self._shown:
+            entry.placements.append((group.name, base))
+        entry.take_asset(group)
+
+    def _add_instances(self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]) -> None:
+        """Add what an object instances, and the whole that it shows."""
+        own = [one for one in own if one.mesh is not None or one.uid in states]
+        if not own:
+            if not carrier.has_mesh:
+                self.left_out["empty"] += 1
+            return
+        state = states.get(carrier.uid)
+        base = own[0].base if state is None else state.matrix
+        parts = self._parts(own, base, states)
+        if state is not None:
+            parts.append((state.mesh, Matrix()))
+        if len(parts) == 1:
+            entry = self._entry_of(own[0], states)
+            # An object that shows nothing else is what an artist selects and appends.
+            entry.placements.append((carrier.name, own[0].matrix))
+            entry.names.append(carrier.name)
+            entry.take_asset(carrier)
+            return
+        for one in own:
+            # What is linked is a shape of its own file.
+            if self._items[one.uid].is_local and (one.mesh is not None or one.uid in self._chosen):
+                entry = self._entry_of(one, states)
+                entry.placements.append((entry.name, one.matrix))
+        if carrier.collection:
+            key: tuple[Any, ...] = ("collection", carrier.collection)
+        else:
+            self._add_groups(carrier, own, states)
+            rounded = [
+                (mesh, *(round(number, _DECIMALS) for number in _numbers(matrix))) for mesh, matrix in parts
+            ]
+            key = ("scatter", tuple(sorted(rounded)))
+        whole = self._whole(key, parts, base)
+        if whole is None:
+            return
+        if not whole.name:
+            whole.name, whole.kind = carrier.name, "instance" if carrier.collection else "scatter"
+            whole.names = [carrier.collection_name] if carrier.collection else []
+        whole.placements.append((carrier.name, base))
+        whole.take_asset(carrier)
+
+    def _entry_of(self, one: Instance, states: Mapping[int, State]) -> Entry:
+        """Return the entry of the mesh that is instanced, a new one if there is none."""
+        item = self._items[one.uid]
+        if one.mesh is not None:
+            key = ("mesh", one.mesh)
+            entry = self._meshes.find_by(key, one.matrix)
+            if entry is None:
+                entry = self._new(Entry(item.name, "object", [(one.mesh, Matrix())]))
+                self._meshes.put_by(key, one.matrix, entry)
+            return entry
+        state = states[one.uid]
+        entry = self._find(item, one.matrix, state.content)
+        if entry is None:
+            entry = self._new_of(item, state)
+            self._put(item, one.matrix, state.content, entry)
+        return entry
+
+    def _add_groups(self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]) -> None:
+        """Count what is instanced as one, collections of several objects, as uses of these."""
+        together: defaultdict[tuple[int, ...], list[Instance]] = defaultdict(list)
+        for one in own:
+            if one.mesh is None:
+                together[one.group].append(one)
+        for some in together.values():
+            members = frozenset(one.uid for one in some)
+            group = next((group for group in self._groups if group.members == members), None)
+            if group is None or not group.is_local or not 1 < len(members) == len(some):
+                continue
+            first = states[some[0].uid].matrix
+            base = some[0].matrix @ first.inverted_safe() @ group.offset
+            entry = self._whole(("collection", group.uid), self._parts(some, base, states), base)
+            if entry is not None:
+                if not entry.name:
+                    entry.name, entry.kind = group.name, "collection"
+                entry.placements.append((carrier.name, base))
+
+    def _parts(
+        self, own: Iterable[Instance], base: Any, states: Mapping[int, State]
+    ) -> list[tuple[int, Any]]:
+        """List the meshes of a whole, each with its matrix in the space of the whole."""
+        back = base.inverted_safe()  # of a flat one approximately
+        return [
+            (states[one.uid].mesh if one.mesh is None else one.mesh, back @ one.matrix)
+            for one in own
+            if one.mesh is not None or one.uid in states
+        ]
+
+    def _whole(self, key: tuple[Any, ...], parts: list[tuple[int, Any]], base: Any) -> Entry | None:
+        """Return the entry of a whole, a new one without a name if there is none; None if it is too large."""
+        if sum(self._faces[mesh] for mesh, _ in parts) > _MOST_FACES:
+            self.left_out["oversized whole"] += 1
+            return None
+        entry = self._meshes.find_by(key, base)
+        if entry is None:
+            entry = self._new(Entry("", "", parts))
+            self._meshes.put_by(key, base, entry)
+        return entry
+
+
+def _numbers(matrix: Any) -> list[float]:
+    return [number for row in matrix for number in row]
