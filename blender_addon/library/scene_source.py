@@ -195,6 +195,9 @@ class SceneIndexing:
             if isinstance(found, str):
                 self._failed.append((open_source(), found))
             elif not isinstance(found, FileNotes):
+                if found.named_after_file and is_unsaved(open_source()):
+                    # The name of a file that was never saved says nothing.
+                    found = replace(found, name=found.object_name, named_after_file=False)
                 self._tasks[jobs.worker().submit(describe, self._library, found)] = found.name
 
     def _read(self, item: Any, depsgraph: Any) -> None:
@@ -289,13 +292,9 @@ class SceneIndexing:
         # First, since a file saved meanwhile is another source than before.
         take_over()
         source = open_source()
-        shapes = []
         known = state.current().library.objects
         uids = {item.name: item.uid for item in self._items.values() if item.is_local}
         for shape in self._described:
-            # A file that was never saved has no name that says more.
-            named = shape.named_after_file and is_unsaved(source)
-            shapes.append(replace(shape, name=shape.object_name) if named else shape)
             for placement in shape.placements:
                 if placement.object_name in uids:
                     known[source, placement.object_name] = uids[placement.object_name]
@@ -308,13 +307,13 @@ class SceneIndexing:
                 size = Path(source).stat().st_size
             # Without a time or a hash: what is indexed is not what is in the file, which is read again when
             # its folder is indexed.
-            library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=shapes)
+            library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=self._described)
             count = len(library)
         self._resources.close()
         left_out = tuple(LeftOut(kind, number) for kind, number in self._left_out.items() if number)
         return IndexSummary(
             added=1,
-            added_shapes=len(shapes),
+            added_shapes=len(self._described),
             failed=tuple(self._failed),
             left_out=total_left_out(left_out),
             library_shapes=count,

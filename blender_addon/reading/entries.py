@@ -18,7 +18,18 @@ from .assets import catalog_of, tags_of
 from .instancers import Instance, is_carrier
 from .sharing import SharedMeshes
 
-__all__ = ["SHAPE_TYPES", "Assembly", "Entry", "Group", "Item", "State", "group_of", "item_of", "other_kind"]
+__all__ = [
+    "MOST_FACES",
+    "SHAPE_TYPES",
+    "Assembly",
+    "Entry",
+    "Group",
+    "Item",
+    "State",
+    "group_of",
+    "item_of",
+    "other_kind",
+]
 
 SHAPE_TYPES = {
     "MESH": "object",
@@ -30,6 +41,9 @@ SHAPE_TYPES = {
 }
 """Types of objects that have a mesh once they are evaluated, and what their shapes are called."""
 
+MOST_FACES = 2_000_000
+"""Faces that a whole may have; the meshes in it are shapes of their own."""
+
 # What objects without a mesh are called in the report.
 _OTHERS = {
     "GPENCIL": "grease pencil",
@@ -37,8 +51,6 @@ _OTHERS = {
     "CURVES": "hair object",
     "LIGHT_PROBE": "light probe",
 }
-# Faces that a whole may have; the meshes in it are shapes of their own.
-_MOST_FACES = 2_000_000
 # Decimals of matrices within a scatter that count as equal.
 _DECIMALS = 4
 
@@ -462,7 +474,7 @@ class Assembly:
 
     def _whole(self, key: tuple[Any, ...], parts: list[tuple[int, Any]], base: Any) -> Entry | None:
         """Return the entry of a whole, a new one without a name if there is none; None if it is too large."""
-        if sum(self._faces[mesh] for mesh, _ in parts) > _MOST_FACES:
+        if sum(self._faces[mesh] for mesh, _ in parts) > MOST_FACES:
             self.left_out["oversized whole"] += 1
             return None
         entry = self._meshes.find_by(key, base)

@@ -117,9 +117,10 @@ class SceneObjects:
         if self._by_count is None:
             self._by_count = defaultdict(list)
             for item in shape_objects(self._objects):
-                data = item.evaluated_get(depsgraph).data
-                points = data.points if item.type == "POINTCLOUD" else data.vertices
-                self._by_count[len(points)].append(item)
+                if item.type in ("MESH", "POINTCLOUD"):  # others are found by their names alone
+                    data = item.evaluated_get(depsgraph).data
+                    points = data.points if item.type == "POINTCLOUD" else data.vertices
+                    self._by_count[len(points)].append(item)
         return [
             item
             for item in self._by_count[sought.vertex_count]

@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reading.entries import MOST_FACES, SHAPE_TYPES
+from ..reading.instancers import collect_instances, is_carrier
 from . import mesh_arrays
 from .selection import joined_name, mesh_objects, meshes_of, query_objects
 
@@ -185,7 +187,7 @@ def _without_parts(chosen: Sequence[Any], context: Any) -> list[Any]:
     return [
         item
         for item in chosen
-        if item.type in ("MESH", "POINTCLOUD") or not selected.intersection(meshes_of(item, context))
+        if item.type in SHAPE_TYPES or not selected.intersection(meshes_of(item, context))
     ]
 
 
@@ -193,8 +195,11 @@ def _seen(item: Any, context: Any, depsgraph: Any) -> list[Mesh]:
     """Mesh of an object as it is seen; of a rig, a lattice or an empty, that of its meshes joined."""
     from shapegoogle_core import MeshError
 
-    if item.type in ("MESH", "POINTCLOUD"):
-        return [evaluated_mesh(item, depsgraph)]
+    if item.type in SHAPE_TYPES:
+        own = _placed(item, depsgraph)
+        # What it instances is what is seen of it, too.
+        others = _instanced(item, depsgraph) if is_carrier(item) else []
+        return [_core_mesh(item.name, [own, *others] if len(own[0]) else others)]
     if item.instance_type == "COLLECTION":
         parts = _instanced(item, depsgraph)
     else:
@@ -207,14 +212,37 @@ def _seen(item: Any, context: Any, depsgraph: Any) -> list[Mesh]:
 
 
 def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, FloatArray]]:
-    """Arrays of all meshes that a collection instance shows, also in nested ones, each where it is seen."""
-    # What the iterator gives lasts only until its next step.
-    shown = [
-        (instance.object.original, np.array(instance.matrix_world, np.float64))
-        for instance in depsgraph.object_instances
-        if instance.is_instance and instance.parent is not None and instance.parent.original == item
-    ]
-    return [(*evaluated_arrays(part, depsgraph), matrix) for part, matrix in shown if part.type == "MESH"]
+    """Arrays of all meshes that an object instances, also in nested collections, each where it is seen.
+
+    Raises
+    ------
+    MeshError
+        If they have too many faces.
+    """
+    from shapegoogle_core import MeshError
+
+    parts: list[tuple[FloatArray, IntArray]] = []
+    shown: list[tuple[int, FloatArray]] = []
+    numbers: dict[int, int] = {}
+    faces = 0
+
+    def read(evaluated: Any) -> int:
+        pointer = evaluated.data.as_pointer()
+        if pointer not in numbers:
+            numbers[pointer] = len(parts)
+            parts.append(_evaluated_arrays(evaluated))
+        return numbers[pointer]
+
+    found = collect_instances(depsgraph, SHAPE_TYPES, read, lambda _item: False)
+    for instance in found.of.get(item.session_uid, []):
+        if instance.mesh is not None:
+            shown.append((instance.mesh, np.array(instance.matrix, np.float64)))
+            faces += len(parts[instance.mesh][1])
+    if faces > MOST_FACES:
+        raise MeshError(
+            f"{item.name!r} shows {faces:,} faces, more than one query may have; select what it instances"
+        )
+    return [(*parts[number], matrix) for number, matrix in shown]
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:
@@ -277,11 +305,16 @@ def evaluated_arrays(item: Any, depsgraph: Any) -> tuple[FloatArray, IntArray]:
     vertices, faces : (n, 3) array of float64, (m, 3) array of int32
         Of a wire, edges without any face, no vertices either.
     """
-    evaluated = item.evaluated_get(depsgraph)
+    return _evaluated_arrays(item.evaluated_get(depsgraph))
+
+
+def _evaluated_arrays(evaluated: Any) -> tuple[FloatArray, IntArray]:
     if evaluated.type == "POINTCLOUD":
         points = mesh_arrays.read(evaluated.data.points, "co", 3, np.float32).astype(np.float64)
         return points, np.empty((0, 3), np.int32)
     data = evaluated.to_mesh()
+    if data is None:
+        return np.empty((0, 3)), np.empty((0, 3), np.int32)
     try:
         vertices, faces = _arrays(data)
         if len(data.edges) and not len(faces):

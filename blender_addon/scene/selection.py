@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from ..reading.entries import SHAPE_TYPES
+
 __all__ = [
     "CARRIERS",
     "asset_tags",
@@ -28,8 +30,8 @@ def mesh_objects(objects: Sequence[Any]) -> list[Any]:
 
 
 def shape_objects(objects: Sequence[Any]) -> list[Any]:
-    """Return the objects that may be shapes, meshes and point clouds, in the same order."""
-    return [item for item in objects if item.type in ("MESH", "POINTCLOUD")]
+    """Return the objects that may be shapes, such as meshes, point clouds and curves, in the same order."""
+    return [item for item in objects if item.type in SHAPE_TYPES]
 
 
 def query_objects(objects: Sequence[Any]) -> list[Any]:
@@ -42,9 +44,9 @@ def query_objects(objects: Sequence[Any]) -> list[Any]:
     Returns
     -------
     items : list of bpy.types.Object
-        Meshes, point clouds, and rigs, lattices and empties, whose meshes `meshes_of` finds.
+        Objects that may be shapes, and rigs, lattices and empties, whose meshes `meshes_of` finds.
     """
-    return [item for item in objects if item.type in ("MESH", "POINTCLOUD", *CARRIERS)]
+    return [item for item in objects if item.type in SHAPE_TYPES or item.type in CARRIERS]
 
 
 def searched_objects(context: Any) -> frozenset[int]:

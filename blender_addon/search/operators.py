@@ -59,19 +59,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         future = self._ask(context)
         if future is None:
             return {"CANCELLED"}
-        started = time.monotonic()
-
-        def failed(error: BaseException) -> None:
-            if state.current().search.waiting is future:
-                drop_answer(bpy.context, str(error))
-
-        def done(answer: Answer) -> None:
-            if state.current().search.waiting is future:  # else it was cancelled as it ended
-                state.current().search.waiting = None
-                show_answer(bpy.context, answer, time.monotonic() - started)
-                explain_matches(answer)
-
-        jobs.watch(future, done, failed)
+        _show_when_done(future)
         return {"FINISHED"}
 
     def execute(self, context: Any) -> set[str]:
@@ -117,16 +105,58 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
                 self.report({"ERROR"}, str(error))
                 return None
             meshes = []
-        search = state.current().search
-        search.unlike = [(example.shape_id, example.name) for example in unlike]
-        future = _submit(context, meshes, [(example.shape_id, example.name) for example in like])
-        search.waiting, search.searched, search.refine_at = future, searched_objects(context), 0.0
-        session.searching = True
-        session.query = joined_name([shape.name for shape in (*meshes, *like)])
+        state.current().search.unlike = [(example.shape_id, example.name) for example in unlike]
+        title = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:
-            session.query += f", not like {joined_name([example.name for example in unlike])}"
-        search.before, session.answer = session.answer, f"Searching for {session.query} …"
-        return future
+            title += f", not like {joined_name([example.name for example in unlike])}"
+        stored = [(example.shape_id, example.name) for example in like]
+        return _begin(context, meshes, stored, title, searched_objects(context))
+
+
+def search_with(context: Any, shape: tuple[int, str]) -> None:
+    """Search with a shape of the library, in the worker process.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    shape : (int, str)
+        Its id and name.
+    """
+    state.current().search.unlike = []
+    _show_when_done(_begin(context, [], [shape], shape[1], frozenset()))
+
+
+def _begin(
+    context: Any,
+    meshes: Sequence[Any],
+    stored: Sequence[tuple[int, str]],
+    title: str,
+    searched: frozenset[int],
+) -> Future[Answer]:
+    """Have the worker search, and say so."""
+    session, search = session_of(context), state.current().search
+    future = _submit(context, meshes, stored)
+    search.waiting, search.searched, search.refine_at = future, searched, 0.0
+    session.searching, session.query = True, title
+    search.before, session.answer = session.answer, f"Searching for {title} …"
+    return future
+
+
+def _show_when_done(future: Future[Answer]) -> None:
+    """Show the answer once it is there."""
+    started = time.monotonic()
+
+    def failed(error: BaseException) -> None:
+        if state.current().search.waiting is future:
+            drop_answer(bpy.context, str(error))
+
+    def done(answer: Answer) -> None:
+        if state.current().search.waiting is future:  # else it was cancelled as it ended
+            state.current().search.waiting = None
+            show_answer(bpy.context, answer, time.monotonic() - started)
+            explain_matches(answer)
+
+    jobs.watch(future, done, failed)
 
 
 def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]] = ()) -> Future[Answer]:

@@ -31,6 +31,7 @@ __all__ = [
     "explain",
     "library_duplicates",
     "library_state",
+    "open_library",
     "query",
     "versions",
     "warm_up",
@@ -398,6 +399,11 @@ def library_state(path: Path, shown: Sequence[ShownShape] = ()) -> LibraryState:
         If the library cannot be opened or read.
     """
     return state_of(path, _SESSION.library(path) if path.is_file() else None, shown)
+
+
+def open_library(path: Path) -> Library:
+    """Open a library to read, or return the one that this process has open; see `Session.library`."""
+    return _SESSION.library(path)
 
 
 def warm_up() -> None:

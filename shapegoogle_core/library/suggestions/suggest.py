@@ -14,8 +14,8 @@ from shapegoogle_core.library.suggestions.words import name_words
 
 __all__ = ["RELATIVES", "Suggestion", "SuggestionKind", "suggestions_from"]
 
-SuggestionKind: TypeAlias = Literal["tag", "folder", "word"]
-"""A tag of relatives, the name of the folder that their files lie in, or a word of their names."""
+SuggestionKind: TypeAlias = Literal["tag", "catalog", "folder", "word"]
+"""A tag or catalog of relatives, the name of the folder that their files lie in, or a word of their names."""
 
 RELATIVES = 8
 """Number of nearest relatives that vote by default."""
@@ -32,8 +32,9 @@ class Suggestion:
 
     Attributes
     ----------
-    kind : {"tag", "folder", "word"}
-        A tag of relatives, the name of the folder that their files lie in, or a word of their names.
+    kind : {"tag", "catalog", "folder", "word"}
+        A tag or asset catalog of relatives, the name of the folder that their files lie in, or a word of
+        their names.
     text : str
         As it is in the library.
     confidence : float
@@ -103,6 +104,8 @@ def suggestions_from(relatives: Sequence[ShapeRecord], distances: Sequence[float
 def _choices(record: ShapeRecord) -> set[tuple[SuggestionKind, str]]:
     """List everything a relative votes for."""
     choices: set[tuple[SuggestionKind, str]] = {("tag", tag) for tag in record.tags}
+    if record.origin.catalog:
+        choices.add(("catalog", record.origin.catalog))
     folder = PurePath(record.source).parent.name
     if folder:
         choices.add(("folder", folder))

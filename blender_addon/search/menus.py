@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""*Find Similar* where artists look for it: in the context menus, and as a shortcut."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..preferences import preferences
+from ..state import session_of
+from .operators import search_with
+
+__all__ = ["KEYMAP", "register", "unregister"]
+
+KEYMAP = ("3D View", "VIEW_3D")
+"""Key map of the shortcut, and the editor that it works in."""
+
+# Menus and the operator that they get.
+_MENUS = {
+    "VIEW3D_MT_object_context_menu": "shape_google.find_similar",
+    "VIEW3D_MT_edit_mesh_context_menu": "shape_google.find_similar",
+    "OUTLINER_MT_object": "shape_google.find_similar",
+    "ASSETBROWSER_MT_context_menu": "shape_google.find_similar_asset",
+}
+# An asset may be marked in the open file, as one of these.
+_TYPES = ("OBJECT", "COLLECTION")
+
+
+class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
+    """Find shapes like an asset."""
+
+    bl_idname = "shape_google.find_similar_asset"
+    bl_label = "Find Similar"
+    bl_description = (
+        "Find the shapes of the library that are most like the active asset; the matches are shown in the "
+        "sidebar of the 3D view"
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that an asset is active that can be a shape."""
+        asset = getattr(context, "asset", None)
+        if asset is None or asset.id_type not in _TYPES:
+            cls.poll_message_set("Choose an object or a collection among the assets")
+            return False
+        if session_of(context).searching:
+            cls.poll_message_set("A search runs already")
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Search with the shape that the asset is in the library."""
+        from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core.worker.assets import shape_of
+
+        from .. import jobs
+
+        asset = context.asset
+        source = asset.full_library_path or bpy.data.filepath
+        library = preferences(context).library_path()
+        find = partial(shape_of, is_collection=asset.id_type == "COLLECTION")
+        try:
+            found = jobs.worker().submit(find, library, source, asset.name).result()
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if found is None:
+            where = Path(source).name or "the open file"
+            self.report(
+                {"ERROR"},
+                f"{asset.name!r} of {where} is not in the library; Index Library with its folder first",
+            )
+            return {"CANCELLED"}
+        search_with(context, found)
+        self.report({"INFO"}, f"Searching for {found[1]}; the matches are in the sidebar of the 3D view")
+        return {"FINISHED"}
+
+
+def _draw_find_similar(self: Any, _context: Any) -> None:
+    _draw(self.layout, "shape_google.find_similar")
+
+
+def _draw_find_similar_asset(self: Any, _context: Any) -> None:
+    _draw(self.layout, "shape_google.find_similar_asset")
+
+
+_DRAW = {
+    "shape_google.find_similar": _draw_find_similar,
+    "shape_google.find_similar_asset": _draw_find_similar_asset,
+}
+
+
+def _draw(layout: Any, operator: str) -> None:
+    layout.separator()
+    layout.operator_context = "INVOKE_DEFAULT"
+    layout.operator(operator, icon="VIEWZOOM")
+
+
+_register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_find_similar_asset,))
+
+
+def register() -> None:
+    """Register the operator, the entries of menus and the shortcut."""
+    _register()
+    for menu, operator in _MENUS.items():
+        getattr(bpy.types, menu).append(_DRAW[operator])
+    keys = bpy.context.window_manager.keyconfigs.addon
+    if keys is not None:  # not in the background
+        name, space = KEYMAP
+        keymap = keys.keymaps.new(name=name, space_type=space)
+        keymap.keymap_items.new("shape_google.find_similar", "F", "PRESS", ctrl=True, shift=True, alt=True)
+
+
+def unregister() -> None:
+    """Remove the shortcut, the entries of menus and the operator."""
+    keys = bpy.context.window_manager.keyconfigs.addon
+    if keys is not None and KEYMAP[0] in keys.keymaps:
+        keymap = keys.keymaps[KEYMAP[0]]
+        for entry in [entry for entry in keymap.keymap_items if entry.idname == "shape_google.find_similar"]:
+            keymap.keymap_items.remove(entry)
+    for menu, operator in _MENUS.items():
+        getattr(bpy.types, menu).remove(_DRAW[operator])
+    _unregister()
