@@ -108,7 +108,7 @@ class SceneIndexing:
             if group.is_asset and group.members & seen
         }
         self._items = {uid: item_of(item, catalogs) for uid, item in every.items()}
-        listed = [self._items[item.session_uid] for item in sorted(shown, key=lambda item: item.name)]
+        listed = [self._items[item.session_uid] for item in shown]
         self._chosen = [item.uid for item in listed if item.has_mesh]
         self._carriers = [item for item in listed if item.carries]
         self._left_out.update(item.kind for item in listed if not item.has_mesh and not item.carries)

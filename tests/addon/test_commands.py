@@ -89,7 +89,9 @@ def test_index_and_query(folder: Path, tmp_path: Path) -> None:
     monkey, torus, gone = map(json.loads, stdout.strip().splitlines())
     assert (monkey["query"], monkey["object"], torus["object"]) == (str(query), "Suzanne", "Torus")
     assert [match["name"] for match in monkey["matches"]] == ["Suzanne", "Suzanne"]
-    assert [match["name"] for match in torus["matches"]] == ["Torus", "Torus"]
+    # Nobody named it, so its file says more.
+    assert [match["name"] for match in torus["matches"]] == ["copy (Torus)", "two (Torus)"]
+    assert [match["object_name"] for match in torus["matches"]] == ["Torus", "Torus"]
     assert gone["matches"] == []
     assert "gone.blend" in stderr
     assert digests(folder) == before
