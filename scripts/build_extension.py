@@ -2,10 +2,12 @@
 """Build the Blender extension: zips in `dist` for "Install from Disk", with all packages they need inside.
 
     python3 scripts/build_extension.py [--platform linux-x64|windows-x64|macos-arm64 … | --all]
-                                       [--python 3.11|3.13 …]
+                                       [--python 3.11|3.13 …] [--repository]
 
 One zip for each platform and Python: Blender 4.2 to 5.0 has Python 3.11, later ones 3.13. For the platform of
 this machine if none is named, and for both Pythons. Blender's own extension tool checks and packs them.
+With --repository they also go to `dist/repository`, with the index by which Blender installs and updates them
+from a web server (Preferences › Get Extensions › Repositories).
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ import argparse
 import hashlib
 import itertools
 import os
-import re
 import shutil
 import sys
 import tempfile
@@ -30,7 +31,10 @@ __all__ = ["build", "main"]
 
 ADDON = bootstrap.ROOT / "blender_addon"
 MANIFEST = "blender_manifest.toml"
+EXTENSION = "shape_google"
+VERSION_FILE = Path("shapegoogle_core") / "__init__.py"
 DIST = bootstrap.ROOT / "dist"
+REPOSITORY = DIST / "repository"
 CACHE = bootstrap.ROOT / ".cache"
 WHEELS = CACHE / "wheels"
 STAGES = CACHE / "extension"
@@ -93,13 +97,19 @@ def zip_path(platform: str, python: str) -> Path:
     path : Path
         `dist/shape_google-VERSION-PLATFORM-cpNNN.zip`.
     """
-    import tomllib  # here, since an older Python must get as far as reporting that it is too old
+    tag = wheels.python_tag(python)
+    return DIST / f"{EXTENSION}-{version()}-{platform.replace('-', '_')}-{tag}.zip"
 
-    manifest = tomllib.loads((ADDON / MANIFEST).read_text(encoding="utf-8"))
-    name = (
-        f"{manifest['id']}-{manifest['version']}-{platform.replace('-', '_')}-{wheels.python_tag(python)}.zip"
-    )
-    return DIST / name
+
+def version() -> str:
+    """Read the version of the project.
+
+    Returns
+    -------
+    version : str
+    """
+    text = (bootstrap.ROOT / VERSION_FILE).read_text(encoding="utf-8")
+    return text.partition('__version__ = "')[2].partition('"')[0]
 
 
 def fill(stage: Path, platform: str, python: str) -> None:
@@ -117,16 +127,18 @@ def fill(stage: Path, platform: str, python: str) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, target)
     text = (ADDON / MANIFEST).read_text(encoding="utf-8")
-    (stage / MANIFEST).write_text(complete_manifest(text, platform, sorted(wheel_files)), encoding="utf-8")
+    complete = complete_manifest(text, version(), platform, sorted(wheel_files))
+    (stage / MANIFEST).write_text(complete, encoding="utf-8")
 
 
-def complete_manifest(text: str, platform: str, wheel_names: Sequence[str]) -> str:
+def complete_manifest(text: str, version: str, platform: str, wheel_names: Sequence[str]) -> str:
     """Add to the manifest what only the build knows.
 
     Parameters
     ----------
     text : str
         The manifest in the repository.
+    version : str
     platform : str
     wheel_names : sequence of str
         File names in the folder `wheels`.
@@ -137,7 +149,9 @@ def complete_manifest(text: str, platform: str, wheel_names: Sequence[str]) -> s
     """
     names = "".join(f'  "./wheels/{name}",\n' for name in wheel_names)
     before, table, after = text.partition("[permissions]")
-    return f'{before}platforms = ["{platform}"]\nwheels = [\n{names}]\n\n{table}{after}'
+    return (
+        f'{before}version = "{version}"\nplatforms = ["{platform}"]\nwheels = [\n{names}]\n\n{table}{after}'
+    )
 
 
 def make_reproducible(packed: Path, path: Path) -> None:
@@ -192,10 +206,9 @@ def core_wheel() -> Path:
         folder = WHEELS / "core" / sources
         if not list(folder.glob("*.whl")):
             project = copy / "pyproject.toml"
-            text = re.sub(
-                r'(?m)^(version = "[^"]+)', rf"\1+{sources[:8]}", project.read_text("utf-8"), count=1
-            )
-            project.write_text(text, encoding="utf-8")
+            text = project.read_text("utf-8")
+            fixed = f'version = "{version()}+{sources[:8]}"'
+            project.write_text(text.replace('dynamic = ["version"]', fixed), encoding="utf-8")
             command = [*PIP, "wheel", *PIP_OPTIONS, "--no-deps", "--wheel-dir", str(folder), str(copy)]
             bootstrap.run(
                 "Building the wheel of the core", command, {**os.environ, "SOURCE_DATE_EPOCH": "1577836800"}
@@ -255,8 +268,35 @@ def _tool_of_bpy() -> list[str]:
     return [sys.executable, "-I", str(found[-1])] if found else []
 
 
-def parse_arguments(arguments: Sequence[str] | None) -> list[tuple[str, str]]:
-    """List the platforms and Pythons to build for."""
+def make_repository(zips: Sequence[Path]) -> Path:
+    """Lay out a repository of extensions, to be put on a web server as it is.
+
+    Parameters
+    ----------
+    zips : sequence of Path
+        Of one version. Blender offers each user the one for its system and Python.
+
+    Returns
+    -------
+    folder : Path
+        `dist/repository`, with the zips, `index.json` for Blender and `index.html` for people.
+
+    Raises
+    ------
+    SetupError
+        If Blender's tool is nowhere, or finds a fault.
+    """
+    shutil.rmtree(REPOSITORY, ignore_errors=True)
+    REPOSITORY.mkdir(parents=True)
+    for path in zips:
+        os.link(path, REPOSITORY / path.name)
+    command = [*extension_tool(), "server-generate", "--repo-dir", str(REPOSITORY), "--html"]
+    bootstrap.run("Writing the index of the repository", command)
+    return REPOSITORY
+
+
+def parse_arguments(arguments: Sequence[str] | None) -> tuple[list[tuple[str, str]], bool]:
+    """List the platforms and Pythons to build for, and say whether to make a repository."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0], allow_abbrev=False)
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
@@ -266,14 +306,18 @@ def parse_arguments(arguments: Sequence[str] | None) -> list[tuple[str, str]]:
     parser.add_argument(
         "--python", nargs="+", choices=pythons(), help="Python of the Blenders; both when left out"
     )
+    parser.add_argument(
+        "--repository", action="store_true", help="make a repository for a web server of the zips"
+    )
     options = parser.parse_args(arguments)
     platforms = list(wheels.TAGS) if options.all else options.platform or [wheels.this_platform()]
-    return list(itertools.product(platforms, options.python or pythons()))
+    return list(itertools.product(platforms, options.python or pythons())), options.repository
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    targets = parse_arguments(arguments)
+    targets, repository = parse_arguments(arguments)
     bootstrap.enter([])
+    zips = []
     for platform, python in targets:
         started = time.monotonic()
         try:
@@ -281,8 +325,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except bootstrap.SetupError as error:
             print(f"The extension for {platform}, Python {python}, cannot be built: {error}", file=sys.stderr)
             return 1
+        zips.append(path)
         size = path.stat().st_size / 1e6
         print(f"{path.relative_to(bootstrap.ROOT)}: {size:.1f} MB, {time.monotonic() - started:.1f} s")
+    if repository:
+        try:
+            folder = make_repository(zips)
+        except bootstrap.SetupError as error:
+            print(f"The repository cannot be made: {error}", file=sys.stderr)
+            return 1
+        print(f"{folder.relative_to(bootstrap.ROOT)}: {len(zips)} zips and their index")
     return 0
 
 

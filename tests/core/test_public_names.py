@@ -7,6 +7,7 @@ import importlib
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -67,9 +68,11 @@ def test_the_stubs_with_the_names_are_installed() -> None:
     assert set(package.rglob("*.pyi")) <= packed
 
 
-def test_the_version_is_that_of_the_project() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    assert sg.__version__ == project["version"]
+def test_the_version_is_in_one_place() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    assert "version" not in project["project"]
+    assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "shapegoogle_core.__version__"}
+    assert metadata.version("shapegoogle-core") == sg.__version__
 
 
 def test_importing_the_package_imports_nothing_large() -> None:

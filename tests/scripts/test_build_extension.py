@@ -12,12 +12,15 @@ import build_extension
 import pytest
 from lib import wheels
 
+import shapegoogle_core as sg
+
 
 def test_the_manifest_gets_its_wheels_and_platform() -> None:
     text = (build_extension.ADDON / build_extension.MANIFEST).read_text(encoding="utf-8")
     source = tomllib.loads(text)
     names = ["a-1-py3-none-any.whl", "b-2-cp311-cp311-win_amd64.whl"]
-    built = tomllib.loads(build_extension.complete_manifest(text, "windows-x64", names))
+    built = tomllib.loads(build_extension.complete_manifest(text, "1.2.3", "windows-x64", names))
+    assert built.pop("version") == "1.2.3"
     assert built.pop("platforms") == ["windows-x64"]
     assert built.pop("wheels") == [f"./wheels/{name}" for name in names]
     assert built == source, "everything else is as in the repository"
@@ -54,13 +57,14 @@ def test_the_hash_of_a_folder_sees_names_and_contents(tmp_path: Path) -> None:
 
 def test_platforms_and_pythons_are_chosen_on_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
     def chosen(*arguments: str) -> list[tuple[str, str]]:
-        return build_extension.parse_arguments(arguments)
+        return build_extension.parse_arguments(arguments)[0]
 
     here = wheels.this_platform()
     assert chosen() == [(here, "3.11"), (here, "3.13")]
     assert chosen("--python", "3.13") == [(here, "3.13")]
     assert chosen("--platform", "macos-arm64", "--python", "3.11") == [("macos-arm64", "3.11")]
     assert [platform for platform, _ in chosen("--all")][::2] == ["linux-x64", "windows-x64", "macos-arm64"]
+    assert build_extension.parse_arguments(["--all", "--repository"])[1]
     for wrong in (["--platform", "amiga"], ["--python", "2.7"]):
         with pytest.raises(SystemExit):
             chosen(*wrong)
@@ -70,5 +74,8 @@ def test_platforms_and_pythons_are_chosen_on_the_command_line(capsys: pytest.Cap
 def test_a_zip_is_named_after_its_platform_and_python() -> None:
     path = build_extension.zip_path("linux-x64", "3.11")
     assert path.parent.name == "dist"
-    assert path.name.startswith("shape_google-")
-    assert path.name.endswith("-linux_x64-cp311.zip")
+    assert path.name == f"shape_google-{sg.__version__}-linux_x64-cp311.zip"
+    assert (
+        tomllib.loads((build_extension.ADDON / build_extension.MANIFEST).read_text("utf-8"))["id"]
+        == "shape_google"
+    )
