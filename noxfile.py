@@ -85,6 +85,14 @@ def core(session: nox.Session) -> None:
     session.run(*command, env=ENVIRONMENT, external=True)
 
 
+@nox.session(python=False)
+def coverage(session: nox.Session) -> None:
+    """Say which share of the core's lines its tests run; the pages go to .cache/coverage/html."""
+    reports = ["--cov", "--cov-report=html", "--cov-report=term:skip-covered"]
+    command = [sys.executable, "-m", "pytest", *SPREAD, *reports]
+    session.run(*command, *pytest_options(session.posargs, "tests/core"), env=ENVIRONMENT, external=True)
+
+
 def add_bpy_session(series: str, python: str) -> None:
     """Add the session that tests the add-on on the bpy module of one Blender.
 

@@ -37,7 +37,10 @@ GENERATED = {
     for name in ("gallery/index.rst", "reference/api/index.rst", "reference/commands.rst")
 }
 PAGES = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *(
+        ROOT / name
+        for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "PUBLISHING.md", "SECURITY.md")
+    ),
     *sorted(path for path in (ROOT / "docs").rglob("*.md") if not {"_build", "gallery"} & {*path.parts}),
 ]
 # Code runs in Blender, where tests/addon/test_manual.py runs it.
@@ -201,7 +204,7 @@ def test_paths_and_names_exist(page: Path) -> None:
                 item = getattr(item, part, None)
             if item is None:
                 missing.append(span)
-        elif match := re.match(r"([A-Z]\w+)\.([a-z]\w+)", span):
+        elif (match := re.match(r"([A-Z]\w+)\.([a-z]\w+)", span)) and not (ROOT / span).exists():
             owner = getattr(sg, match[1], None) or getattr(model, match[1], None)
             known = owner is not None and (
                 hasattr(owner, match[2]) or match[2] in getattr(owner, "__annotations__", {})
