@@ -27,6 +27,7 @@ extensions = [
     "mathml",
     "page_links",
     "generated_reference",
+    "http_reference",
     "concept_figures",
 ]
 exclude_patterns = ["_build", "_extensions", "examples", "plugin_example", "gallery/**/*.ipynb"]
@@ -61,6 +62,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "remove_config_comments": True,
     "show_memory": False,
+    "capture_repr": ("_repr_html_",),
     # `build_docs.py --without-examples` sets the tag.
     "plot_gallery": "without_examples" not in tags,  # noqa: F821 - Sphinx defines it
     "copyfile_regex": "",

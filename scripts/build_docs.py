@@ -28,7 +28,10 @@ DOCS = bootstrap.ROOT / "docs"
 BUILD = DOCS / "_build"
 PAGES = BUILD / "html"
 # Written into the sources by the build.
-GENERATED = (DOCS / "gallery", DOCS / "reference" / "api", DOCS / "reference" / "commands.rst")
+GENERATED = (
+    DOCS / "gallery",
+    *(DOCS / "reference" / name for name in ("api", "addresses.rst", "commands.rst")),
+)
 
 
 class _Page(HTMLParser):
@@ -98,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--without-examples", action="store_true", help="do not run the examples, for a quick look at pages"
     )
     options = parser.parse_args(arguments)
-    bootstrap.enter(["benchmark", "demo", "docs"])
+    bootstrap.enter(["benchmark", "demo", "docs", "serve"])
     started = time.monotonic()
     for path in (PAGES, *GENERATED):
         if path.is_dir():

@@ -100,10 +100,12 @@ def option_text(parser: argparse.ArgumentParser, action: argparse.Action) -> str
 
 
 def literal_safe(text: str) -> str:
-    """Escape what reStructuredText would take for markup."""
-    for character in "\\*_|`":
-        text = text.replace(character, f"\\{character}")
-    return text
+    """Escape what reStructuredText would take for markup; keep code in backticks as code."""
+    parts = text.split("`")
+    for place in range(0, len(parts), 2):
+        for character in "\\*_|":
+            parts[place] = parts[place].replace(character, f"\\{character}")
+    return "``".join(parts)
 
 
 def command_section(name: str, parser: argparse.ArgumentParser) -> str:

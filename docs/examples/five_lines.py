@@ -37,7 +37,8 @@ with sg.Library.open(Path(folder.name, "animals.sglib")) as library:
 
 # %%
 # A match has a *similarity*, the confidence that it is the same shape, and *evidence*: how the two
-# surfaces are related, and by which factor they differ in size.
+# surfaces are related, and by which factor they differ in size. Behind the same shape come others of its
+# kind.
 
 for match in matches:
     print(f"{match.similarity:.2f}  {match.name:8}  {match.evidence.kind}, size ×{match.evidence.factor:.2f}")

@@ -4,7 +4,7 @@ A map of a library
 ==================
 
 Place the shapes of a library in the plane so that similar ones lie near each other. The distances are those
-of the search, by kind; classical multidimensional scaling turns them into positions.
+of the search, by kind; t-SNE turns them into positions.
 """
 
 import io
@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.offsetbox import AnnotationBbox, OffsetImage
 from PIL import Image
+from sklearn.manifold import TSNE
 
 import shapegoogle_core as sg
 from benchmarks.objects import make_object
@@ -38,12 +39,10 @@ with sg.Library.open(Path(folder.name, "objects.sglib")) as library:
 folder.cleanup()
 
 # %%
-# Classical scaling: the two main axes of the doubly centred squared distances.
+# t-SNE keeps near neighbours near, and pushes the others apart.
 
-symmetric = (distances + distances.T) / 2
-centring = np.eye(len(shapes)) - 1 / len(shapes)
-values, vectors = np.linalg.eigh(-0.5 * centring @ symmetric**2 @ centring)
-positions = vectors[:, -2:] * np.sqrt(values[-2:])
+layout = TSNE(metric="precomputed", init="random", perplexity=5, random_state=0)
+positions = layout.fit_transform((distances + distances.T) / 2)
 
 figure, axes = plt.subplots(figsize=(8, 6))
 for (_, shape), position in zip(shapes, positions, strict=True):
@@ -51,8 +50,9 @@ for (_, shape), position in zip(shapes, positions, strict=True):
     axes.add_artist(
         AnnotationBbox(OffsetImage(np.asarray(picture.convert("RGBA")), zoom=0.5), position, frameon=False)
     )
-axes.set(xlim=(positions[:, 0].min() - 0.1, positions[:, 0].max() + 0.1))
-axes.set(ylim=(positions[:, 1].min() - 0.1, positions[:, 1].max() + 0.1))
+low, high = positions.min(axis=0), positions.max(axis=0)
+margin = 0.08 * (high - low)
+axes.set(xlim=(low[0] - margin[0], high[0] + margin[0]), ylim=(low[1] - margin[1], high[1] + margin[1]))
 axes.set_xticks([])
 axes.set_yticks([])
 figure.tight_layout()

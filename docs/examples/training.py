@@ -10,6 +10,7 @@ of the paper only, and lets it find a creature that it has never seen.
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import shapegoogle_core as sg
@@ -47,9 +48,15 @@ print(model)
 unseen = ["horse", "elephant", "turtle", "starfish"]
 creatures = [make_creature(kind, seed=30, vertex_count=800) for kind in unseen]
 database = np.stack([model.describe(creature.rest).bags for creature in creatures])
-for kind, creature in zip(unseen, creatures, strict=True):
-    distances = model.distances(model.describe(creature.pose(2)).bags, database)
-    print(
-        f"{kind:9}",
-        "  ".join(f"{name} {distance:.3f}" for name, distance in zip(unseen, distances, strict=True)),
-    )
+distances = np.stack(
+    [model.distances(model.describe(creature.pose(2)).bags, database) for creature in creatures]
+)
+
+figure, axes = plt.subplots(figsize=(5, 4))
+axes.imshow(distances, cmap="viridis")
+for (row, column), distance in np.ndenumerate(distances):
+    color = "black" if distance > distances.max() / 2 else "white"
+    axes.text(column, row, f"{distance:.2f}", ha="center", va="center", color=color)
+axes.set(xticks=range(len(unseen)), xticklabels=unseen, xlabel="at rest, in the database")
+axes.set(yticks=range(len(unseen)), yticklabels=unseen, ylabel="query, in another pose")
+figure.tight_layout()

@@ -65,6 +65,7 @@ def test_every_example_has_its_place_in_the_gallery(monkeypatch: pytest.MonkeyPa
 
 def test_the_reference_has_every_public_name_and_command(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("sphinx")
+    pytest.importorskip("fastapi")
     monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
     reference = importlib.import_module("generated_reference")
     pages = "".join(text for _, text in reference.api_pages())
@@ -75,4 +76,9 @@ def test_the_reference_has_every_public_name_and_command(monkeypatch: pytest.Mon
     assert ".. program:: shapegoogle query\n" in commands
     assert ".. option:: --top N\n" in commands
     assert "number of matches (10)" in commands
-    sys.modules.pop("generated_reference")
+    addresses = importlib.import_module("http_reference").addresses_page()
+    assert "POST /api/queries\n" in addresses
+    assert "Takes ``application/json``: `QueryRequest`_." in addresses
+    assert "``rank`` : ``both``, ``shape``, ``kind``, default ``both``" in addresses
+    for name in ("generated_reference", "http_reference"):
+        sys.modules.pop(name)

@@ -34,7 +34,12 @@ MEASUREMENTS = ROOT / "docs" / "measurements"
 # Pages of the site that its build writes from the code and the examples.
 GENERATED = {
     ROOT / "docs" / name
-    for name in ("gallery/index.rst", "reference/api/index.rst", "reference/commands.rst")
+    for name in (
+        "gallery/index.rst",
+        "reference/api/index.rst",
+        "reference/commands.rst",
+        "reference/addresses.rst",
+    )
 }
 PAGES = [
     *(
