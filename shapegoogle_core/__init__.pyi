@@ -27,12 +27,16 @@ from shapegoogle_core.keypoints import detect_keypoints as detect_keypoints
 from shapegoogle_core.laplacian import Operator as Operator
 from shapegoogle_core.laplacian import build_operator as build_operator
 from shapegoogle_core.library.compare import compare as compare
+from shapegoogle_core.library.copying import CopyReport as CopyReport
+from shapegoogle_core.library.copying import copy_library as copy_library
 from shapegoogle_core.library.evidence import Evidence as Evidence
 from shapegoogle_core.library.filter import Filter as Filter
 from shapegoogle_core.library.library import Library as Library
 from shapegoogle_core.library.match import Match as Match
 from shapegoogle_core.library.search.settings import SearchSettings as SearchSettings
 from shapegoogle_core.library.suggestions import Suggestion as Suggestion
+from shapegoogle_core.library.upgrading import UpgradeReport as UpgradeReport
+from shapegoogle_core.library.upgrading import upgrade_library as upgrade_library
 from shapegoogle_core.mesh import Mesh as Mesh
 from shapegoogle_core.mesh import as_mesh as as_mesh
 from shapegoogle_core.mesh import read_mesh as read_mesh

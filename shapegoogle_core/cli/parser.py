@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, NoReturn
 
 from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli import (
+    copy,
+    database,
     duplicates,
     forget,
     index,
@@ -26,6 +28,7 @@ from shapegoogle_core.cli import (
     suggest,
     token,
     train,
+    upgrade,
 )
 from shapegoogle_core.cli.arguments import add_value, numbers
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
@@ -49,6 +52,9 @@ COMMANDS = (
     duplicates.COMMAND,
     move.COMMAND,
     forget.COMMAND,
+    copy.COMMAND,
+    upgrade.COMMAND,
+    database.COMMAND,
     train.COMMAND,
     serve.COMMAND,
     token.COMMAND,

@@ -376,9 +376,16 @@ class _Run:
             # The shapes of the former content are removed with it.
             self._shape_ids.pop(content_key(file.path, before.sha256), None)
         shape_ids = self._library.replace_source(
-            file.path, size=file.size, mtime_ns=file.mtime_ns, sha256=file.sha256, shapes=shapes, error=error
+            file.path,
+            size=file.size,
+            mtime_ns=file.mtime_ns,
+            sha256=file.sha256,
+            shapes=shapes,
+            error=error,
+            # Another run may have stored this content since this one began.
+            claim=before is None or before.sha256 != file.sha256,
         )
-        if shape_ids and error is None:
+        if len(shape_ids) == len(shapes) > 0 and error is None:
             self._shape_ids[file.key] = dict(
                 zip(shape_ids, (shape.object_name for shape in shapes), strict=True)
             )

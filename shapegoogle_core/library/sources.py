@@ -34,6 +34,7 @@ class LibrarySources(LibraryFolders):
         sha256: str | None,
         shapes: Sequence[NewShape[ShapeSignature]] = (),
         error: str | None = None,
+        claim: bool = False,
     ) -> list[int]:
         """Store the shapes of a file in place of those stored for it before, in one transaction.
 
@@ -50,6 +51,8 @@ class LibrarySources(LibraryFolders):
             Its shapes; the file is remembered even without any.
         error : str, optional
             Reason why the file, or a part of it, could not be described.
+        claim : bool, optional
+            Leave everything as it is if another program has stored the same content of this file meanwhile.
 
         Returns
         -------
@@ -70,7 +73,7 @@ class LibrarySources(LibraryFolders):
         # A file whose shapes were added under its path before it was indexed is one source all the same.
         also = known if known != key else None
         source = SourceRecord.of(key, size, mtime_ns, sha256, error)
-        shape_ids = self._store.replace_source(source, shapes, also=also)
+        shape_ids = self._store.replace_source(source, shapes, also=also, claim=claim)
         self._added(shape_ids)
         return shape_ids
 

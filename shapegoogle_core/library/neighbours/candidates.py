@@ -63,7 +63,10 @@ class StoredCandidates:
         by_views: list[int] = []
         _, codes = self._store.codes("codes", [shape_id], code_bytes)
         if len(codes):
-            by_bags = self._codes.current().nearest(codes[0], self._count).tolist()
+            found = self._store.nearest_codes(codes[0], self._count)
+            if found is None:
+                found = self._codes.current().nearest(codes[0], self._count)
+            by_bags = found.tolist()
         if self._views is not None and self._model.views is not None:
             _, codes = self._store.codes("view_codes", [shape_id], CODE_BYTES)
             if len(codes):
@@ -76,5 +79,5 @@ class StoredCandidates:
             self._codes.discard(gone)
         if self._views is not None and (gone := set(by_views) - known):
             self._views.discard(gone)
-        found: list[int] = there.tolist()
-        return found
+        candidates: list[int] = there.tolist()
+        return candidates

@@ -67,11 +67,10 @@ class NearestCodes:
         shape_ids : list of int
             Each once. Some may be of shapes that are gone.
         """
-        codes = self.index.current()
         count = max(self._settings.count, self._settings.per_match * top)
         nearest: list[int] = []
         for code, projection in zip(query.codes, query.projections, strict=True):
-            rough = codes.nearest(code, self._settings.oversampling * count, among).tolist()
+            rough = self._nearest(code, self._settings.oversampling * count, among).tolist()
             if len(rough) <= count:  # all are wanted: reading their bags shows which are gone
                 nearest += rough
                 continue
@@ -80,6 +79,10 @@ class NearestCodes:
             nearest += shape_ids[order].tolist()
             nearest += set(rough).difference(shape_ids.tolist())  # gone; reading their bags shows it
         return list(dict.fromkeys(nearest))
+
+    def _nearest(self, code: NDArray[np.uint8], count: int, among: ShapeIds | None) -> ShapeIds:
+        found = self._store.nearest_codes(code, count, among)
+        return self.index.current().nearest(code, count, among) if found is None else found
 
 
 class NearestViews:

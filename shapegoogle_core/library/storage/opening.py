@@ -23,7 +23,12 @@ __all__ = ["connect", "library_exists", "open_store"]
 
 
 def open_store(
-    place: Place, model: ShapeModel | str | Path | None, *, read_only: bool, timeout: float
+    place: Place,
+    model: ShapeModel | str | Path | None,
+    *,
+    read_only: bool,
+    timeout: float,
+    unfinished: bool = False,
 ) -> tuple[Store, ShapeModel]:
     """Open a library, or make a new one.
 
@@ -31,6 +36,8 @@ def open_store(
     ----------
     place, model, read_only, timeout
         See `Library.open`.
+    unfinished : bool, optional
+        Accept an unfinished copy of another library for writing.
 
     Returns
     -------
@@ -61,6 +68,10 @@ def open_store(
             given = given or as_model(None)
             store.initialise(given)
         store.check_format()
+        if not (read_only or unfinished) and (mark := store.copy_mark()) is not None:
+            raise LibraryError(
+                f"'{store.name}' is an unfinished copy of '{mark}'; complete it with `shapegoogle copy` first"
+            )
         return store, _matching_model(store, given, read_only=store.read_only)
     except BaseException:
         store.close()

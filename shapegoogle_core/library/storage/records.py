@@ -3,15 +3,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from shapegoogle_core.library.decisions.decision import Decision
 from shapegoogle_core.library.origin import UNKNOWN, Origin
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["NewShape", "Rearrangement", "Root", "ShapeRecord", "SourceKey", "SourceRecord", "StoreSummary"]
+__all__ = [
+    "CopyBatch",
+    "NewShape",
+    "Rearrangement",
+    "Root",
+    "ShapeRecord",
+    "SourceKey",
+    "SourceRecord",
+    "StoreSummary",
+]
 
 
 Content = TypeVar("Content")
@@ -280,3 +294,35 @@ class StoreSummary:
     failed: int
     bytes: int
     format: int
+
+
+@dataclass(frozen=True, eq=False)
+class CopyBatch:
+    """Part of another library, stored in one transaction with the numbers that it has there.
+
+    Attributes
+    ----------
+    mark : str or None
+        Name of the other library while the copy is unfinished; None once it is complete.
+    roots : tuple of (str, str)
+        Names and paths.
+    sources : tuple of SourceRecord
+        In place of those with the same keys, whose shapes stay.
+    removed_sources : tuple of SourceKey
+    shapes : tuple of (int, SourceKey or None, NewShape)
+        Numbers, sources and contents of shapes.
+    neighbours : mapping of int to (ids, distances)
+        Nearest shapes, by number.
+    decisions : tuple of Decision
+    last_id : int
+        No new shape may have a number up to this.
+    """
+
+    mark: str | None = None
+    roots: tuple[tuple[str, str], ...] = ()
+    sources: tuple[SourceRecord, ...] = ()
+    removed_sources: tuple[SourceKey, ...] = ()
+    shapes: tuple[tuple[int, SourceKey | None, NewShape[ShapeSignature]], ...] = ()
+    neighbours: Mapping[int, tuple[NDArray[np.int64], NDArray[np.float32]]] = field(default_factory=dict)
+    decisions: tuple[Decision, ...] = ()
+    last_id: int = 0

@@ -15,6 +15,7 @@ from shapegoogle_core.library.decisions.decision import Decision, ShapeKey
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.records import (
+    CopyBatch,
     NewShape,
     Rearrangement,
     Root,
@@ -101,6 +102,7 @@ class Store(Protocol):
         shapes: Iterable[NewShape[ShapeSignature]],
         *,
         also: SourceKey | None = None,
+        claim: bool = False,
     ) -> list[int]:
         """Store a source and its shapes in place of everything stored for this source before.
 
@@ -113,6 +115,9 @@ class Store(Protocol):
         shapes : iterable of NewShape
         also : SourceKey, optional
             Another source that is replaced too: the same file under another name.
+        claim : bool, optional
+            Leave everything as it is if the source is stored with the same content already, because another
+            program was faster.
 
         Returns
         -------
@@ -137,6 +142,20 @@ class Store(Protocol):
 
     def remove_shapes(self, shape_ids: Iterable[int]) -> int:
         """Remove single shapes; return how many of them were there."""
+
+    def last_id(self) -> int:
+        """Return the greatest number that a shape has ever had; 0 if there was none."""
+
+    def copy_mark(self) -> str | None:
+        """Return the name of the library that this is an unfinished copy of; None for any other library."""
+
+    def put_copy(self, batch: CopyBatch) -> None:
+        """Store a part of another library, and whether it is the last.
+
+        Parameters
+        ----------
+        batch : CopyBatch
+        """
 
     # -- records --------------------------------------------------------------------------------------------
 
@@ -196,6 +215,25 @@ class Store(Protocol):
 
     def codes(self, kind: CodeKind, shape_ids: Sequence[int], code_bytes: int) -> CodePage:
         """Return ids (sorted, without unknown ones) and codes (n, code_bytes) of these shapes."""
+
+    def nearest_codes(
+        self, code: NDArray[np.uint8], count: int, among: NDArray[np.int64] | None = None
+    ) -> NDArray[np.int64] | None:
+        """Find the shapes whose codes of bags are nearest to one, if the database does this itself.
+
+        Parameters
+        ----------
+        code : (code_bytes,) array of uint8
+        count : int
+            Number of shapes to find; fewer come back when there are fewer.
+        among : (m,) array of int64, optional
+            Ids of the shapes to choose from; all shapes by default.
+
+        Returns
+        -------
+        shape_ids : (min(count, n),) array of int64, or None
+            Nearest first; among equals the lowest id first. None: all codes are to be compared in memory.
+        """
 
     def bags(self, shape_ids: Sequence[int], bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
         """Return ids (sorted, without unknown ones) and bags (n, bag_size) of these shapes."""

@@ -4,25 +4,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.storage.postgresql.adapters import code_rows
+from shapegoogle_core.library.storage.postgresql.adapters import Bits, code_rows
 from shapegoogle_core.library.storage.postgresql.shapes import ShapeTable
 from shapegoogle_core.library.storage.signatures import BAG_TYPE
 from shapegoogle_core.library.storage.store import CodeKind, CodePage
 
-__all__ = ["CodeTables"]
+__all__ = ["CODE_INDEX", "CodeTables"]
 
 # Codes that one COPY brings: 70 MB of local words at most.
 CODES_AT_ONCE = 250_000
+COMPARED_IN_MEMORY = 2_000_000
+"""Number of codes up to which whoever searches keeps them in memory; beyond it the database compares them."""
+
+CODE_INDEX = "codes_nearest"
+"""Name of the index that pgvector finds near codes with."""
+
+PROBED = 10
+"""One of so many lists of that index is searched (docs/reference/database.md)."""
 
 
 class CodeTables(ShapeTable):
     """Codes and bags of a library in a database."""
 
     codes_at_once = CODES_AT_ONCE
+    compared_in_memory = COMPARED_IN_MEMORY
 
     def code_pages(self, kind: CodeKind, last_id: int, code_bytes: int) -> Iterator[CodePage]:
         """Read the codes of all shapes after an id, see `Store.code_pages`."""
@@ -54,6 +64,48 @@ class CodeTables(ShapeTable):
     def count(self) -> int:
         """Return the number of shapes, from the smallest table with a row for each of them."""
         return int(self.value("SELECT count(*) FROM codes"))
+
+    @cached_property
+    def _in_memory(self) -> bool:
+        """Whether the codes are few enough to be compared in memory."""
+        return self.count() <= self.compared_in_memory
+
+    def index_lists(self) -> int:
+        """Return the number of lists of the index of codes; 0 if there is none that can be used."""
+        options: list[str] | None = self.value(
+            "SELECT reloptions FROM pg_class JOIN pg_index ON indexrelid = oid"
+            " WHERE oid = to_regclass(%s) AND indisvalid",
+            CODE_INDEX,
+        )
+        return int(dict(option.split("=") for option in options)["lists"]) if options else 0
+
+    def nearest_codes(
+        self, code: NDArray[np.uint8], count: int, among: NDArray[np.int64] | None = None
+    ) -> NDArray[np.int64] | None:
+        """Find the nearest codes in the database if they are many, see `Store.nearest_codes`."""
+        if self._in_memory:
+            return None
+        bits = Bits(code.tobytes())
+        lists = 0 if among is not None else self.index_lists()
+        if lists:
+            with self.snapshot():
+                self.rows("SELECT set_config('ivfflat.probes', %s, TRUE)", str(max(1, lists // PROBED)))
+                rows = self.rows(
+                    "SELECT shape_id, code <~> %s FROM codes ORDER BY code <~> %s LIMIT %s",
+                    *(bits, bits, count),
+                )
+        elif among is not None:
+            rows = self.rows(
+                "SELECT shape_id, bit_count(code # %s) FROM codes WHERE shape_id = ANY(%s::bigint[])"
+                " ORDER BY 2, 1 LIMIT %s",
+                *(bits, among.tolist(), count),
+            )
+        else:
+            rows = self.rows(
+                "SELECT shape_id, bit_count(code # %s) FROM codes ORDER BY 2, 1 LIMIT %s", bits, count
+            )
+        rows.sort(key=lambda row: (row[1], row[0]))
+        return np.fromiter((row[0] for row in rows), np.int64, len(rows))
 
     def bags(self, shape_ids: Sequence[int], bag_size: int) -> tuple[list[int], NDArray[np.float32]]:
         """Return ids and bags of some shapes, see `Store.bags`."""

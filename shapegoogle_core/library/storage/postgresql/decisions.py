@@ -19,6 +19,7 @@ _COLUMNS = (
     "tag",
     *(f"{side}_{part}" for side in ("shape", "other") for part in _KEY),
 )
+_SEQUENCE = "pg_get_serial_sequence('decisions', 'number')"
 # Of the columns of a `ShapeKey` without its fingerprint.
 _SELECT_KEYS = """
 SELECT shapes.id, coalesce(roots.name, ''), coalesce(sources.path, ''), object_name, shapes.name,
@@ -44,14 +45,25 @@ class DecisionTable(SourceTable):
     def add_decision(self, decision: Decision) -> int:
         """Store a decision, see `Store.add_decision`."""
         with self.writing():
-            number: int = self.value(
-                f"INSERT INTO decisions ({', '.join(_COLUMNS)})"
-                f" VALUES ({', '.join(['%s'] * len(_COLUMNS))}) RETURNING number",
-                *(decision.kind, decision.author, decision.time, decision.tag, *_key_values(decision.shape)),
-                *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
-            )
+            number = self.insert_decision(decision)
             if decision.kind in TAG_KINDS:
                 self._put_tag(decision, self._shape_of(decision.shape))
+        return number
+
+    def insert_decision(self, decision: Decision, *, numbered: bool = False) -> int:
+        """Insert a decision, inside `writing`; return its number: its own, or else the next one."""
+        number: int = decision.number
+        if numbered:
+            self.value(f"SELECT setval({_SEQUENCE}, greatest(%s, nextval({_SEQUENCE})))", number)
+        else:
+            number = self.value(f"SELECT nextval({_SEQUENCE})")
+        self.execute(
+            f"INSERT INTO decisions (number, {', '.join(_COLUMNS)})"
+            f" VALUES (%s, {', '.join(['%s'] * len(_COLUMNS))})",
+            *(number, decision.kind, decision.author, decision.time, decision.tag),
+            *_key_values(decision.shape),
+            *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
+        )
         return number
 
     def remove_decision(self, number: int) -> Decision | None:

@@ -32,10 +32,10 @@ class KindTables(Database):
     def put_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
         """Store the nearest shapes of some shapes, see `Store.put_neighbours`."""
         with self.writing():
-            self._put_neighbours(neighbours)
+            self.insert_neighbours(neighbours)
 
-    def _put_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
-        """Store nearest shapes, inside `writing`."""
+    def insert_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
+        """Insert or replace the nearest shapes of some shapes, inside `writing`."""
         with self.connection.cursor() as cursor:
             # The condition leaves out shapes that were removed in the meantime.
             cursor.executemany(

@@ -81,6 +81,26 @@ class SourceTable(Database):
         )
         return number
 
+    def claimed(self, source: SourceRecord) -> list[int] | None:
+        """Return the shapes of a source that is stored with the same content, inside `writing`."""
+        number = self.known_source_id(source.key)
+        same = "SELECT 1 FROM sources WHERE id = %s AND sha256 = %s AND error IS NULL"
+        if number is None or source.error is not None or self.value(same, number, source.sha256) is None:
+            return None
+        rows = self.rows("SELECT id FROM shapes WHERE source_id = %s ORDER BY id", number)
+        return [row[0] for row in rows]
+
+    def put_source(self, source: SourceRecord) -> None:
+        """Insert a source, or change its record, inside `writing`; its shapes stay."""
+        number = self.known_source_id(source.key)
+        if number is None:
+            self.insert_source(source)
+            return
+        self.execute(
+            "UPDATE sources SET size = %s, mtime_ns = %s, sha256 = %s, error = %s WHERE id = %s",
+            *(source.size, source.mtime_ns, source.sha256, source.error, number),
+        )
+
     def source_id(self, source: SourceKey) -> int:
         """Return the number of a source, inside `writing`; make one for an unknown key."""
         known = self.known_source_id(source)

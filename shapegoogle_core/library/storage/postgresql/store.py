@@ -16,6 +16,7 @@ from shapegoogle_core.library.storage.postgresql.rows import insert_rows, rows_o
 from shapegoogle_core.library.storage.postgresql.schema import FORMAT, schema_statements
 from shapegoogle_core.library.storage.postgresql.sources import IS_SOURCE
 from shapegoogle_core.library.storage.records import (
+    CopyBatch,
     NewShape,
     Rearrangement,
     SourceKey,
@@ -26,6 +27,8 @@ from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["PostgresqlStore"]
+
+_SEQUENCE = "pg_get_serial_sequence('shapes', 'id')"
 
 
 class PostgresqlStore(CodeTables, KindTables, DecisionTable):
@@ -135,10 +138,13 @@ class PostgresqlStore(CodeTables, KindTables, DecisionTable):
         shapes: Iterable[NewShape[ShapeSignature]],
         *,
         also: SourceKey | None = None,
+        claim: bool = False,
     ) -> list[int]:
         """Store a source and its shapes in place of the earlier ones, see `Store.replace_source`."""
         listed = list(shapes)
         with self._changing():
+            if claim and (stored := self.claimed(source)) is not None:
+                return stored
             self._remove_source(source.key)
             if also is not None:
                 self._remove_source(also)
@@ -178,11 +184,48 @@ class PostgresqlStore(CodeTables, KindTables, DecisionTable):
             yield
         self._new_model = None
 
+    # -- copies of other libraries --------------------------------------------------------------------------
+
+    def last_id(self) -> int:
+        """Return the greatest number that was ever given, see `Store.last_id`."""
+        return self.value(f"SELECT pg_sequence_last_value({_SEQUENCE}::regclass)") or 0
+
+    def copy_mark(self) -> str | None:
+        """Return the mark of an unfinished copy, see `Store.copy_mark`."""
+        mark: str | None = self.value("SELECT value FROM meta WHERE key = 'copy'")
+        return mark
+
+    def put_copy(self, batch: CopyBatch) -> None:
+        """Store a part of another library, see `Store.put_copy`."""
+        with self._changing():
+            for source in batch.removed_sources:
+                self._remove_source(source)
+            for name, path in batch.roots:
+                self.put_root(name, path)
+            for record in batch.sources:
+                self.put_source(record)
+            keys = {key for _, key, _ in batch.shapes if key is not None}
+            source_ids: dict[SourceKey | None, int | None] = {key: self.source_id(key) for key in keys}
+            insert_rows(
+                self.connection,
+                (
+                    row
+                    for number, key, shape in batch.shapes
+                    for row in rows_of_shape(number, source_ids.get(key), shape)
+                ),
+            )
+            self.insert_neighbours(batch.neighbours)
+            for decision in batch.decisions:
+                self.insert_decision(decision, numbered=True)
+            if batch.last_id > self.last_id():
+                self.value(f"SELECT setval({_SEQUENCE}, %s)", batch.last_id)
+            self.execute("DELETE FROM meta WHERE key = 'copy'")
+            if batch.mark is not None:
+                self.execute("INSERT INTO meta VALUES ('copy', %s)", batch.mark)
+
     def _insert(self, source_id: int | None, shapes: Sequence[NewShape[ShapeSignature]]) -> list[int]:
         """Insert new shapes; the sequence gives no number twice, not even those of an undone transaction."""
-        rows = self.rows(
-            "SELECT nextval(pg_get_serial_sequence('shapes', 'id')) FROM generate_series(1, %s)", len(shapes)
-        )
+        rows = self.rows(f"SELECT nextval({_SEQUENCE}) FROM generate_series(1, %s)", len(shapes))
         numbers = sorted(number for (number,) in rows)
         insert_rows(
             self.connection,

@@ -218,6 +218,15 @@ class CodeTables(KindTables):
         codes = self.matrix([row[1] for row in rows], np.dtype(np.uint8), code_bytes)
         return np.array([row[0] for row in rows], np.int64), codes
 
+    def nearest_codes(
+        self,
+        code: NDArray[np.uint8],  # noqa: ARG002
+        count: int,  # noqa: ARG002
+        among: NDArray[np.int64] | None = None,  # noqa: ARG002
+    ) -> NDArray[np.int64] | None:
+        """Leave comparing codes to the memory, see `Store.nearest_codes`."""
+        return None
+
     def count(self) -> int:
         """Return the number of shapes, from the smallest table with a row for each of them."""
         return int(self.value("SELECT count(*) FROM codes"))

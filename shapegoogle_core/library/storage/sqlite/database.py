@@ -107,6 +107,17 @@ class Database:
         ended = time.monotonic()
         self._next_write = ended + min(ended - started, LONGEST_PAUSE)
 
+    def copy_file(self, path: Path) -> None:
+        """Write a copy of the file as it is now; the new one must not exist."""
+        if path.exists():
+            raise LibraryError(f"'{path}' exists already; move it away, or choose another name for the copy")
+        copy = Database(path, create=True, read_only=False, timeout=self.timeout)
+        try:
+            with self.explained():
+                self.connection.backup(copy.connection)
+        finally:
+            copy.close()
+
     @contextmanager
     def explained(self) -> Iterator[None]:
         """Turn errors of sqlite3 into `LibraryError`."""

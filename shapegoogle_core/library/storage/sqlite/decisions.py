@@ -7,6 +7,7 @@ A library without them is read as if they were empty.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from shapegoogle_core.library.decisions.decision import TAG_KINDS, Decision, ShapeKey
 from shapegoogle_core.library.storage.records import SourceKey
@@ -77,23 +78,29 @@ class DecisionTable(SourceTable):
 
     def add_decision(self, decision: Decision) -> int:
         """Store a decision, see `Store.add_decision`."""
-        marks = ", ".join("CAST(? AS TEXT)" if column != "time" else "?" for column in _COLUMNS)
         with self.writing():
-            self.connection.execute(_SCHEMA_OF_DECISIONS)
-            number = self.connection.execute(
-                f"INSERT INTO decisions ({', '.join(_COLUMNS)}) VALUES ({marks})",
-                (
-                    encoded(decision.kind),
-                    encoded(decision.author),
-                    decision.time,
-                    encoded(decision.tag),
-                    *_key_values(decision.shape),
-                    *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
-                ),
-            ).lastrowid
-            assert number is not None  # an INSERT that did not raise has made a row
+            number = self.insert_decision(replace(decision, number=0))
             if decision.kind in TAG_KINDS:
                 self._put_tag(decision, self._shape_of(decision.shape))
+        return number
+
+    def insert_decision(self, decision: Decision) -> int:
+        """Insert a decision, inside `writing`; return its number, the next one if it has none."""
+        marks = ", ".join("CAST(? AS TEXT)" if column != "time" else "?" for column in _COLUMNS)
+        self.connection.execute(_SCHEMA_OF_DECISIONS)
+        number = self.connection.execute(
+            f"INSERT INTO decisions (number, {', '.join(_COLUMNS)}) VALUES (?, {marks})",
+            (
+                decision.number or None,
+                encoded(decision.kind),
+                encoded(decision.author),
+                decision.time,
+                encoded(decision.tag),
+                *_key_values(decision.shape),
+                *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
+            ),
+        ).lastrowid
+        assert number is not None  # an INSERT that did not raise has made a row
         return number
 
     def remove_decision(self, number: int) -> Decision | None:

@@ -89,11 +89,15 @@ class KindTables(Database):
     def put_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
         """Store the nearest shapes of some shapes, see `Store.put_neighbours`."""
         with self.writing():
-            # The condition leaves out shapes that were removed in the meantime.
-            self.connection.executemany(
-                "INSERT OR REPLACE INTO neighbours SELECT id, ?, ? FROM shapes WHERE id = ?",
-                [(ids, distances, shape_id) for shape_id, ids, distances in neighbour_rows(neighbours)],
-            )
+            self.insert_neighbours(neighbours)
+
+    def insert_neighbours(self, neighbours: Mapping[int, Neighbours]) -> None:
+        """Insert or replace the nearest shapes of some shapes, inside `writing`."""
+        # The condition leaves out shapes that were removed in the meantime.
+        self.connection.executemany(
+            "INSERT OR REPLACE INTO neighbours SELECT id, ?, ? FROM shapes WHERE id = ?",
+            [(ids, distances, shape_id) for shape_id, ids, distances in neighbour_rows(neighbours)],
+        )
 
     def without_neighbours(self, last_id: int, limit: int) -> list[int]:
         """Return the next shapes without neighbours, see `Store.without_neighbours`."""

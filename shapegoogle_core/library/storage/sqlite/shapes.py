@@ -41,17 +41,30 @@ DIALECT = Dialect(
 class ShapeTable(OriginTable, SourceTable):
     """Records, surface samples and pictures of the shapes of a library file."""
 
-    def insert_record(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
-        """Insert record, tags, sample and picture of a new shape, inside `writing`; return its id."""
+    def insert_record(
+        self, source_id: int | None, shape: NewShape[ShapeSignature], number: int | None = None
+    ) -> int:
+        """Insert record, tags, sample and picture of a new shape, inside `writing`; return its id.
+
+        It is the next one, unless a number is given.
+        """
         signature = shape.signature
         counts = int(signature.vertex_count), int(signature.face_count)
         sizes = float(signature.area), *map(float, signature.extents)
         placement_count = max(1, len(shape.placements))
         shape_id = self.connection.execute(
-            "INSERT INTO shapes (source_id, object_name, name, vertex_count, face_count, area,"
+            "INSERT INTO shapes (id, source_id, object_name, name, vertex_count, face_count, area,"
             " extent_x, extent_y, extent_z, placement_count)"
-            " VALUES (?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?, ?)",
-            (source_id, encoded(shape.object_name), encoded(shape.name), *counts, *sizes, placement_count),
+            " VALUES (?, ?, CAST(? AS TEXT), CAST(? AS TEXT), ?, ?, ?, ?, ?, ?, ?)",
+            (
+                number,
+                source_id,
+                encoded(shape.object_name),
+                encoded(shape.name),
+                *counts,
+                *sizes,
+                placement_count,
+            ),
         ).lastrowid
         assert shape_id is not None  # an INSERT that did not raise has made a row
         self.connection.executemany(

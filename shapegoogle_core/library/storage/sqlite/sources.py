@@ -75,6 +75,27 @@ class SourceTable(Database):
         assert row.lastrowid is not None  # an INSERT that did not raise has made a row
         return row.lastrowid
 
+    def claimed(self, source: SourceRecord) -> list[int] | None:
+        """Return the shapes of a source that is stored with the same content, inside `writing`."""
+        number = self.known_source_id(source.key)
+        same = "SELECT 1 FROM sources WHERE id = ? AND sha256 = ? AND error IS NULL"
+        if number is None or source.error is not None or self.value(same, number, source.sha256) is None:
+            return None
+        rows = self.rows("SELECT id FROM shapes WHERE source_id = ? ORDER BY id", number)
+        return [row[0] for row in rows]
+
+    def put_source(self, source: SourceRecord) -> None:
+        """Insert a source, or change its record, inside `writing`; its shapes stay."""
+        number = self.known_source_id(source.key)
+        if number is None:
+            self.insert_source(source)
+            return
+        error = None if source.error is None else encoded(source.error)
+        self.connection.execute(
+            "UPDATE sources SET size = ?, mtime_ns = ?, sha256 = ?, error = CAST(? AS TEXT) WHERE id = ?",
+            (source.size, source.mtime_ns, source.sha256, error, number),
+        )
+
     def source_id(self, source: SourceKey) -> int:
         """Return the number of a source, inside `writing`; make one for an unknown key."""
         known = self.known_source_id(source)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.storage.records import (
+    CopyBatch,
     NewShape,
     Rearrangement,
     SourceKey,
@@ -121,9 +122,12 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
         shapes: Iterable[NewShape[ShapeSignature]],
         *,
         also: SourceKey | None = None,
+        claim: bool = False,
     ) -> list[int]:
         """Store a source and its shapes in place of the earlier ones, see `Store.replace_source`."""
         with self.writing():
+            if claim and (stored := self.claimed(source)) is not None:
+                return stored
             self._remove_source(source.key)
             if also is not None:
                 self._remove_source(also)
@@ -155,8 +159,44 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
         with self.writing():
             return sum(self._remove("id = ?", (shape_id,)) for shape_id in shape_ids)
 
-    def _insert(self, source_id: int | None, shape: NewShape[ShapeSignature]) -> int:
-        shape_id = self.insert_record(source_id, shape)
+    # -- copies of other libraries --------------------------------------------------------------------------
+
+    def last_id(self) -> int:
+        """Return the greatest number that was ever given, see `Store.last_id`."""
+        return self.value("SELECT seq FROM sqlite_sequence WHERE name = 'shapes'") or 0
+
+    def copy_mark(self) -> str | None:
+        """Return the mark of an unfinished copy, see `Store.copy_mark`."""
+        mark: str | None = self.value("SELECT value FROM meta WHERE key = 'copy'")
+        return mark
+
+    def put_copy(self, batch: CopyBatch) -> None:
+        """Store a part of another library, see `Store.put_copy`."""
+        with self.writing():
+            for source in batch.removed_sources:
+                self._remove_source(source)
+            for name, path in batch.roots:
+                self.put_root(name, path)
+            for record in batch.sources:
+                self.put_source(record)
+            for number, key, shape in batch.shapes:
+                self._insert(None if key is None else self.source_id(key), shape, number)
+            self.insert_neighbours(batch.neighbours)
+            for decision in batch.decisions:
+                self.insert_decision(decision)
+            if batch.last_id > self.last_id():
+                self.connection.execute("DELETE FROM sqlite_sequence WHERE name = 'shapes'")
+                self.connection.execute("INSERT INTO sqlite_sequence VALUES ('shapes', ?)", (batch.last_id,))
+            self.connection.execute("DELETE FROM meta WHERE key = 'copy'")
+            if batch.mark is not None:
+                self.connection.execute(
+                    "INSERT INTO meta VALUES ('copy', CAST(? AS TEXT))", (encoded(batch.mark),)
+                )
+
+    def _insert(
+        self, source_id: int | None, shape: NewShape[ShapeSignature], number: int | None = None
+    ) -> int:
+        shape_id = self.insert_record(source_id, shape, number)
         self.insert_bags(shape_id, shape.signature.bags)
         self.insert_codes(shape_id, shape.signature)
         self.insert_kind(shape_id, shape.signature)
