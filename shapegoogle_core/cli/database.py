@@ -32,8 +32,12 @@ _WAIT = 30.0
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser, "postgresql:// address, of a role that owns the tables")
-    for option, summary in (("--reader", "may search"), ("--writer", "may also change")):
-        parser.add_argument(option, action="append", default=[], metavar="ROLE", help=summary)
+    for option, summary in (
+        ("--reader", "role that may search"),
+        ("--writer", "role that may also change it"),
+    ):
+        dest = f"{option[2:]}s"
+        parser.add_argument(option, dest=dest, action="append", default=[], metavar="ROLE", help=summary)
     add_flag(parser, "--index", "make the index of codes, or make it anew")
     add_flag(parser, "--sql", "only print the statements")
 
@@ -45,7 +49,7 @@ def _run(options: argparse.Namespace) -> int:
     if not is_database(options.library):
         say(f"shapegoogle: '{name}' is a file; only databases have roles and this index")
         return UNUSABLE
-    if not (options.reader or options.writer or options.index):
+    if not (options.readers or options.writers or options.index):
         say("shapegoogle: name a --reader or a --writer, or ask for the --index")
         return UNUSABLE
     with closing(connect(options.library, read_only=False, timeout=_WAIT)) as store:
@@ -55,13 +59,13 @@ def _run(options: argparse.Namespace) -> int:
             say(f"shapegoogle: there is no library in '{name}'; index a folder into it first")
             return UNUSABLE
         store.check_format()
-        access = administration.grants(store, options.reader, options.writer)
+        access = administration.grants(store, options.readers, options.writers)
         index = administration.index_statements(store) if options.index else []
         if options.sql:
             put("\n".join(f"{statement};" for statement in [*access, *index]))
             return DONE
         administration.run_statements(store, access)
-        for roles, may in ((options.reader, "search"), (options.writer, "search and change")):
+        for roles, may in ((options.readers, "search"), (options.writers, "search and change")):
             if roles:
                 put(f"{', '.join(roles)}: may {may} '{name}'")
         if index:

@@ -45,9 +45,7 @@ def grants(store: PostgresqlStore, readers: Sequence[str], writers: Sequence[str
     """
     schema = sql.Identifier(store.address.schema)
     return [
-        sql.SQL(f"GRANT {what} {{}} TO {{}}")  # type: ignore[arg-type]
-        .format(schema, sql.Identifier(role))
-        .as_string(store.connection)
+        sql.SQL(f"GRANT {what} {{}} TO {{}}").format(schema, sql.Identifier(role)).as_string(store.connection)
         for roles, rights in ((readers, _READER), (writers, _WRITER))
         for role in roles
         for what in rights

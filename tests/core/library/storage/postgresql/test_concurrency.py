@@ -114,7 +114,7 @@ def test_a_killed_writer_loses_only_what_was_in_flight(made: str) -> None:
 
 WRITER = """
 with Library.open(url) as library:
-    for round in range(12):
+    for round in range(5):
         # Half of the files are those of all writers at once, half are its own.
         write(library, f"shared {round}.blend", round)
         write(library, f"own {number} {round}.blend", 100 * number + round)
@@ -155,7 +155,7 @@ def test_writers_and_readers_at_once(made: str, writers: int, readers: int) -> N
     for process in writing:
         end(process)
     sources = check_whole(made)
-    assert len(sources) == 12 + 12 * writers
+    assert len(sources) == 5 + 5 * writers
     for process in reading:
         output, errors = process.communicate("last\n")
         assert process.returncode == 0, errors
