@@ -191,6 +191,7 @@ def _shapes_of(store: Store, model: ShapeModel, shape_ids: Sequence[int]) -> Cop
             record.tags,
             placements.get(i, ()),
             preview=preview,
+            origin=record.origin,
         )
         key = SourceKey(keys[i].root, keys[i].path)
         shapes.append((i, key if key.path else None, shape))

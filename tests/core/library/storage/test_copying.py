@@ -15,6 +15,7 @@ import pytest
 import shapegoogle_core as sg
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.origin import Origin
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.address import as_place
 from shapegoogle_core.library.storage.opening import open_store
@@ -41,7 +42,7 @@ def full(place: str, tmp_path: Path, seeing: ShapeModel, meshes: list[Mesh]) -> 
         placed = (Placement("one", np.eye(4)), Placement("two", np.diag([2.0, 2, 2, 1])))
         shapes = [
             NewShape(described[0], "a", "a", b"png", ("wood", "it's"), placed, preview=b"small"),
-            NewShape(described[1], "half \ud83d b", "b"),
+            NewShape(described[1], "half \ud83d b", "b", origin=Origin("text", "Props/Signs", 7)),
         ]
         file = tmp_path / "models" / "x.blend"
         library.replace_source(file, size=5, mtime_ns=6, sha256="ab", shapes=shapes)

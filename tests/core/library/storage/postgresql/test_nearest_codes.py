@@ -94,7 +94,7 @@ def test_an_index_of_pgvector_is_made_used_and_made_anew(
         ids, codes = all_codes(store, "codes", 9)
         index = CodeIndex()
         index.add(ids, codes)
-        for seed in range(0, 100, 7):
+        for seed in range(0, 100, 5):
             code = make_signature(seed).code
             found = store.nearest_codes(code, 5)
             assert found is not None
