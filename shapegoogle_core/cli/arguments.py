@@ -18,6 +18,7 @@ from shapegoogle_core.library.storage.address import as_place
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing.shards import Shard
+    from shapegoogle_core.library.library import Library
 
 __all__ = [
     "add_filters",
@@ -25,8 +26,10 @@ __all__ = [
     "add_inputs",
     "add_jobs",
     "add_library",
+    "add_roots",
     "add_value",
     "filter_of",
+    "map_roots",
     "named_folder",
     "number_from",
     "numbers",
@@ -223,6 +226,36 @@ def add_inputs(parser: argparse.ArgumentParser, least: int = 1) -> None:
         metavar="FOLDER",
         help="folder, searched recursively, or file of a mesh or scan",
     )
+
+
+def add_roots(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--root`` of commands that only read.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    root = "the root NAME of the library is FOLDER on this computer; may be repeated"
+    parser.add_argument(
+        "--root", action="append", default=[], type=named_folder, metavar="NAME=FOLDER", help=root
+    )
+
+
+def map_roots(library: Library, options: argparse.Namespace) -> None:
+    """Apply the option ``--root`` to an open library.
+
+    Parameters
+    ----------
+    library : Library
+    options : argparse.Namespace
+
+    Raises
+    ------
+    LibraryError
+        If the library has no such root.
+    """
+    for name, folder in options.root:
+        library.map_root(name, folder)
 
 
 def named_folder(text: str) -> tuple[str, Path]:

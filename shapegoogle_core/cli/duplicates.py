@@ -27,7 +27,15 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from shapegoogle_core.cli.arguments import add_flag, add_library, add_value, number_from, positive_share
+from shapegoogle_core.cli.arguments import (
+    add_flag,
+    add_library,
+    add_roots,
+    add_value,
+    map_roots,
+    number_from,
+    positive_share,
+)
 from shapegoogle_core.cli.command import DONE, Command
 from shapegoogle_core.cli.text import counted, put, table
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
@@ -43,6 +51,7 @@ _EXACT = {"copies", "identical", "moved", "scaled"}
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_library(parser)
+    add_roots(parser)
     similarity = "least similarity to the first of a group, above 0 and at most 1 (%(default)s)"
     add_value(parser, "--min-similarity", "S", similarity, positive_share, MIN_SIMILARITY)
     explained = (
@@ -58,6 +67,7 @@ def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.processes.progress import progress_bar
 
     with Library.open(options.library, read_only=True) as library:
+        map_roots(library, options)
         groups = library.duplicates(
             options.min_similarity,
             lambda positions: progress_bar(positions, "comparing", len(positions)),

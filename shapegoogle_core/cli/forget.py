@@ -20,7 +20,7 @@ import argparse
 import json
 
 from shapegoogle_core.api.text import counted, one_line
-from shapegoogle_core.cli.arguments import add_flag, add_library
+from shapegoogle_core.cli.arguments import add_flag, add_library, add_roots, map_roots
 from shapegoogle_core.cli.command import DONE, UNUSABLE, Command
 from shapegoogle_core.cli.text import put, say
 
@@ -30,6 +30,7 @@ __all__ = ["COMMAND"]
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folders", nargs="*", metavar="FOLDER|SOURCE", help="what to forget")
     add_library(parser)
+    add_roots(parser)
     add_flag(parser, "--missing", "forget only files that no longer exist")
     add_flag(parser, "--dry-run", "only list what would be forgotten")
     add_flag(parser, "--json", "print one JSON object")
@@ -42,6 +43,7 @@ def _run(options: argparse.Namespace) -> int:
         say("shapegoogle: name the folders or sources to forget, or use --missing")
         return UNUSABLE
     with Library.open(options.library, read_only=options.dry_run) as library:
+        map_roots(library, options)
         report = library.forget(options.folders, missing=options.missing, dry_run=True)
         if not options.json:
             title = f"{counted(len(report.forgotten), 'source')}, {counted(report.shape_count, 'shape')}"

@@ -63,7 +63,10 @@ INTERRUPTION = "everything stored so far is kept, run the same command again to 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser, least=0)
-    root = "index FOLDER as the root NAME, instead of one named after the folder; may be repeated"
+    root = (
+        "index FOLDER as the root NAME, instead of one named after the folder; may be repeated. If this root of "
+        "the library is at a place that is not there on this computer, FOLDER is where it is here"
+    )
     parser.add_argument(
         "--root", action="append", default=[], type=named_folder, metavar="NAME=FOLDER", help=root
     )
@@ -153,6 +156,8 @@ def _index(options: argparse.Namespace) -> int:
     )
     if options.dry_run:
         with Library.open(options.library, read_only=True) if known else nullcontext() as library:
+            if library is not None:
+                _map_known_roots(library, options)
             outcomes = plan_indexing(library, paths, settings, options.reader)
             gone = library.missing(_folders(options)) if library is not None and options.prune else []
             away = [] if library is None else _roots_away(library)
@@ -173,6 +178,7 @@ def _index(options: argparse.Namespace) -> int:
         return SOME_FAILED if failed else DONE
     model = None if options.model is None else load_model(options.model)
     with Library.open(options.library, model) as library:
+        _map_known_roots(library, options)
         folders = _folders(options)
         removed = library.remove_missing(folders) if options.prune else []
         gone = [] if options.prune else library.missing(folders)
@@ -233,6 +239,14 @@ def _excluded_sources(library: Library, options: argparse.Namespace) -> int:
         )
         for source in sources
     )
+
+
+def _map_known_roots(library: Library, options: argparse.Namespace) -> None:
+    """Let named roots that are not where the library says, as on another computer, be where they are here."""
+    known = {root.name: root for root in library.roots()}
+    for name, folder in options.root:
+        if name in known and not Path(known[name].path).is_dir():
+            library.map_root(name, folder)
 
 
 def _roots_away(library: Library) -> list[Root]:

@@ -47,8 +47,10 @@ from shapegoogle_core.cli.arguments import (
     add_filters,
     add_flag,
     add_library,
+    add_roots,
     add_value,
     filter_of,
+    map_roots,
     number_from,
 )
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
@@ -84,6 +86,7 @@ evidence:   result of comparing the surfaces; ×2 means twice the query's size""
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("meshes", nargs="+", metavar="MESH", help="file of a mesh or scan")
     add_library(parser)
+    add_roots(parser)
     add_value(parser, "--top", "N", "number of matches (%(default)s)", number_from(1), 10)
     add_flag(parser, "--exact", "compare all shapes in full: slower in a large library, misses nothing")
     parser.add_argument(
@@ -115,6 +118,7 @@ def _run(options: argparse.Namespace) -> int:
         Library.open(options.library, read_only=True, search=search) as library,
         ShapeReader(options.reader) as reader,
     ):
+        map_roots(library, options)
         if advice := library.reindexing_advice():
             say(advice)
         queries = _Queries(options, library, reader, failed)

@@ -106,6 +106,31 @@ class LibraryFolders:
         assert found is not None  # it was there, or has just been made
         return roots[found[0]]
 
+    def map_root(self, name: str, folder: PathLike) -> None:
+        """Say where a root lies on this computer, until the library is closed. Nothing is stored.
+
+        A library that several computers use has one path for each root, and Windows, macOS and Linux may
+        reach the same folder by different ones.
+
+        Parameters
+        ----------
+        name : str
+            Of a root.
+        folder : str or path-like
+            Where it is here.
+
+        Raises
+        ------
+        LibraryError
+            If the library has no such root.
+        """
+        check_type("name", name, str, "a text")
+        known = {root.name: root for root in self._store.roots()}
+        if name not in known:
+            listed = ", ".join(map(repr, sorted(known))) or "none"
+            raise LibraryError(f"'{self.name}' has no root {name!r}; its roots: {listed}")
+        self._store.map_root(known[name], os.path.realpath(as_path(folder)))
+
     def add_roots(self, paths: Iterable[PathLike]) -> None:
         """Make roots for files that lie below none: the topmost of their folders.
 

@@ -269,7 +269,7 @@ class _Conditions:
             if any(relative_to(root.path, spelling) is not None for spelling in folders):
                 conditions.append((of_root, (encoded(root.name),)))
             elif part := next((relative for relative in below if relative), ""):
-                condition, values = self._begins("key", path_key(root.path, part) + "/")
+                condition, values = self._begins("key", path_key(root.key_folder, part) + "/")
                 conditions.append((f"{of_root} AND {condition}", (encoded(root.name), *values)))
         prefixes = {
             path if path.endswith(("/", "\\")) else path + separator
@@ -288,7 +288,7 @@ class _Conditions:
     def _sources(self, sources: Sequence[str]) -> Condition:
         """Find some sources by their full paths or labels."""
         keys = {key for source in sources for key in source_keys(source, self._roots)}
-        paths = {root.name: root.path for root in self._roots}
+        paths = {root.name: root.key_folder for root in self._roots}
         encoded, text = self._dialect.encoded, self._dialect.text
         condition = (
             f"coalesce((SELECT name FROM roots WHERE roots.id = root_id), '') = {text} AND key = {text}"

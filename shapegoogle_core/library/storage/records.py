@@ -191,11 +191,19 @@ class Root:
         Absolute path of the folder.
     source_count : int
         Number of sources below it.
+    stored : str
+        Path that the library has for it, if `path` is where it lies on this computer; otherwise empty.
     """
 
     name: str
     path: str
     source_count: int = 0
+    stored: str = ""
+
+    @property
+    def key_folder(self) -> str:
+        """The path that decides how keys of its sources are written, on all computers alike."""
+        return self.stored or self.path
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,17 @@ from typing import Any
 
 from shapegoogle_core.library.origin import SHAPE_TYPES, UNKNOWN, Origin
 from shapegoogle_core.library.roots.paths import joined
+from shapegoogle_core.library.storage.local_folders import LocalFolders
 from shapegoogle_core.library.storage.records import ShapeRecord
 
 __all__ = ["origins_from", "shape_records"]
 
 
 def shape_records(
-    rows: Iterable[tuple[Any, ...]], tags: Iterable[tuple[int, str]], origins: Mapping[int, Origin]
+    rows: Iterable[tuple[Any, ...]],
+    tags: Iterable[tuple[int, str]],
+    origins: Mapping[int, Origin],
+    folders: LocalFolders,
 ) -> list[ShapeRecord]:
     """Make records of shapes.
 
@@ -28,6 +32,7 @@ def shape_records(
         Ids of shapes, and a tag of each.
     origins : mapping of int to Origin
         By id; a shape without one is an object, or a file if it has no object name, in no catalog.
+    folders : LocalFolders
 
     Returns
     -------
@@ -42,7 +47,7 @@ def shape_records(
         ShapeRecord(
             i,
             name,
-            path if root is None else joined(root, path),
+            path if root is None else joined(folders.of(root), path),
             object_name,
             vertices,
             faces,

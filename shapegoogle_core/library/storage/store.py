@@ -165,6 +165,16 @@ class Store(Protocol):
     def roots(self, *, counted: bool = False) -> list[Root]:
         """Return all roots in the order of their names, with the numbers of their sources if requested."""
 
+    def map_root(self, root: Root, path: str) -> None:
+        """Let a root lie elsewhere on this computer, until the library is closed; nothing is stored.
+
+        Parameters
+        ----------
+        root : Root
+        path : str
+            Absolute.
+        """
+
     def known_sources(self, keys: Sequence[SourceKey]) -> list[SourceKey]:
         """Return those of some keys that are sources, in their order."""
 

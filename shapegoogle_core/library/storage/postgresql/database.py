@@ -19,6 +19,7 @@ from psycopg import sql
 from psycopg.conninfo import make_conninfo
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.storage.local_folders import LocalFolders
 from shapegoogle_core.library.storage.postgresql.adapters import register_adapters
 from shapegoogle_core.library.storage.postgresql.address import DatabaseAddress
 from shapegoogle_core.library.storage.postgresql.errors import database_error, unreachable
@@ -55,6 +56,7 @@ class Database:
         self.address = address
         self.name = address.name
         self.timeout = timeout
+        self.local_folders = LocalFolders()
         self._requested_read_only = read_only
         self._closed = False
         self._connection = self._connect()

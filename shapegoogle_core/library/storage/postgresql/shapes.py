@@ -74,7 +74,7 @@ class ShapeTable(SourceTable):
         tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
         columns = "shape_id, shape_type, catalog, frame"
         origins = self.rows_with_ids(f"SELECT {columns} FROM origins WHERE shape_id", shape_ids)
-        return shape_records(rows, tags, origins_from(origins))
+        return shape_records(rows, tags, origins_from(origins), self.local_folders)
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""

@@ -27,7 +27,14 @@ class SourceTable(Database):
     def roots(self, *, counted: bool = False) -> list[Root]:
         """Return all roots, see `Store.roots`."""
         count = "(SELECT count(*) FROM sources WHERE coalesce(root_id, 0) = roots.id)" if counted else "0"
-        return [Root(*row) for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")]
+        return [
+            self.local_folders.root(*row)
+            for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")
+        ]
+
+    def map_root(self, root: Root, path: str) -> None:
+        """Let a root lie elsewhere on this computer, see `Store.map_root`."""
+        self.local_folders.put(root, path)
 
     def located(self, source: SourceKey) -> Located:
         """Return the values of the columns that identify a source."""
@@ -154,7 +161,9 @@ class SourceTable(Database):
         )
         records = []
         for path, size, mtime_ns, sha256, error, shapes, root, folder in rows:
-            place = (path, "", "") if root is None else (joined(folder, path), root, path)
+            place = (
+                (path, "", "") if root is None else (joined(self.local_folders.of(folder), path), root, path)
+            )
             records.append(SourceRecord(place[0], size, mtime_ns, sha256, error, shapes, *place[1:]))
         return sorted(records, key=lambda record: record.path)
 

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import LibraryError
+from shapegoogle_core.library.storage.local_folders import LocalFolders
 from shapegoogle_core.library.storage.sqlite.errors import library_error, read_only_error
 from shapegoogle_core.library.storage.store import damaged
 
@@ -67,6 +68,7 @@ class Database:
         self.path = path
         self.name = str(path)
         self.timeout = timeout
+        self.local_folders = LocalFolders()
         self._next_write = 0.0
         with self.explained():
             self.connection = sqlite3.connect(

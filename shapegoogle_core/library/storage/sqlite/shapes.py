@@ -94,9 +94,9 @@ class ShapeTable(OriginTable, SourceTable):
         rows = self.rows_with_ids(SELECT_SHAPES + "WHERE shapes.id", shape_ids)
         origins = self.origins(shape_ids)
         if not self._has_tags():
-            return shape_records(rows, [], origins)
+            return shape_records(rows, [], origins, self.local_folders)
         tags = self.rows_with_ids("SELECT shape_id, tag FROM tags WHERE shape_id", shape_ids)
-        return shape_records(rows, tags, origins)
+        return shape_records(rows, tags, origins, self.local_folders)
 
     def shapes_after(self, last_id: int, limit: int) -> list[ShapeRecord]:
         """Return the records of the next shapes, see `Store.shapes_after`."""
@@ -106,7 +106,7 @@ class ShapeTable(OriginTable, SourceTable):
         tags = self.rows(
             "SELECT shape_id, tag FROM tags WHERE shape_id BETWEEN ? AND ?", rows[0][0], rows[-1][0]
         )
-        return shape_records(rows, tags, self.origins([row[0] for row in rows]))
+        return shape_records(rows, tags, self.origins([row[0] for row in rows]), self.local_folders)
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
