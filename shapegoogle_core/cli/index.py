@@ -64,8 +64,8 @@ INTERRUPTION = "everything stored so far is kept, run the same command again to 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser, least=0)
     root = (
-        "index FOLDER as the root NAME, instead of one named after the folder; may be repeated. If this root of "
-        "the library is at a place that is not there on this computer, FOLDER is where it is here"
+        "index FOLDER as the root NAME, instead of one named after the folder; may be repeated. If the "
+        "library has this root at a place that is not there on this computer, FOLDER is where it is here"
     )
     parser.add_argument(
         "--root", action="append", default=[], type=named_folder, metavar="NAME=FOLDER", help=root
