@@ -32,7 +32,6 @@ __all__ = ["build", "main"]
 ADDON = bootstrap.ROOT / "blender_addon"
 MANIFEST = "blender_manifest.toml"
 EXTENSION = "shape_google"
-VERSION_FILE = Path("shapegoogle_core") / "__init__.py"
 DIST = bootstrap.ROOT / "dist"
 REPOSITORY = DIST / "repository"
 CACHE = bootstrap.ROOT / ".cache"
@@ -108,7 +107,7 @@ def version() -> str:
     -------
     version : str
     """
-    text = (bootstrap.ROOT / VERSION_FILE).read_text(encoding="utf-8")
+    text = (bootstrap.ROOT / bootstrap.VERSION_FILE).read_text(encoding="utf-8")
     return text.partition('__version__ = "')[2].partition('"')[0]
 
 

@@ -104,17 +104,22 @@ def make_environment(python: str, folder: Path, packages: Sequence[str]) -> Path
     bootstrap.run(f"Creating {folder.relative_to(ROOT)}", [python, "-m", "venv", "--clear", str(folder)])
     inside = bootstrap.python_of(folder)
     pip = [str(inside), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    bootstrap.run(f"Installing {', '.join(Path(name).name for name in packages)}", [*pip, *packages])
+    title = f"Installing {', '.join(Path(name).name for name in packages)}"
+    bootstrap.run(title, [*pip, *packages], own_environment())
     return inside
 
 
+def own_environment() -> dict[str, str]:
+    """Environment variables without the repository on Python's path, which would hide what is installed."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+
 def output_of(command: Sequence[str], folder: Path = ROOT) -> str:
-    """Run a command without the repository on its path; return its output, or raise `SetupError` with it."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    """Run a command; return its output, or raise `SetupError` with it."""
     result = subprocess.run(
         command,
         cwd=folder,
-        env=environment,
+        env=own_environment(),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -20,6 +20,7 @@ from typing import Any
 
 __all__ = [
     "ROOT",
+    "VERSION_FILE",
     "SetupError",
     "enter",
     "install_system_packages",
@@ -34,6 +35,7 @@ __all__ = [
 ROOT = Path(__file__).resolve().parents[2]
 OLDEST_PYTHON = (3, 11)
 STAMP = "shapegoogle-setup.json"
+VERSION_FILE = Path("shapegoogle_core") / "__init__.py"
 
 
 class SetupError(Exception):
@@ -71,8 +73,8 @@ def enter(extras: Collection[str]) -> None:
 def prepare(root: Path, folder: Path, extras: Collection[str]) -> None:
     """Create or update a virtual environment with this package, its dependencies and nox.
 
-    Nothing is installed, and no network is needed, if pyproject.toml, the extras and Python are those of the
-    last time.
+    Nothing is installed, and no network is needed, if pyproject.toml, the version, the extras and Python are
+    those of the last time.
 
     Parameters
     ----------
@@ -95,9 +97,11 @@ def prepare(root: Path, folder: Path, extras: Collection[str]) -> None:
             f"run this script with a newer one, for example: python{oldest} {sys.argv[0]}"
         )
     stamp = read_stamp(folder)
+    # What is installed also has the version, which the core states.
+    stated = [path for path in (root / "pyproject.toml", root / VERSION_FILE) if path.exists()]
     wanted = {
         "extras": sorted({*extras, *stamp.get("extras", [])}),
-        "pyproject": hashlib.sha256((root / "pyproject.toml").read_bytes()).hexdigest(),
+        "pyproject": hashlib.sha256(b"".join(path.read_bytes() for path in stated)).hexdigest(),
         "python": [*sys.version_info[:2]],
         # Virtual environments and editable installations contain absolute paths.
         "root": str(root),
