@@ -30,6 +30,7 @@ from . import (
     session,
     signature,
     state,
+    suggestions,
     transfer,
     wrapped_text,
 )
@@ -45,6 +46,7 @@ _MODULES = (
     signature,
     duplicates,
     transfer,
+    suggestions,
     session,
     commands,
 )

@@ -61,6 +61,18 @@ def _changed(_group: Any, context: Any) -> None:
     context.preferences.is_dirty = True
 
 
+def _draw_shortcut(column: Any, context: Any) -> None:
+    """Show the key of *Find Similar*, to be changed."""
+    import rna_keymap_ui
+
+    keys = context.window_manager.keyconfigs.user
+    keymap = None if keys is None else keys.keymaps.get("3D View")
+    for entry in [] if keymap is None else keymap.keymap_items:
+        if entry.idname == "shape_google.find_similar":
+            column.context_pointer_set("keymap", keymap)
+            rna_keymap_ui.draw_kmi([], keys, keymap, entry, column, 0)
+
+
 class SHAPEGOOGLE_PG_folder(bpy.types.PropertyGroup):
     """A folder whose shapes are indexed."""
 
@@ -168,6 +180,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column.prop(self, "jobs", text="Workers (0: All Processors)")
         column.prop(self, "time_limit", text="Time Limit (s)")
         column.prop(self, "memory_limit", text="Memory Limit (MB)")
+        _draw_shortcut(layout.column(heading="Shortcut"), context)
         column = layout.column(heading="Model")
         column.prop(self, "model")
         row = column.row()

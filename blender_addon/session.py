@@ -16,13 +16,19 @@ from .gallery.properties import GalleryProperties
 from .library.properties import IndexingProperties
 from .search.properties import SearchProperties
 from .state import current, session_of
+from .suggestions.properties import SuggestionProperties
 from .transfer.properties import TransferProperties
 
 __all__ = ["SHAPEGOOGLE_PG_session", "register", "unregister"]
 
 
 class SHAPEGOOGLE_PG_session(
-    IndexingProperties, SearchProperties, GalleryProperties, TransferProperties, bpy.types.PropertyGroup
+    IndexingProperties,
+    SearchProperties,
+    GalleryProperties,
+    TransferProperties,
+    SuggestionProperties,
+    bpy.types.PropertyGroup,
 ):
     """State of this Blender session."""
 

@@ -17,6 +17,7 @@ from ..state import session_of
 from .present import refresh
 from .properties import add_error
 from .scene_source import SceneIndexing
+from .status_bar import redraw_status_bar
 
 __all__ = ["register", "unregister"]
 
@@ -123,6 +124,7 @@ def _look() -> float | None:
     if running:
         _take(running[0])
         redraw()
+        redraw_status_bar()
     return SECONDS_BETWEEN_LOOKS if running else None
 
 

@@ -122,7 +122,18 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
     else:
         row.operator("shape_google.index_library", icon="FILE_REFRESH")
         row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
-    fixed_text(layout, session.progress if session.indexing else session.summary, context)
+    fixed_text(layout, session.progress if session.indexing else session.summary or _advice(session), context)
+
+
+def _advice(session: Any) -> str:
+    """Say what a library of an earlier version lacks."""
+    if not session.without_views:
+        return ""
+    number = "All" if session.without_views >= session.shape_count else f"{session.without_views:,}"
+    return (
+        f"{number} shapes were described by an earlier version: more of the same kind is found among them "
+        "only after Index Library has read their files again"
+    )
 
 
 def _draw_model(layout: Any, session: Any, context: Any) -> None:

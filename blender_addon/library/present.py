@@ -74,7 +74,7 @@ def library_changed(context: Any) -> None:
     if library.shown == path:
         return
     library.shown, library.file, library.look = path, None, None
-    session.shape_count, session.model = 0, ""
+    session.shape_count, session.without_views, session.model = 0, 0, ""
     if not session.indexing:
         session.summary = ""
         session.errors.clear()
@@ -115,6 +115,7 @@ def _show(found: LibraryState) -> None:
         return
     session = session_of(context)
     session.shape_count, session.model = found.shape_count, found.model
+    session.without_views = found.without_views
     for match in (*session.matches, *session.versions):
         today = found.today.get(match.shape_id, match.shape_id)
         same = today == match.shape_id

@@ -30,6 +30,9 @@ class IndexingProperties:
     progress: StringProperty(name="Progress")
     summary: StringProperty(name="Summary")
     shape_count: IntProperty(name="Shapes")
+    without_views: IntProperty(
+        description="Number of shapes that an earlier version has described without views"
+    )
     errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
     active_error: IntProperty(name="Error")
     model: StringProperty(name="Model", description="Model of the library, or of a new one")

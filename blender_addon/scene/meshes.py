@@ -26,6 +26,7 @@ __all__ = [
     "evaluated_arrays",
     "evaluated_mesh",
     "new_object",
+    "object_mesh",
     "placed_mesh",
     "query_meshes",
     "selected_part",
@@ -243,6 +244,31 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
             f"{item.name!r} shows {faces:,} faces, more than one query may have; select what it instances"
         )
     return [(*parts[number], matrix) for number, matrix in shown]
+
+
+def object_mesh(item: Any, context: Any) -> Mesh:
+    """Return the mesh of an object as it is seen, with what it instances or carries, at world scale.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    context : bpy.types.Context
+
+    Returns
+    -------
+    mesh : Mesh
+
+    Raises
+    ------
+    MeshError
+        If nothing of it is seen.
+    """
+    from shapegoogle_core import MeshError
+
+    (mesh,) = _seen(item, context, context.evaluated_depsgraph_get())
+    if not len(mesh.vertices):
+        raise MeshError(f"{mesh.name!r} has neither faces nor single points; select a mesh or a point cloud")
+    return mesh
 
 
 def new_object(context: Any, mesh: Mesh, name: str) -> Any:

@@ -117,8 +117,8 @@ def register() -> None:
 def unregister() -> None:
     """Remove the shortcut, the entries of menus and the operator."""
     keys = bpy.context.window_manager.keyconfigs.addon
-    if keys is not None and KEYMAP[0] in keys.keymaps:
-        keymap = keys.keymaps[KEYMAP[0]]
+    keymap = None if keys is None else keys.keymaps.get(KEYMAP[0])
+    if keymap is not None:
         for entry in [entry for entry in keymap.keymap_items if entry.idname == "shape_google.find_similar"]:
             keymap.keymap_items.remove(entry)
     for menu, operator in _MENUS.items():

@@ -48,6 +48,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         row.prop(session, "several", expand=True)
         fixed_text(layout, session.answer, context)
         _draw_examples(layout, session, preferences(context).library_path())
+        layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
         gallery.draw_match(layout, session, active_match(context))
         # Only at full width, so not in the box.

@@ -53,16 +53,17 @@ def shape_of(path: Path, source: str, name: str, *, is_collection: bool = False)
     return others[0] if others else None
 
 
-def suggest(path: Path, mesh: Mesh, source: str) -> list[Suggestion]:
-    """Suggest tags and catalogs for a shape; see `Library.suggest`.
+def suggest(path: Path, mesh: Mesh, source: str, name: str) -> list[Suggestion]:
+    """Suggest tags and catalogs for an object; see `Library.suggest`.
 
     Parameters
     ----------
     path : Path
         The library.
     mesh : Mesh
-    source : str
-        Its own file, whose shapes are no relatives.
+        Used if the object is not in the library.
+    source, name : str
+        Its file and its name; it is no relative of its own.
 
     Returns
     -------
@@ -76,5 +77,6 @@ def suggest(path: Path, mesh: Mesh, source: str) -> list[Suggestion]:
     MeshError
         If the mesh cannot be described.
     """
-    found = open_library(path).suggest(mesh, where=Filter(not_sources=(source,)))
+    own = shape_of(path, source, name)
+    found = open_library(path).suggest(mesh if own is None else own[0])
     return [suggestion for suggestion in found if suggestion.kind in ("tag", "catalog")]

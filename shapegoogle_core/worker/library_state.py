@@ -44,12 +44,16 @@ class LibraryState:
     today : dict of int to int or None
         For the number of each shape asked for its number now: another one if its file was indexed again, None
         if it is not in the library any more.
+    without_views : int
+        Number of shapes that an earlier version has described without views: the search for more of the same
+        kind does not find them.
     """
 
     path: Path
     shape_count: int
     model: str
     today: dict[int, int | None]
+    without_views: int = 0
 
 
 def state_of(path: Path, library: Library | None, shown: Sequence[ShownShape]) -> LibraryState:
@@ -81,7 +85,7 @@ def state_of(path: Path, library: Library | None, shown: Sequence[ShownShape]) -
             before = lost.get((record.source, record.name))
             if before is not None:
                 today[before] = record.shape_id
-    return LibraryState(path, len(library), library.model.name, today)
+    return LibraryState(path, len(library), library.model.name, today, library.count_without_views())
 
 
 def _record(library: Library, shape_id: int) -> ShapeRecord | None:

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The progress of indexing and searching in Blender's status bar, wherever the sidebar is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..state import session_of
+
+__all__ = ["redraw_status_bar", "register", "unregister"]
+
+
+def _draw(self: Any, context: Any) -> None:
+    session = session_of(context)
+    if session.indexing:
+        row = self.layout.row()
+        row.progress(factor=session.share, text=f"Shape Google: {session.progress or 'indexing'}")
+        row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
+    elif session.searching:
+        self.layout.label(text="Shape Google: searching …", icon="VIEWZOOM")
+
+
+def redraw_status_bar() -> None:
+    """Have the status bars drawn again, unless an operator shows a text there that would be lost."""
+    for window in bpy.context.window_manager.windows:
+        if not len(window.modal_operators):
+            with bpy.context.temp_override(window=window):
+                window.workspace.status_text_set(None)
+
+
+def register() -> None:
+    """Add the progress to the status bar."""
+    bpy.types.STATUSBAR_HT_header.append(_draw)
+
+
+def unregister() -> None:
+    """Remove it."""
+    bpy.types.STATUSBAR_HT_header.remove(_draw)

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Suggest tags and catalogs of an object, show them with their confidence, and write the chosen ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import bpy
+
+from .. import connections, jobs
+from ..library.open_file import open_source
+from ..library.present import is_there
+from ..preferences import preferences
+from ..reading.assets import CATALOG_FILE, catalogs_for, tags_of
+from ..scene.selection import query_objects
+from ..state import session_of
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from shapegoogle_core import Suggestion
+
+__all__ = ["known_catalogs", "register", "unregister"]
+
+# Suggestions that are shown, at least this confident; those that are rather right than wrong are chosen.
+MOST_SHOWN = 10
+LEAST_CONFIDENCE = 0.1
+CHOSEN_FROM = 0.5
+
+
+class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
+    """Suggest tags and catalogs."""
+
+    bl_idname = "shape_google.suggest_tags"
+    bl_label = "Suggest Tags…"
+    bl_description = (
+        "Show the tags and catalogs that the nearest shapes of the library have; those that you choose are "
+        "written to the active object, which becomes an asset"
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that there is an object that can be an asset, and a library."""
+        item = context.active_object
+        if item is None or not query_objects([item]) or context.mode != "OBJECT":
+            cls.poll_message_set("Select an object, in object mode")
+            return False
+        if item.library is not None:
+            cls.poll_message_set("The object belongs to another file; open that")
+            return False
+        if session_of(context).suggesting:
+            cls.poll_message_set("Suggestions are being made already")
+            return False
+        if not is_there(context):
+            cls.poll_message_set("Index a library first")
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Ask the worker process, then show a dialog."""
+        item, window, area = context.active_object, context.window, context.area
+        name, uid = item.name, item.session_uid
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        session_of(context).suggesting = True
+
+        def done(found: list[Suggestion]) -> None:
+            session_of(bpy.context).suggesting = False
+            _fill(bpy.context, uid, found)
+            region = next((region for region in area.regions if region.type == "WINDOW"), None)
+            with bpy.context.temp_override(window=window, area=area, region=region):
+                bpy.ops.shape_google.write_suggestions("INVOKE_DEFAULT")
+
+        def failed(error: BaseException) -> None:
+            session = session_of(bpy.context)
+            session.suggesting = False
+            session.answer = f"{name}: {error}"
+
+        jobs.watch(future, done, failed)
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Wait for the suggestions; `write_suggestions` writes them."""
+        from shapegoogle_core import ShapeGoogleError
+
+        future = self._ask(context)
+        if future is None:
+            return {"CANCELLED"}
+        try:
+            found = future.result()
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        _fill(context, context.active_object.session_uid, found)
+        return {"FINISHED"}
+
+    def _ask(self, context: Any) -> Future[list[Suggestion]] | None:
+        from shapegoogle_core import MeshError
+        from shapegoogle_core.worker.assets import suggest
+
+        from ..scene.meshes import object_mesh
+
+        item = context.active_object
+        try:
+            mesh = object_mesh(item, context)
+        except MeshError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+        library = preferences(context).library_path()
+        return jobs.worker().submit(suggest, library, mesh, open_source(), item.name)
+
+
+def _fill(context: Any, uid: int, found: list[Suggestion]) -> None:
+    """Put suggestions that are new to an object into the session."""
+    session = session_of(context)
+    session.suggestions.clear()
+    session.suggested_for = uid
+    item = _object_of(uid)
+    own = set() if item is None else set(tags_of(item))
+    catalogs = known_catalogs()
+    has_catalog = False
+    for suggestion in found:
+        if suggestion.confidence < LEAST_CONFIDENCE or len(session.suggestions) == MOST_SHOWN:
+            break
+        if suggestion.kind == "tag" and suggestion.text in own:
+            continue
+        if suggestion.kind == "catalog" and suggestion.text not in catalogs:
+            continue
+        line = session.suggestions.add()
+        line.kind, line.text = suggestion.kind, suggestion.text
+        line.confidence = suggestion.confidence
+        line.relatives = ", ".join(suggestion.relatives[:3])
+        line.use = suggestion.confidence >= CHOSEN_FROM and not (suggestion.kind == "catalog" and has_catalog)
+        has_catalog = has_catalog or suggestion.kind == "catalog"
+
+
+def known_catalogs() -> dict[str, str]:
+    """Return the catalogs that an asset of the open file can be in.
+
+    Returns
+    -------
+    catalogs : dict of str to str
+        Identifiers by path: those of the asset library that the file lies in, then of the others in
+        Blender's preferences.
+    """
+    files = [Path(bpy.data.filepath)] if bpy.data.filepath else []
+    files += [folder / CATALOG_FILE for _, folder in connections.asset_libraries()]
+    found: dict[str, str] = {}
+    for path in files:
+        for identifier, catalog in catalogs_for(path).items():
+            found.setdefault(catalog, identifier)
+    return found
+
+
+def _object_of(uid: int) -> Any | None:
+    return next((item for item in bpy.data.objects if item.session_uid == uid), None)
+
+
+class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
+    """Write the chosen suggestions."""
+
+    bl_idname = "shape_google.write_suggestions"
+    bl_label = "Write Tags and Catalog"
+    bl_description = "Write the chosen tags and the catalog to the asset"
+    bl_options: ClassVar = {"UNDO", "INTERNAL"}
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Show the suggestions, and write after confirmation."""
+        result: set[str] = context.window_manager.invoke_props_dialog(self, width=360)
+        return result
+
+    def draw(self, context: Any) -> None:
+        """Lay the suggestions out."""
+        session = session_of(context)
+        item = _object_of(session.suggested_for)
+        column = self.layout.column()
+        if item is None or not len(session.suggestions):
+            column.label(text="The nearest shapes have no further tags or catalogs.")
+            column.label(text="Tag some assets, index them, and try again.")
+            return
+        column.label(text=f"{item.name}: what the nearest shapes have")
+        for line in session.suggestions:
+            split = column.split(factor=0.55)
+            row = split.row()
+            row.prop(line, "use", text=line.text, icon="BOOKMARKS" if line.kind == "tag" else "ASSET_MANAGER")
+            split.label(text=f"{line.confidence:.0%}  {line.relatives}")
+        if item.asset_data is None:
+            column.label(text="The object becomes an asset.", icon="INFO")
+
+    def execute(self, context: Any) -> set[str]:
+        """Write them."""
+        session = session_of(context)
+        item = _object_of(session.suggested_for)
+        chosen = [line for line in session.suggestions if line.use]
+        if item is None:
+            self.report({"ERROR"}, "The object is gone; select another one and suggest again")
+            return {"CANCELLED"}
+        if not chosen:
+            return {"CANCELLED"}
+        if item.asset_data is None:
+            item.asset_mark()
+        tags = [line.text for line in chosen if line.kind == "tag"]
+        for tag in tags:
+            item.asset_data.tags.new(tag, skip_if_exists=True)
+        catalog = next((line.text for line in chosen if line.kind == "catalog"), "")
+        if catalog:
+            item.asset_data.catalog_id = known_catalogs()[catalog]
+        parts = [f"tags {', '.join(tags)}"] if tags else []
+        parts += [f"catalog {catalog}"] if catalog else []
+        self.report({"INFO"}, f"{item.name} has the {' and the '.join(parts)} now")
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_suggest_tags, SHAPEGOOGLE_OT_write_suggestions)
+)
