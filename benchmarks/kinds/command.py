@@ -10,8 +10,9 @@ development sets   objects and creatures (by kind), poses (individuals in severa
                    several poses), and the CC0 packs to learn from, labelled by the words of their names
 held out           the other CC0 packs; everyday things by kind, upright and turned
 measuring          the labelled models of the evaluation data; nothing may be chosen by them
-parts              bags: bags of words only; views: appearance from outside only;
-                   search: the product's own list of matches
+parts              bags: bags of words only; views: appearance from outside only; measures: simple
+                   measures only; kind: the three together; gate: the same with the gate for the same shape;
+                   search: the product's own list of matches, with the walk over the neighbour graph
 
 Signatures are kept in --cache for each mesh, model and state of the code.
 """
@@ -37,7 +38,7 @@ from shapegoogle_core.model import load_model
 
 __all__ = ["add_options", "run"]
 
-PROCEDURAL = ("objects", "creatures", "poses", "people")
+PROCEDURAL = ("objects", "soup", "creatures", "poses", "people")
 THINGS = ("things", "turned things")
 PACKS = ("packs to learn from", "packs held out")
 EVALUATION = ("Princeton", "TOSCA", "TOSCA remeshed", "posed characters")

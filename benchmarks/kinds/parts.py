@@ -11,11 +11,21 @@ import numpy as np
 
 from benchmarks.kinds.describing import DescribedSet
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.search.traits import TraitDistances, Traits
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.processes.progress import progress_bar
 
-__all__ = ["PARTS", "Part", "bag_distances", "search_distances", "view_distances"]
+__all__ = [
+    "PARTS",
+    "Part",
+    "bag_distances",
+    "gated_distances",
+    "kind_distances",
+    "measure_distances",
+    "search_distances",
+    "view_distances",
+]
 
 Part = Callable[[DescribedSet, ShapeModel], FloatArray | None]
 """Computes the distances (n, n) of a set; None where the model lacks the part."""
@@ -34,6 +44,33 @@ def view_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | N
         return None
     stored = np.stack([own.descriptors for own in views])
     return np.stack([model.views.distances(own, stored) for own in views])
+
+
+def measure_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
+    """Compute the differences of simple measures."""
+    return _each(described, model, lambda compared, own, row: compared.parts(own, row, own)[3])
+
+
+def kind_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
+    """Compute the kind distances, as ``--rank kind`` sorts by."""
+    return _each(described, model, lambda compared, own, row: compared.kind_distances(own, row, own)[0])
+
+
+def gated_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
+    """Compute the distances that a search sorts by, without verification and without the walk."""
+    return _each(described, model, lambda compared, own, row: compared.distances(own, row, own))
+
+
+def _each(
+    described: DescribedSet,
+    model: ShapeModel,
+    distances: Callable[[TraitDistances, Traits, int], FloatArray],
+) -> FloatArray | None:
+    if not TraitDistances.possible(model):
+        return None
+    compared = TraitDistances(model)
+    own = compared.of(described.signatures)
+    return np.stack([distances(compared, own, row) for row in range(len(own.ids))])
 
 
 def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
@@ -61,6 +98,9 @@ def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
 PARTS: dict[str, Part] = {
     "bags": bag_distances,
     "views": view_distances,
+    "measures": measure_distances,
+    "kind": kind_distances,
+    "gate": gated_distances,
     "search": search_distances,
 }
 """By name, in the order of the table. The query's own row and column do not matter."""

@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.errors import BenchmarkError
-from benchmarks.objects import OBJECT_KINDS, make_object
+from benchmarks.objects import OBJECT_KINDS, make_object, make_soup
 from benchmarks.protocol.cache import code_digest, content_digest, digest
 from benchmarks.protocol.evaluation_data import posed_characters, read_labels
 from benchmarks.things import THING_KINDS, make_thing
@@ -243,6 +243,7 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
     -------
     sets : list of KindSet
         "objects": things of every kind, upright, labelled by kind.
+        "soup": the same as polygon soup.
         "creatures": individuals of every kind, each in a pose of its own, labelled by kind.
         "poses": one individual of every kind in several poses, as in SHREC'11.
         "people": people in several poses, labelled by the person, as in FAUST.
@@ -273,20 +274,25 @@ def procedural_sets(vertices: int = 2_000) -> list[KindSet]:
         for seed in range(_PEOPLE)
         for pose in range(_POSES_OF_A_PERSON)
     )
-    object_code = code_digest(("benchmarks/objects",))
-    objects = tuple(
-        KindShape(f"{kind}-{seed}", kind, digest(object_code, kind, seed), partial(make_object, kind, seed))
-        for kind in OBJECT_KINDS
-        for seed in range(_FIRST_SEED, _FIRST_SEED + _OBJECTS)
-    )
     return [
-        KindSet("objects", DEVELOPMENT, objects),
+        KindSet("objects", DEVELOPMENT, _objects(make_object)),
+        KindSet("soup", DEVELOPMENT, _objects(make_soup)),
         KindSet("creatures", DEVELOPMENT, shapes(kinds, [""])),
         KindSet("poses", DEVELOPMENT, shapes(poses, _DAMAGES)),
         KindSet("people", DEVELOPMENT, shapes(people, _DAMAGES)),
         KindSet("things", HELD_OUT, _things(turned=False)),
         KindSet("turned things", HELD_OUT, _things(turned=True)),
     ]
+
+
+def _objects(make: Callable[[str, int], Mesh]) -> tuple[KindShape, ...]:
+    files = ("kinds", "objects.py", "parts.py", *(["soup.py"] if make is make_soup else []))
+    code = code_digest(tuple(f"benchmarks/objects/{name}" for name in files))
+    return tuple(
+        KindShape(f"{kind}-{seed}", kind, digest(code, kind, seed), partial(make, kind, seed))
+        for kind in OBJECT_KINDS
+        for seed in range(_FIRST_SEED, _FIRST_SEED + _OBJECTS)
+    )
 
 
 def _things(turned: bool) -> tuple[KindShape, ...]:

@@ -119,13 +119,13 @@ def test_evaluation_data_are_for_measuring_only(tmp_path: Path) -> None:
 
 
 def test_procedural_sets_are_the_same_each_time() -> None:
-    objects, creatures, poses, people, *_ = procedural_sets(1_000)
+    objects, soup, creatures, poses, people, *_ = procedural_sets(1_000)
     for made in (objects, creatures):
         assert min(map(made.labels.count, made.labels)) > 1
     assert len({shape.label for shape in people.shapes}) > 5
-    everything = [shape.key for made in (objects, creatures, poses, people) for shape in made.shapes]
+    everything = [shape.key for made in (objects, soup, creatures, poses, people) for shape in made.shapes]
     assert len(set(everything)) == len(everything)
-    one, again = poses.shapes[0].mesh(), procedural_sets(1_000)[2].shapes[0].mesh()
+    one, again = poses.shapes[0].mesh(), procedural_sets(1_000)[3].shapes[0].mesh()
     np.testing.assert_array_equal(one.vertices, again.vertices)
 
 
