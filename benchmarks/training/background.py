@@ -4,10 +4,12 @@
     python -m benchmarks train-background --blend-meshes FOLDER
 
 The background has one procedural creature and one procedural object of each kind, three of each kind of
-plain solids and stones, one of each family of flat-sided parts, and CC0 models of the packs to learn from,
-exported by `python -m benchmarks blend-meshes`, as far as they are not near to what is in it already. Its
-exponents are fitted on versions of other objects and of these models, and on pairs of different ones. Run it
-again whenever the bags of the model have changed; the identifier of the model stays.
+plain solids and stones, one of each family of flat-sided parts, one object of each kind as polygon soup, and
+CC0 models of the packs to learn from, exported by `python -m benchmarks blend-meshes`, as far as they are not
+near to what is in it already. Soup belongs there because shapes that fall into many loose polygons have
+almost the same bags, whatever they are. The exponents are fitted on versions of other objects, as they are
+and as soup, and of these models, and on pairs of different ones. Run it again whenever the bags of the model
+have changed; the identifier of the model stays.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from numpy.typing import NDArray
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.flat_parts.families import FAMILIES
 from benchmarks.kinds.sets import LEARNING_PACKS
-from benchmarks.objects import OBJECT_KINDS, make_object
+from benchmarks.objects import OBJECT_KINDS, make_object, make_soup
 from benchmarks.objects.kinds import solids
 from benchmarks.parallel import map_in_processes
 from benchmarks.training.models import SHIPPED
@@ -60,7 +62,7 @@ class _Shape:
     Attributes
     ----------
     group, kind : str
-        "creature", "object", "part" or "model"; its kind, family or file.
+        "creature", "object", "soup", "part" or "model"; its kind, family or file.
     seed : int
         Of the individual; of a model 0.
     version : str
@@ -80,12 +82,21 @@ class _Shape:
     def identity(self) -> tuple[str, str, int]:
         return self.group, self.kind, self.seed
 
+    @property
+    def thing(self) -> tuple[str, int]:
+        """The same for an object and for the soup made from it."""
+        return self.kind, self.seed
+
     def make(self, folder: Path) -> Mesh:
         if self.group == "creature":
             return make_creature(self.kind, self.seed).pose(1 if self.version == "pose" else 0)
         if self.group == "part":
             return next(iter(FAMILIES[self.kind].values()))()
-        mesh = make_object(self.kind, self.seed) if self.group == "object" else read_mesh(folder / self.kind)
+        if self.group == "model":
+            mesh = read_mesh(folder / self.kind)
+        else:
+            make = make_soup if self.group == "soup" else make_object
+            mesh = make(self.kind, self.seed)
         if self.version == "bend":
             return bend(mesh, self.random, self.strength / 5)
         return transform(mesh, self.version, self.strength, self.random) if self.version else mesh
@@ -109,6 +120,7 @@ def _background_shapes(files: Sequence[str]) -> list[_Shape]:
     for kind in OBJECT_KINDS:
         seeds = _PLAIN_SEEDS if kind in _PLAIN_KINDS else 1
         shapes += [_Shape("object", kind, _SEED + number) for number in range(seeds)]
+    shapes += [_Shape("soup", kind, _SEED) for kind in OBJECT_KINDS]
     shapes += [_Shape("part", family) for family in FAMILIES]
     return shapes + [_Shape("model", file) for file in files]
 
@@ -151,10 +163,10 @@ def _known_pairs(model: ShapeModel, described: dict[_Shape, ShapeSignature], job
     bags = np.stack([described[shape].bags for shape in plain])
     chosen, same = [], []
     for row, shape in enumerate(plain):
-        for other in np.argsort(model.distances(bags[row], bags))[: 1 + _RIVALS]:
-            if other != row:
-                chosen.append((shape, plain[other]))
-                same.append(False)
+        nearest = np.argsort(model.distances(bags[row], bags))
+        rivals = [plain[other] for other in nearest if plain[other].thing != shape.thing][:_RIVALS]
+        chosen += [(shape, rival) for rival in rivals]
+        same += [False] * len(rivals)
     known = {shape.identity: shape for shape in plain}
     for shape in described:
         if shape.version and shape.identity in known:
@@ -208,7 +220,7 @@ def run(options: argparse.Namespace) -> int:
     creatures = [
         _Shape("creature", kind, _OTHER_SEED, pose) for kind in CREATURE_KINDS for pose in ("", "pose")
     ]
-    others = [_Shape("object", kind, _OTHER_SEED) for kind in OBJECT_KINDS]
+    others = [_Shape(group, kind, _OTHER_SEED) for group in ("object", "soup") for kind in OBJECT_KINDS]
     others += [_Shape("model", file) for file in files]
     versions = [*others, *_versions(others)]
     found = map_in_processes(describe, [*creatures, *versions], options.jobs, "versions")

@@ -3,18 +3,18 @@
 
     python -m benchmarks train-ranking --blend-meshes FOLDER
 
-Weights, gate and calibration of `shapegoogle_core.model.ranking` are chosen on procedural objects and
-creatures by kind, on individual creatures in several poses, and on the CC0 packs to learn from, with words
-of their names as kinds. Run it again whenever views or background of the model have changed.
+Weights, gate and calibration of `shapegoogle_core.model.ranking` are chosen on the development sets of
+`benchmarks.kinds`: procedural objects, as they are and as polygon soup, and creatures by kind; creatures and
+people in several poses, damaged; and the CC0 packs to learn from, with words of their names as kinds. Run it
+again whenever views or background of the model have changed.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -22,95 +22,107 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.linear_model import LogisticRegression
 
-from benchmarks.creatures import CREATURE_KINDS, make_creature
-from benchmarks.kinds.sets import LEARNING_PACKS, weak_labels
-from benchmarks.objects import OBJECT_KINDS, make_object
-from benchmarks.parallel import map_in_processes
-from benchmarks.training.background import add_options
+from benchmarks.experiments.retrieval import default_cache
+from benchmarks.kinds.describing import DescribedSet, describe_set
+from benchmarks.kinds.sets import DEVELOPMENT, KindSet, pack_sets, procedural_sets
+from benchmarks.protocol.cache import BenchmarkCache
+from benchmarks.training import background
+from shapegoogle_core.cli.text import say
 from shapegoogle_core.library.search.traits import TraitDistances
-from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.ranking import Ranking, figures_of
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["Labelled", "add_options", "learn_ranking", "run"]
+__all__ = ["Group", "add_options", "learn_ranking", "run"]
 
-_SEEDS = (4_000, 5_000)
-_CREATURE_SEEDS = (5_000, 5_001)
-_POSES = (0, 1, 2)
-# Weights of bags and of simple measures, where all distances are divided by their standard deviation and that
-# of views is 1.
-_BAG_WEIGHTS = (0.3, 0.5, 0.7, 1.0)
+# Number of shapes of each label to learn from; of other sets all.
+_OF_A_LABEL = {"objects": 3, "soup": 3, "creatures": 4}
+# Sets whose labels are individuals, and other sets that these are found among.
+_AMONG: dict[str, tuple[str, ...]] = {"poses": ("creatures",), "people": ()}
+# Weights of bags and of simple measures, where the distances of views and measures are divided by their
+# standard deviation and the weight of views is 1.
+_BAG_WEIGHTS = (0.5, 1.0, 1.5, 2.0, 3.0)
+_BAG_REACHES = (0.5, 0.7, 1.0, 1.5)
 _FIGURE_WEIGHTS = (0.0, 0.15, 0.3, 0.45, 0.6)
-_AGREEMENTS, _POWERS = (0.25, 0.3, 0.4), (1.0, 2.0, 4.0)
-# The same individual must be found as well as by bags alone, up to this (points of first tier).
-_ALLOWED_LOSS = 0.3
+_AGREEMENTS, _POWERS = (0.2, 0.25, 0.3, 0.4, 0.5), (1.0, 1.5, 2.0, 3.0)
+# Quantile of the distances of views of different kinds from which shapes do not look alike, and the factor
+# that their bags must agree more closely for each standard deviation beyond it.
+_ALIKE, _DOUBTS = (0.05, 0.1, 0.2), (0.0, 1.0, 2.0)
+# Chosen on halves of development shapes (docs/measurements/kinds.md).
+_CERTAIN_ODDS = 5.0
 _RIVALS = 5
 
 
 @dataclass(frozen=True)
-class Labelled:
-    """A shape to learn from.
+class Group:
+    """Shapes that are compared with each other.
 
     Attributes
     ----------
-    group : str
-        "objects", "creatures" or "models"; kinds are compared within it.
-    kind : str
-    individual : str
-        Shapes of one individual are the same shape.
-    source : str
-        Kind of the object or the creature, or the file of the model.
-    seed, pose : int
+    name : str
+    labels : (n,) array of str
+        Shapes with the same label should find each other.
+    queries : (m,) array of int
+        Numbers of the shapes that are asked for the others of their label.
+    by_kind : bool
+        Whether labels are kinds, or individuals.
+    signatures : sequence of n ShapeSignature
     """
 
-    group: str
-    kind: str
-    individual: str
-    source: str
-    seed: int = 0
-    pose: int = 0
+    name: str
+    labels: NDArray[np.str_]
+    queries: NDArray[np.intp]
+    by_kind: bool
+    signatures: Sequence[ShapeSignature]
 
 
-def _describe(model: ShapeModel, folder: Path, shape: Labelled) -> ShapeSignature:
-    if shape.group == "objects":
-        return model.describe(make_object(shape.source, shape.seed))
-    if shape.group == "creatures":
-        return model.describe(make_creature(shape.source, shape.seed).pose(shape.pose))
-    return model.describe(read_mesh(folder / shape.source))
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Distances (n, n) between the shapes of a group, and their typical distances."""
+
+    group: Group
+    views: FloatArray
+    bags: FloatArray
+    figures: FloatArray
+    typical: FloatArray
+
+    def kind_distances(self, ranking: Ranking) -> FloatArray:
+        return ranking.kind_distances(self.bags, self.typical, self.views, self.figures)
+
+    def sorting_distances(self, ranking: Ranking) -> FloatArray:
+        kind = self.kind_distances(ranking)
+        return ranking.sorting_distances(kind, self.bags, self.typical, self.views)
+
+    def tiers(self, distances: FloatArray) -> tuple[float, float]:
+        """Nearest neighbour and first tier of the queries in percent."""
+        nearest, tier = [], []
+        for row in self.group.queries:
+            related = np.delete(self.group.labels == self.group.labels[row], row)
+            if related.any():
+                order = np.argsort(np.delete(distances[row], row), kind="stable")
+                nearest.append(related[order[0]])
+                tier.append(related[order[: related.sum()]].mean())
+        return 100 * float(np.mean(nearest)), 100 * float(np.mean(tier))
 
 
-def _shapes(folder: Path) -> list[Labelled]:
-    shapes = [
-        Labelled("objects", kind, f"{kind} {seed}", kind, seed) for kind in OBJECT_KINDS for seed in _SEEDS
-    ]
-    shapes += [
-        Labelled("creatures", kind, f"creature {kind} {seed}", kind, seed, pose)
-        for kind in CREATURE_KINDS
-        for seed in _CREATURE_SEEDS
-        for pose in _POSES
-    ]
-    with (folder / "meshes.csv").open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["pack"] in LEARNING_PACKS]
-    names = [row["shape"].removeprefix(f"{row['pack']}-") for row in rows]
-    labels = weak_labels(names, [row["pack"] for row in rows])
-    return shapes + [
-        Labelled("models", label, row["file"], row["file"]) for row, label in zip(rows, labels, strict=True)
-    ]
+def _pair_distances(model: ShapeModel, ranking: Ranking, group: Group) -> _Pairs:
+    compared = TraitDistances(model.with_parts(ranking=ranking))
+    traits = compared.of(group.signatures)
+    parts = [compared.parts(traits, row, traits) for row in range(len(group.signatures))]
+    bags, typical, views, figures = (np.stack(part) for part in zip(*parts, strict=True))
+    return _Pairs(group, views, bags, figures, typical)
 
 
-def learn_ranking(
-    model: ShapeModel, shapes: Sequence[Labelled], signatures: Sequence[ShapeSignature]
-) -> tuple[Ranking, str]:
-    """Choose weights and gate by first tiers, and calibrate the likeness.
+def learn_ranking(model: ShapeModel, groups: Sequence[Group]) -> tuple[Ranking, str]:
+    """Choose weights and gate by nearest neighbours and first tiers, and calibrate the likeness.
 
     Parameters
     ----------
     model : ShapeModel
         With views and a background.
-    shapes, signatures : sequences of n
-        Labels and signatures.
+    groups : sequence of Group
+        Each counts alike.
 
     Returns
     -------
@@ -118,122 +130,149 @@ def learn_ranking(
     report : str
         What it reaches on these shapes.
     """
-    rows = np.stack(
-        [figures_of(signature.measures, signature.area, signature.extents) for signature in signatures]
-    )
-    plain = Ranking(
+    figures = [
+        figures_of(each.measures, each.area, each.extents) for group in groups for each in group.signatures
+    ]
+    ranking = Ranking(
         view_weight=1.0,
         bag_weight=0.0,
+        bag_reach=1.0,
         figure_weight=0.0,
-        figure_mean=np.nanmean(rows, axis=0),
-        figure_scale=np.nanstd(rows, axis=0),
+        figure_mean=np.nanmean(figures, axis=0),
+        figure_scale=np.nanstd(figures, axis=0),
         unknown_views=1.0,
         agreement=1.0,
         power=1.0,
+        alike=1.0,
+        doubt=0.0,
+        certain_odds=_CERTAIN_ODDS,
         likeness_half=1.0,
         likeness_slope=1.0,
     )
-    views, bags, figures, agreement = _matrices(model, plain, signatures)
-    groups = np.array([shape.group for shape in shapes])
-    kinds = np.array([f"{shape.group} {shape.kind}" for shape in shapes])
-    individuals = np.array([shape.individual for shape in shapes])
-    upper = np.triu_indices(len(shapes), 1)
-    spread = [float(matrix[upper].std()) for matrix in (views, bags, figures)]
+    pairs = [_pair_distances(model, ranking, group) for group in groups]
+    by_kind = [each for each in pairs if each.group.by_kind]
+    views, spreads = _unlike_views(pairs), _spreads(pairs)
+    ranking = replace(ranking, unknown_views=float(np.median(views)))
 
-    def kind_quality(distances: FloatArray) -> float:
-        values = [
-            value
-            for group in np.unique(groups)
-            for value in _tiers(distances, kinds, np.flatnonzero(groups == group))
-        ]
-        return float(np.mean(values))
+    def weighted(bag: float, reach: float, figure: float) -> Ranking:
+        weights = np.array([1, bag * spreads[0], figure * spreads[0] / spreads[1]])
+        view, bag, figure = (weights / weights.sum()).tolist()
+        return replace(ranking, view_weight=view, bag_weight=bag, bag_reach=reach, figure_weight=figure)
 
-    def weighted(bag: float, figure: float) -> FloatArray:
-        return views / spread[0] + bag * bags / spread[1] + figure * figures / spread[2]
-
-    bag, figure = max(
-        product(_BAG_WEIGHTS, _FIGURE_WEIGHTS), key=lambda weights: kind_quality(weighted(*weights))
+    ranking = max(
+        (weighted(*tried) for tried in product(_BAG_WEIGHTS, _BAG_REACHES, _FIGURE_WEIGHTS)),
+        key=lambda tried: np.mean([each.tiers(each.kind_distances(tried)) for each in by_kind]),
     )
-    weights = np.array([1 / spread[0], bag / spread[1], figure / spread[2]])
-    weights /= weights.sum()
-    kind = weights[0] * views + weights[1] * bags + weights[2] * figures
-    ranking = replace(
-        plain,
-        view_weight=float(weights[0]),
-        bag_weight=float(weights[1]),
-        figure_weight=float(weights[2]),
-        unknown_views=float(np.median(views[upper])),
+
+    def gated(width: float, power: float, alike: float, doubt: float) -> Ranking:
+        distance, factor = float(np.quantile(views, alike)), doubt / spreads[0]
+        return replace(ranking, agreement=width, power=power, alike=distance, doubt=factor)
+
+    ranking = max(
+        (gated(*tried) for tried in product(_AGREEMENTS, _POWERS, _ALIKE, _DOUBTS)),
+        key=lambda tried: np.mean([each.tiers(each.sorting_distances(tried)) for each in pairs]),
     )
-    posed = np.flatnonzero(groups == "creatures")
-    least = _tiers(bags, individuals, posed)[1] - _ALLOWED_LOSS
-    gated = []
-    for width, power in product(_AGREEMENTS, _POWERS):
-        tried = replace(ranking, agreement=width, power=power)
-        sorting = tried.sorting_distances(kind, agreement, 1.0)
-        if _tiers(sorting, individuals, posed)[1] >= least:
-            gated.append((kind_quality(sorting), tried, sorting))
-    quality, ranking, sorting = max(gated, key=lambda found: found[0])
-    half, slope = _calibrated(kind, kinds, individuals, groups)
+    half, slope = _calibrated([(each.group, each.kind_distances(ranking)) for each in by_kind])
     ranking = replace(ranking, likeness_half=half, likeness_slope=slope)
-    lines = [f"kinds {quality:.1f}, individuals {_tiers(sorting, individuals, posed)[1]:.1f} (first tier)"]
-    for group in np.unique(groups):
-        nearest, first = _tiers(sorting, kinds, np.flatnonzero(groups == group))
-        lines.append(f"{group}: nearest neighbour {nearest:.1f}, first tier {first:.1f}")
-    return ranking, "\n".join(lines)
+    return ranking, _report(pairs, ranking)
 
 
-def _matrices(
-    model: ShapeModel, ranking: Ranking, signatures: Sequence[ShapeSignature]
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Distances of views, bags and figures (n, n), and distances of bags divided by the typical ones."""
-    parts = []
-    for view, bag, figure in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        alone = replace(ranking, view_weight=view, bag_weight=bag, figure_weight=figure)
-        compared = TraitDistances(model.with_parts(ranking=alone))
-        traits = compared.of(signatures)
-        parts.append(
-            np.stack([compared.kind_distances(traits, row, traits) for row in range(len(signatures))])
-        )
-    typical = np.sqrt(traits.background[:, None] * traits.background)
-    return parts[0], parts[1], parts[2], parts[1] / typical
+def _spreads(pairs: Sequence[_Pairs]) -> tuple[float, float]:
+    """Compute the standard deviations of the distances of views and of simple measures."""
+    upper = [np.triu_indices(len(each.views), 1) for each in pairs]
+    return (
+        float(np.concatenate([each.views[rows] for each, rows in zip(pairs, upper, strict=True)]).std()),
+        float(np.concatenate([each.figures[rows] for each, rows in zip(pairs, upper, strict=True)]).std()),
+    )
 
 
-def _tiers(distances: FloatArray, labels: NDArray[np.str_], chosen: NDArray[np.intp]) -> tuple[float, float]:
-    """Nearest neighbour and first tier in per cent, each chosen shape against the others."""
-    nearest, tier = [], []
-    for row in chosen:
-        others = chosen[chosen != row]
-        related = labels[others] == labels[row]
-        if not related.any():
-            continue
-        order = np.argsort(distances[row, others], kind="stable")
-        nearest.append(related[order[0]])
-        tier.append(related[order[: related.sum()]].mean())
-    return 100 * float(np.mean(nearest)), 100 * float(np.mean(tier))
+def _unlike_views(pairs: Sequence[_Pairs]) -> FloatArray:
+    """Collect the distances of the views of different things."""
+    return np.concatenate(
+        [each.views[each.group.labels[:, None] != each.group.labels] for each in pairs if each.group.by_kind]
+    )
 
 
-def _calibrated(
-    kind: FloatArray, kinds: NDArray[np.str_], individuals: NDArray[np.str_], groups: NDArray[np.str_]
-) -> tuple[float, float]:
-    """Fit the likeness on pairs of a kind and on each shape's nearest of other kinds."""
+def _report(pairs: Sequence[_Pairs], ranking: Ranking) -> str:
+    lines = ["nearest neighbour and first tier"]
+    lines.append(" " * 20 + "".join(f"{each.group.name:>21}" for each in pairs))
+    orders: dict[str, Callable[[_Pairs], FloatArray]] = {
+        "views": lambda each: each.views,
+        "bags": lambda each: each.bags,
+        "simple measures": lambda each: each.figures,
+        "the three together": lambda each: each.kind_distances(ranking),
+        "with the gate": lambda each: each.sorting_distances(ranking),
+    }
+    for name, order in orders.items():
+        cells = ["{:.1f} {:.1f}".format(*each.tiers(order(each))) for each in pairs]
+        lines.append(f"{name:20}" + "".join(f"{cell:>21}" for cell in cells))
+    return "\n".join(lines)
+
+
+def _calibrated(groups: Sequence[tuple[Group, FloatArray]]) -> tuple[float, float]:
+    """Fit the likeness on pairs of a kind and on each shape's nearest of other kinds, within each group."""
     values, same, weights = [], [], []
-    for row in range(len(kind)):
-        related = np.flatnonzero((kinds == kinds[row]) & (individuals != individuals[row]))
-        others = np.flatnonzero(kinds != kinds[row])
-        rivals = others[np.argsort(kind[row, others])[:_RIVALS]]
-        if not len(related):
-            continue
-        # Each shape and each group counts alike, and so do pairs of one kind and of two.
-        share = 1 / (groups == groups[row]).sum()
-        for numbers, is_same in ((related, True), (rivals, False)):
-            values += kind[row, numbers].tolist()
-            same += [is_same] * len(numbers)
-            weights += [share / len(numbers)] * len(numbers)
+    for group, kind in groups:
+        for row, label in enumerate(group.labels):
+            related = np.setdiff1d(np.flatnonzero(group.labels == label), row)
+            others = np.flatnonzero(group.labels != label)
+            rivals = others[np.argsort(kind[row, others])[:_RIVALS]]
+            if not len(related):
+                continue
+            # Each shape and each group counts alike, and so do pairs of one kind and of two.
+            for numbers, is_same in ((related, True), (rivals, False)):
+                values += kind[row, numbers].tolist()
+                same += [is_same] * len(numbers)
+                weights += [1 / len(group.labels) / len(numbers)] * len(numbers)
     regression = LogisticRegression(C=1e6)
     features = np.log(np.maximum(values, 1e-3))[:, None]
     regression.fit(features, same, sample_weight=np.array(weights) / np.mean(weights))
     slope = -float(regression.coef_[0, 0])
     return float(np.exp(regression.intercept_[0] / slope)), slope
+
+
+def _learning_sets(blend_meshes: Path) -> list[KindSet]:
+    """Choose the development sets, the first shapes of each label."""
+    sets = []
+    for made in (*procedural_sets(), *pack_sets(blend_meshes)):
+        most, met, shapes = _OF_A_LABEL.get(made.name), Counter[str](), []
+        for shape in made.shapes:
+            met[shape.label] += 1
+            if most is None or met[shape.label] <= most:
+                shapes.append(shape)
+        if made.use == DEVELOPMENT:
+            sets.append(replace(made, shapes=tuple(shapes)))
+    return sets
+
+
+def _groups(sets: Mapping[str, DescribedSet]) -> list[Group]:
+    groups = []
+    for name, found in sets.items():
+        labels, signatures = [*found.labels], [*found.signatures]
+        for other in _AMONG.get(name, ()):
+            labels += [f"{other} {label}" for label in sets[other].labels]
+            signatures += sets[other].signatures
+        queries = np.arange(len(found.labels))
+        groups.append(Group(name, np.array(labels), queries, name not in _AMONG, signatures))
+    return groups
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the subcommand.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+    """
+    background.add_options(parser)
+    parser.add_argument(
+        "--cache", type=Path, metavar="FOLDER", help="signatures (default: in the user's cache folder)"
+    )
+    parser.add_argument(
+        "--any-code",
+        action="store_true",
+        help="reuse signatures kept by runs with this option, even if the code has changed since",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -248,10 +287,16 @@ def run(options: argparse.Namespace) -> int:
     -------
     exit_code : int
     """
-    model, shapes = load_model(options.model), _shapes(options.blend_meshes)
-    describe = partial(_describe, model, options.blend_meshes)
-    signatures = map_in_processes(describe, shapes, options.jobs, "shapes")
-    ranking, report = learn_ranking(model, shapes, signatures)
+    model = load_model(options.model)
+    cache = BenchmarkCache(options.cache or default_cache())
+    sets: dict[str, DescribedSet] = {}
+    for made in _learning_sets(options.blend_meshes):
+        sets[made.name] = describe_set(
+            made, model, options.model, cache, jobs=options.jobs, any_code=options.any_code
+        )
+        for name, reason in sets[made.name].failures.items():
+            say(f"left out: {made.name}: {name}: {reason}")
+    ranking, report = learn_ranking(model, _groups(sets))
     model.with_parts(ranking=ranking).save(options.model)
     print(f"{ranking}\n{report}")
     return 0

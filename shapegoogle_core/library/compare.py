@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
+from shapegoogle_core.library.search.fusion import list_distances
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -93,6 +94,7 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         vertex_count=other.vertex_count,
         face_count=other.face_count,
         area=other.area,
+        bag_distance=float(distances[0]),
         typical_distance=usual,
     )
     if signature.sample is None or other.sample is None:
@@ -126,10 +128,8 @@ def _with_kind_distance(
     if not TraitDistances.possible(model) or model.ranking is None:
         return match
     traits = TraitDistances(model)
-    kind = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
-    typical = typical_distances([match])
-    assert typical is not None  # the model has a background
-    distances = model.ranking.sorting_distances(kind, [match.distance], typical)
+    kind, views = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
+    distances = list_distances(model, model.ranking, kind, views, [match])
     return replace(
         match,
         distance=float(np.round(min(distances[0], FARTHEST), DISTANCE_DECIMALS)),

@@ -61,10 +61,14 @@ _BACKGROUND = ("distinctive", "exponent", "verified_exponent")
 _RANKING = (
     "view_weight",
     "bag_weight",
+    "bag_reach",
     "figure_weight",
     "unknown_views",
     "agreement",
     "power",
+    "alike",
+    "doubt",
+    "certain_odds",
     "likeness_half",
     "likeness_slope",
 )
@@ -207,7 +211,7 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
         "verified_slope": float(header.get("verified_slope", 1.0)),
         "local_words": None if settings.local is None else _local_words(arrays),
         "views": _views(arrays) if "views_mean" in arrays else None,
-        "ranking": _ranking(header, arrays) if "ranking" in header else None,
+        "ranking": _ranking(header, arrays),
         "background": _background(header, arrays) if "background" in header else None,
     }
     return model, header.get("identifier") or _earlier_identifier(model, header["settings"], arrays)
@@ -256,7 +260,10 @@ def _background(header: Mapping[str, Any], arrays: Arrays) -> Background:
     return Background(vectors=arrays["background_vectors"].astype(np.float16), **numbers)
 
 
-def _ranking(header: Mapping[str, Any], arrays: Arrays) -> Ranking:
+def _ranking(header: Mapping[str, Any], arrays: Arrays) -> Ranking | None:
+    """Read the ranking; None for a model without one, or with one of an earlier kind."""
+    if not set(_RANKING) <= set(header.get("ranking", {})):
+        return None
     mean, scale = arrays["ranking_figures"].astype(np.float32)
     numbers = {name: float(header["ranking"][name]) for name in _RANKING}
     return Ranking(figure_mean=mean, figure_scale=scale, **numbers)

@@ -2,10 +2,19 @@
 """`Ranking`: what decides the order of a list of matches, and how likely two shapes are of one kind.
 
 Bags say whether two shapes are the same, whatever their pose; pictures say whether they look alike; simple
-measures say whether they are long, flat or hollow. Their weighted sum, the *kind distance* K, orders shapes
-of one kind best. But a shape in another pose may look less like itself than like another one. So K is lowered
-where bags agree more than those of unrelated shapes do, see `Background`: with E = d / t the distance of a
-pair in units of its typical distance, the list is sorted by K (1 - exp(-(E / E₀)²))^q.
+measures say whether they are long, flat or hollow. A weighted sum of the three, the *kind distance* K, orders
+shapes of one kind best. How much an agreement of bags says depends on the shapes, see `Background`: it is
+measured by E = d / t, the distance of a pair in units of its typical distance. Bags that do not agree say
+little about the kind, since another tessellation or a missing side changes them, too. So bags count in K with
+1 - exp(-(E / E₁)²), which is 0 for the same bags and at most 1.
+
+A shape in another pose may look less like itself than like another one. So the list is not sorted by K but by
+
+    K (1 - exp(-(E′ / E₀)²))^q (1 + o / o₀) / (1 + o′ / o₀),    E′ = E exp(c max(0, V - V₀)),
+
+which is much smaller where bags agree more than those of unrelated shapes do, and where the surfaces fit so
+well that the odds o that the shapes are the same rise to large ones o′. Bags of shapes that do not look alike
+at all, with a distance V of views above V₀, must agree more closely.
 """
 
 from __future__ import annotations
@@ -27,6 +36,8 @@ FIGURES = 12
 # Standardised figures beyond this are outliers, such as of a sheet without thickness.
 _LARGEST = 3.0
 _TINY = 1e-6
+# Larger similarities count as this one: odds must be finite.
+_SURELY = 1 - 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +48,18 @@ class Ranking:
     ----------
     view_weight, bag_weight, figure_weight : float
         Of the distances of views, of bags and of simple measures in K; together 1.
+    bag_reach : float
+        E₁ above.
     figure_mean, figure_scale : (12,) arrays of float32
         Mean and standard deviation of the simple measures, see `figures_of`.
     unknown_views : float
         Distance of views where one of two shapes has none.
     agreement, power : float
         E₀ and q above.
+    alike, doubt : float
+        V₀ and c above.
+    certain_odds : float
+        o₀ above: odds of the same shape from which a fit of the surfaces counts.
     likeness_half, likeness_slope : float
         Calibration of the likeness 1 / (1 + (K / half)^slope): the probability that two shapes are of one
         kind and not two neighbours of different kinds, if both are equally likely beforehand.
@@ -55,18 +72,36 @@ class Ranking:
 
     view_weight: float
     bag_weight: float
+    bag_reach: float
     figure_weight: float
     figure_mean: NDArray[np.float32]
     figure_scale: NDArray[np.float32]
     unknown_views: float
     agreement: float
     power: float
+    alike: float
+    doubt: float
+    certain_odds: float
     likeness_half: float
     likeness_slope: float
 
     def __post_init__(self) -> None:
-        weights = (self.view_weight, self.bag_weight, self.figure_weight, self.unknown_views)
-        positive = (self.agreement, self.power, self.likeness_half, self.likeness_slope)
+        weights = (
+            self.view_weight,
+            self.bag_weight,
+            self.figure_weight,
+            self.unknown_views,
+            self.alike,
+            self.doubt,
+        )
+        positive = (
+            self.bag_reach,
+            self.agreement,
+            self.power,
+            self.certain_odds,
+            self.likeness_half,
+            self.likeness_slope,
+        )
         fits = (
             all(0 <= weight < np.inf for weight in weights)
             and all(0 < value < np.inf for value in positive)
@@ -82,15 +117,19 @@ class Ranking:
         scaled = (figures - self.figure_mean) / self.figure_scale
         return np.asarray(np.clip(np.nan_to_num(scaled, nan=0.0), -_LARGEST, _LARGEST), np.float32)
 
-    def kind_distances(self, bags: ArrayLike, views: ArrayLike, figures: ArrayLike) -> FloatArray:
+    def kind_distances(
+        self, bags: ArrayLike, typical: ArrayLike, views: ArrayLike, figures: ArrayLike
+    ) -> FloatArray:
         """Compute the kind distances K of pairs.
 
         Parameters
         ----------
-        bags, figures : (n,) array_like
-            Distances of bags, and root mean square differences of standardised measures.
+        bags, typical : (n,) array_like
+            Distances of bags, and typical distances, see `Background`.
         views : (n,) array_like
             Distances of views; NaN where one of the two shapes has none.
+        figures : (n,) array_like
+            Root mean square differences of standardised measures.
 
         Returns
         -------
@@ -99,35 +138,66 @@ class Ranking:
         seen = np.nan_to_num(np.asarray(views, np.float64), nan=self.unknown_views)
         return np.asarray(
             self.view_weight * seen
-            + self.bag_weight * np.asarray(bags, np.float64)
+            + self.bag_weight * _unusual(bags, typical, self.bag_reach)
             + self.figure_weight * np.asarray(figures, np.float64)
         )
 
-    def sorting_distances(self, kind: ArrayLike, bags: ArrayLike, typical: ArrayLike) -> FloatArray:
+    def sorting_distances(
+        self, kind: ArrayLike, bags: ArrayLike, typical: ArrayLike, views: ArrayLike
+    ) -> FloatArray:
         """Compute the distances that a list of both, the same shape and the same kind, is sorted by.
 
         Parameters
         ----------
         kind : (n,) array_like
             Kind distances.
-        bags : (n,) array_like
-            Distances of bags, verified or not.
-        typical : (n,) array_like
-            Typical distances, see `Background`.
+        bags, typical : (n,) array_like
+            Distances of bags, not verified, and typical distances.
+        views : (n,) array_like
+            Distances of views; NaN where one of the two shapes has none.
 
         Returns
         -------
         distances : (n,) array
             0 for equal bags, at most `kind`.
         """
-        agreement = np.asarray(bags, np.float64) / np.asarray(typical, np.float64)
-        gate = 1 - np.exp(-((agreement / self.agreement) ** 2))
-        return np.asarray(np.asarray(kind, np.float64) * gate**self.power)
+        seen = np.nan_to_num(np.asarray(views, np.float64), nan=0.0)
+        counted = np.asarray(bags, np.float64) * np.exp(self.doubt * np.maximum(seen - self.alike, 0))
+        gate = _unusual(counted, typical, self.agreement) ** self.power
+        return np.asarray(np.asarray(kind, np.float64) * gate, np.float64)
+
+    def verified_distances(
+        self, sorting: ArrayLike, similarity: ArrayLike, verified: ArrayLike
+    ) -> FloatArray:
+        """Lower sorting distances where the surfaces fit so well that shapes are surely the same.
+
+        Parameters
+        ----------
+        sorting : (n,) array_like
+            From `sorting_distances`.
+        similarity, verified : (n,) array_like
+            Similarities before and after verification, from 0 to 1.
+
+        Returns
+        -------
+        distances : (n,) array
+            At most `sorting`; unchanged where verification has found nothing.
+        """
+        before, after = (np.minimum(np.asarray(each, np.float64), _SURELY) for each in (similarity, verified))
+        odds, higher = before / (1 - before), after / (1 - after)
+        factor = (1 + odds / self.certain_odds) / (1 + higher / self.certain_odds)
+        return np.asarray(np.asarray(sorting, np.float64) * np.minimum(factor, 1), np.float64)
 
     def likeness(self, kind: ArrayLike) -> FloatArray:
         """Convert kind distances to likenesses from 0 to 1."""
         ratio = np.asarray(kind, np.float64) / self.likeness_half
         return np.asarray(1 / (1 + ratio**self.likeness_slope), dtype=np.float64)
+
+
+def _unusual(bags: ArrayLike, typical: ArrayLike, reach: float) -> FloatArray:
+    """1 - exp(-(E / reach)²): 0 for the same bags, 1 for those of shapes that have nothing in common."""
+    agreement = np.asarray(bags, np.float64) / np.asarray(typical, np.float64)
+    return np.asarray(1 - np.exp(-((agreement / reach) ** 2)), np.float64)
 
 
 def figures_of(

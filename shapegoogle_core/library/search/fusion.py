@@ -24,9 +24,10 @@ from shapegoogle_core.library.search.traits import PairDistances, Traits
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
+from shapegoogle_core.model.ranking import Ranking
 from shapegoogle_core.model.signature import ShapeSignature
 
-__all__ = ["Fusion"]
+__all__ = ["Fusion", "list_distances"]
 
 # Shapes whose traits are in memory at once.
 _AT_ONCE = 1_000
@@ -72,7 +73,7 @@ class Fusion:
             return list(matches)
         kind = self._kind_distances(self._pairs.of(like), [match.shape_id for match in matches])
         return [
-            replace(match, likeness=float(ranking.likeness(kind[match.shape_id])))
+            replace(match, likeness=float(ranking.likeness(kind[match.shape_id][0])))
             if match.shape_id in kind
             else match
             for match in matches
@@ -121,14 +122,12 @@ class Fusion:
         joined = [match for match in joined if match.shape_id in kind]
         if not joined:
             return []
-        distances = np.array([kind[match.shape_id] for match in joined])
+        distances, views = np.array([kind[match.shape_id] for match in joined]).T
         likeness = ranking.likeness(distances)
         if others is not None:
             distances = self._raised(distances, others, joined)
         if rank == "both":
-            typical = typical_distances(joined)
-            assert typical is not None  # the model has a background
-            distances = ranking.sorting_distances(distances, [match.distance for match in joined], typical)
+            distances = list_distances(self._model, ranking, distances, views, joined)
         distances = np.round(np.minimum(distances, FARTHEST), DISTANCE_DECIMALS)
         ordered = [
             replace(match, distance=float(distance), likeness=float(alike))
@@ -176,7 +175,8 @@ class Fusion:
         best: list[tuple[float, int]] = []
         for shape_ids in self._portions(among):
             kind = self._kind_distances(own, shape_ids)
-            best = sorted([*best, *((distance, shape_id) for shape_id, distance in kind.items())])[:count]
+            found = ((distance, shape_id) for shape_id, (distance, _) in kind.items())
+            best = sorted([*best, *found])[:count]
         return [shape_id for _, shape_id in best]
 
     def _portions(self, among: NDArray[np.int64] | None) -> list[list[int]]:
@@ -189,19 +189,16 @@ class Fusion:
             listed = among.tolist()
         return [listed[start : start + _AT_ONCE] for start in range(0, len(listed), _AT_ONCE)]
 
-    def _kind_distances(self, own: Traits, shape_ids: Sequence[int]) -> dict[int, float]:
-        """Kind distances of the query from shapes, without those that are gone."""
+    def _kind_distances(self, own: Traits, shape_ids: Sequence[int]) -> dict[int, tuple[float, float]]:
+        """Distances by kind and by views of the query from shapes, without those that are gone."""
         assert self._pairs is not None
-        found: dict[int, float] = {}
+        found: dict[int, tuple[float, float]] = {}
         for start in range(0, len(shape_ids), _AT_ONCE):
             traits = self._pairs.read(shape_ids[start : start + _AT_ONCE])
-            found |= zip(traits.ids.tolist(), self._pooled(own, traits).tolist(), strict=True)
+            each = [self._pairs.kind_distances(own, row, traits) for row in range(len(own.ids))]
+            kind, views = (pool_distances(np.stack(part)).tolist() for part in zip(*each, strict=True))
+            found |= zip(traits.ids.tolist(), zip(kind, views, strict=True), strict=True)
         return found
-
-    def _pooled(self, own: Traits, traits: Traits) -> FloatArray:
-        assert self._pairs is not None
-        each = [self._pairs.kind_distances(own, row, traits) for row in range(len(own.ids))]
-        return pool_distances(np.stack(each))
 
     def _raised(self, distances: FloatArray, unlike: Traits, matches: Sequence[Match]) -> FloatArray:
         """Raise distances of shapes that are of the kind of a negative example."""
@@ -212,7 +209,7 @@ class Fusion:
         ids = [match.shape_id for match in matches]
         for start in range(0, len(ids), _AT_ONCE):
             traits = self._pairs.read(ids[start : start + _AT_ONCE])
-            each = [self._pairs.kind_distances(unlike, row, traits) for row in range(len(unlike.ids))]
+            each = [self._pairs.kind_distances(unlike, row, traits)[0] for row in range(len(unlike.ids))]
             nearest |= zip(traits.ids.tolist(), np.min(each, axis=0).tolist(), strict=True)
         likeness = ranking.likeness([nearest.get(shape_id, np.inf) for shape_id in ids])
         copies = likeness == 1
@@ -220,3 +217,34 @@ class Fusion:
         raised = distances * (1 + self._unlike_weight * odds) ** (1 / ranking.likeness_slope)
         raised[copies] = np.inf
         return np.asarray(raised, np.float64)
+
+
+def list_distances(
+    model: ShapeModel, ranking: Ranking, kind: FloatArray, views: FloatArray, matches: Sequence[Match]
+) -> FloatArray:
+    """Compute the distances that a list of both, the same shape and the same kind, is sorted by.
+
+    Parameters
+    ----------
+    model : ShapeModel
+        With a background.
+    ranking : Ranking
+        Of the model.
+    kind, views : (n,) arrays
+        Kind distances of the matches, and distances of their views; NaN where they are not known.
+    matches : sequence of n Match
+        Verified or not, with the distances of their bags.
+
+    Returns
+    -------
+    distances : (n,) array
+    """
+    typical = typical_distances(matches)
+    assert typical is not None  # the model has a background
+    bags = [match.distance if match.bag_distance is None else match.bag_distance for match in matches]
+    verified = [min(match.distance, own) for match, own in zip(matches, bags, strict=True)]
+    return ranking.verified_distances(
+        ranking.sorting_distances(kind, bags, typical, views),
+        model.similarity(bags, typical, verified=True),
+        model.similarity(verified, typical, verified=True),
+    )

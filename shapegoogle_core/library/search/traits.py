@@ -144,7 +144,7 @@ class TraitDistances:
             figures=self._ranking.standardised(rows) if len(ids) else rows,
         )
 
-    def kind_distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
+    def kind_distances(self, one: Traits, row: int, others: Traits) -> tuple[FloatArray, FloatArray]:
         """Compute the kind distances of one shape from others, see `Ranking`.
 
         Parameters
@@ -156,16 +156,13 @@ class TraitDistances:
 
         Returns
         -------
-        distances : (n,) array
+        distances, views : (n,) arrays
+            The kind distances, and the distances of views among them; NaN where one of two shapes has none.
         """
-        views = np.full(len(others.ids), np.nan)
-        if one.seen[row] and others.seen.any() and self._model.views is not None:
-            own = ShapeViews(one.views[row], self._model.views.identifier)
-            views[others.seen] = self._model.views.distances(own, others.views[others.seen])
-        figures = np.sqrt(((others.figures - one.figures[row]) ** 2).mean(axis=1))
-        distances = self._ranking.kind_distances(self._bags(one, row, others), views, figures)
+        bags, typical, views, figures = self.parts(one, row, others)
+        distances = self._ranking.kind_distances(bags, typical, views, figures)
         # The last bits of a product depend on the number of its rows.
-        return np.asarray(np.round(distances, DISTANCE_DECIMALS))
+        return np.asarray(np.round(distances, DISTANCE_DECIMALS)), np.round(views, DISTANCE_DECIMALS)
 
     def distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
         """Compute the distances that a search by shape and kind sorts by, before surfaces are compared.
@@ -182,10 +179,34 @@ class TraitDistances:
         distances : (n,) array
             Rounded like those of a search.
         """
-        typical = np.sqrt(one.background[row] * others.background)
-        kind = self.kind_distances(one, row, others)
-        sorting = self._ranking.sorting_distances(kind, self._bags(one, row, others), typical)
+        bags, typical, views, figures = self.parts(one, row, others)
+        kind = np.round(self._ranking.kind_distances(bags, typical, views, figures), DISTANCE_DECIMALS)
+        sorting = self._ranking.sorting_distances(kind, bags, typical, views)
         return np.asarray(np.round(sorting, DISTANCE_DECIMALS))
+
+    def parts(
+        self, one: Traits, row: int, others: Traits
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Compute what kind distances are made of.
+
+        Parameters
+        ----------
+        one : Traits
+        row : int
+            Its row in `one`.
+        others : Traits
+
+        Returns
+        -------
+        bags, typical, views, figures : (n,) arrays
+            See `Ranking.kind_distances`.
+        """
+        views = np.full(len(others.ids), np.nan)
+        if one.seen[row] and others.seen.any() and self._model.views is not None:
+            own = ShapeViews(one.views[row], self._model.views.identifier)
+            views[others.seen] = self._model.views.distances(own, others.views[others.seen])
+        figures = np.sqrt(((others.figures - one.figures[row]) ** 2).mean(axis=1))
+        return self._bags(one, row, others), np.sqrt(one.background[row] * others.background), views, figures
 
     def _bags(self, one: Traits, row: int, others: Traits) -> FloatArray:
         distances = row_distances(self._model.settings.metric, one.vectors[row : row + 1], others.vectors)

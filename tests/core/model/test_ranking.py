@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import io
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -23,30 +25,56 @@ def ranking() -> Ranking:
     return Ranking(
         view_weight=0.6,
         bag_weight=0.3,
+        bag_reach=1.0,
         figure_weight=0.1,
         figure_mean=np.zeros(FIGURES, np.float32),
         figure_scale=np.ones(FIGURES, np.float32),
         unknown_views=0.9,
         agreement=0.3,
         power=2.0,
+        alike=0.8,
+        doubt=10.0,
+        certain_odds=5.0,
         likeness_half=0.5,
         likeness_slope=3.0,
     )
 
 
 def test_the_kind_distance_is_a_weighted_sum(ranking: Ranking) -> None:
-    found = ranking.kind_distances([0.0, 0.5, 0.5], [0.0, 0.4, np.nan], [0.0, 1.0, 1.0])
-    np.testing.assert_allclose(found, [0, 0.49, 0.79])
+    found = ranking.kind_distances([0.0, 0.5, 0.5], [0.5, 0.5, 0.5], [0.0, 0.4, np.nan], [0.0, 1.0, 1.0])
+    bags = 0.3 * (1 - np.exp(-1))
+    np.testing.assert_allclose(found, [0, 0.24 + bags + 0.1, 0.54 + bags + 0.1])
+
+
+def test_bags_that_do_not_agree_count_the_same_however_far_they_are(ranking: Ranking) -> None:
+    far, farther = ranking.kind_distances([1.4, 1.9], [0.5, 0.5], [0.2, 0.2], [0.0, 0.0])
+    assert farther == pytest.approx(far, abs=1e-3)
 
 
 def test_only_an_agreement_beyond_the_typical_one_brings_a_shape_forward(ranking: Ranking) -> None:
     """A creature in another pose comes before a look-alike; two boxes with nearly equal bags do not."""
     kind = np.array([0.6, 0.3, 0.3])
-    posed, other, box = ranking.sorting_distances(kind, [0.1, 0.7, 0.04], [0.8, 0.8, 0.05])
+    posed, other, box = ranking.sorting_distances(kind, [0.1, 0.7, 0.04], [0.8, 0.8, 0.05], [0.7, 0.3, 0.3])
     assert posed < 0.05
     assert other == pytest.approx(0.3, abs=0.01)
     assert box == pytest.approx(0.3, abs=0.01)
-    assert ranking.sorting_distances(0.6, 0.0, 0.8) == 0
+    assert ranking.sorting_distances(0.6, 0.0, 0.8, 0.7) == 0
+
+
+def test_bags_of_shapes_that_do_not_look_alike_must_agree_more_closely(ranking: Ranking) -> None:
+    alike, unlike, unseen = ranking.sorting_distances([0.6] * 3, [0.2] * 3, [0.8] * 3, [0.7, 1.0, np.nan])
+    assert alike == unseen < 0.5 * unlike
+    assert ranking.sorting_distances(0.6, 0.0, 0.8, 1.0) == 0
+
+
+def test_a_fit_of_the_surfaces_counts_if_the_shapes_are_surely_the_same(ranking: Ranking) -> None:
+    nothing, little, much, certain = ranking.verified_distances(
+        [0.6] * 4, [0.1, 0.1, 0.1, 0.1], [0.1, 0.5, 0.99, 1.0]
+    )
+    assert nothing == 0.6
+    assert 0.45 < little < 0.6
+    assert much < 0.05
+    assert 0 < certain < 1e-6
 
 
 def test_likeness_falls_from_one(ranking: Ranking) -> None:
@@ -82,6 +110,18 @@ def test_the_file_keeps_the_ranking_and_the_identifier(ranking: Ranking) -> None
     assert again.ranking.view_weight == 0.6
     assert again.ranking.likeness_slope == 3.0
     np.testing.assert_array_equal(again.ranking.figure_scale, ranking.figure_scale)
+
+
+def test_a_ranking_of_an_earlier_kind_is_left_out(ranking: Ranking) -> None:
+    complete = build_model().with_parts(ranking=ranking)
+    with np.load(io.BytesIO(complete.to_bytes())) as archive:
+        arrays = dict(archive)
+    header = json.loads(str(arrays["header"]))
+    del header["ranking"]["bag_reach"]
+    arrays["header"] = np.array(json.dumps(header))
+    data = io.BytesIO()
+    np.savez(data, **arrays)
+    assert ShapeModel.from_bytes(data.getvalue()).ranking is None
 
 
 @pytest.mark.parametrize(
