@@ -80,7 +80,7 @@ def checks(session: nox.Session) -> None:
 @nox.session(python=False)
 def core(session: nox.Session) -> None:
     """Test what needs no Blender, in several processes."""
-    install_postgresql(session)
+    install_for_tests(session)
     command = [sys.executable, "-m", "pytest", "--quiet", *SPREAD, *session.posargs]
     session.run(*command, env=ENVIRONMENT, external=True)
 
@@ -243,16 +243,27 @@ def load_bpy(session: nox.Session) -> None:
         )
 
 
-def install_postgresql(session: nox.Session) -> None:
-    """Install PostgreSQL if this process may; otherwise tests use the server of a Python package."""
-    if not can_use_apt() or any(Path("/usr/lib/postgresql").glob("*/bin/postgres")):
+def install_for_tests(session: nox.Session) -> None:
+    """Install PostgreSQL and a browser if this process may; without them a package serves, or tests skip."""
+    wanted = {
+        "postgresql": any(Path("/usr/lib/postgresql").glob("*/bin/postgres")),
+        "chromium": shutil.which("chromium") is not None,
+    }
+    missing = [package for package, there in wanted.items() if not there]
+    if not missing or not can_use_apt():
         return
-    codes = [*range(128)]  # without a network the package has to do
+    codes = [*range(128)]  # without a network the tests have to do without
     session.run("apt-get", "update", external=True, silent=True, success_codes=codes)
-    install = ["apt-get", "install", "--yes", "--no-install-recommends", "postgresql"]
-    session.run(
-        *install, external=True, silent=True, success_codes=codes, env={"DEBIAN_FRONTEND": "noninteractive"}
-    )
+    install = ["apt-get", "install", "--yes", "--no-install-recommends"]
+    for package in missing:
+        session.run(
+            *install,
+            package,
+            external=True,
+            silent=True,
+            success_codes=codes,
+            env={"DEBIAN_FRONTEND": "noninteractive"},
+        )
 
 
 def can_use_apt() -> bool:

@@ -18,6 +18,7 @@ from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli import (
     copy,
     database,
+    decisions,
     duplicates,
     forget,
     index,
@@ -50,6 +51,7 @@ COMMANDS = (
     suggest.COMMAND,
     info.COMMAND,
     duplicates.COMMAND,
+    decisions.COMMAND,
     move.COMMAND,
     forget.COMMAND,
     copy.COMMAND,

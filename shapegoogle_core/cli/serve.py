@@ -16,10 +16,10 @@ for example:
 from __future__ import annotations
 
 import argparse
-import os
 import socket
 from importlib.util import find_spec
 
+from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.cli.arguments import add_flag, add_library, add_value, number_from, positive_number
 from shapegoogle_core.cli.command import DONE, UNUSABLE, Command
 from shapegoogle_core.cli.text import put, say
@@ -34,7 +34,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_value(parser, "--host", "ADDRESS", "address to listen at (%(default)s)", str, "127.0.0.1")
     add_value(parser, "--port", "N", "port to listen at, 0 for any (%(default)s)", number_from(0), 8765)
     add_value(parser, "--workers", "N", "number of processes that search (%(default)s)", number_from(1), 1)
-    add_value(parser, "--token-file", "FILE", "only clients with a token in this file may search")
+    token = "only clients with a token in this file may search"
+    add_value(parser, "--token-file", "FILE", token, as_path)
     add_flag(parser, "--allow-download", "let clients download the files that shapes come from")
     limits = parser.add_argument_group("limits")
     add_value(limits, "--max-upload", "MB", "largest upload (%(default)s)", number_from(1), 64)
@@ -96,7 +97,7 @@ def _serve(options: argparse.Namespace) -> int:
             host=options.host,
             port=port,
             workers=options.workers,
-            token_file=None if options.token_file is None else os.path.abspath(options.token_file),  # noqa: PTH100
+            token_file=None if options.token_file is None else str(options.token_file.absolute()),
             allow_download=options.allow_download,
             max_upload=options.max_upload,
             time_limit=options.time_limit,

@@ -4,15 +4,20 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
+import os
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib import metadata
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.staticfiles import StaticFiles
 
 from shapegoogle_core.errors import LibraryError, MeshError, ShapeGoogleError
 from shapegoogle_core.library.library import Library
@@ -29,6 +34,8 @@ from shapegoogle_core.service.spool import Spool
 from shapegoogle_core.service.uploads import Uploads
 
 __all__ = ["make_app", "process_app"]
+
+PAGE = Path(__file__).parent / "page"
 
 _LOG = logging.getLogger("shapegoogle.service")
 # Errors of the framework, in words of this program.
@@ -79,6 +86,7 @@ def make_app(settings: ServiceSettings) -> FastAPI:
     app.state.access = Access(settings)
     for module in (about, searching, shapes, decisions):
         app.include_router(module.router)
+    app.mount("/", StaticFiles(directory=PAGE, html=True))
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _refused)
     app.add_exception_handler(ShapeGoogleError, _failed)
@@ -94,7 +102,16 @@ def process_app() -> FastAPI:
     -------
     app : FastAPI
     """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        # A parent that is killed cannot end its processes, and they would go on listening.
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     return make_app(ServiceSettings.from_environment())
+
+
+def _end_with(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
 
 
 def _answer(status: int, sentence: str, retry_after: int | None = None) -> JSONResponse:

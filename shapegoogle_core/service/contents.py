@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_vali
 
 from shapegoogle_core.library.decisions.decision import DecisionKind
 from shapegoogle_core.library.evidence import EvidenceKind
+from shapegoogle_core.library.origin import ShapeType
 
 __all__ = [
     "AnswerPage",
@@ -81,6 +82,8 @@ class Where(_Request):
     folder: Text | None = Field(None, description="Name of a root, and a folder below it: 'assets/props'.")
     tag: Text | None = None
     file_type: Text | None = None
+    catalog: Text | None = None
+    shape_type: ShapeType | None = None
     faces: Range | None = None
     size: Range | None = None
     area: Range | None = None
@@ -125,6 +128,9 @@ class MatchRecord(BaseModel):
     faces: int
     area: float
     tags: list[str]
+    shape_type: str
+    catalog: str
+    frame: int | None
 
 
 class AnswerPage(BaseModel):
@@ -168,6 +174,9 @@ class ShapeDetails(BaseModel):
     extents: list[float]
     tags: list[str]
     placements: int
+    shape_type: str
+    catalog: str
+    frame: int | None
 
 
 class ShapeList(BaseModel):

@@ -4,22 +4,41 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import is_database
 from shapegoogle_core.service.library_lanes import LibraryLanes
 
-__all__ = ["LongAnswers", "state_of"]
+__all__ = ["LibraryState", "LongAnswers", "state_of"]
 
 # Seconds that a request waits for an answer before it is told to come again.
 _PATIENCE = 5.0
 
 
+@dataclass(frozen=True)
+class LibraryState:
+    """What tells whether an answer is still right.
+
+    Attributes
+    ----------
+    shapes : tuple
+        Changes when shapes do.
+    decisions : tuple of int
+        Numbers of all decisions.
+    """
+
+    shapes: tuple[object, ...]
+    decisions: tuple[int, ...]
+
+
 class LongAnswers:
     """Computes answers one after the other in the background.
+
+    While somebody indexes, shapes change all the time: then the last answer is returned, and the next one
+    computed. After a decision there is a new answer, since whoever decided wants to see the effect.
 
     Parameters
     ----------
@@ -28,7 +47,8 @@ class LongAnswers:
 
     def __init__(self, lanes: LibraryLanes) -> None:
         self._lanes = lanes
-        self._answers: dict[str, tuple[str, asyncio.Future[Any]]] = {}
+        self._known: dict[str, tuple[LibraryState, Any]] = {}
+        self._running: dict[str, tuple[LibraryState, asyncio.Future[Any]]] = {}
 
     async def get(self, name: str, compute: Callable[[Library], Any]) -> Any | None:
         """Return an answer, or None while it is computed.
@@ -45,23 +65,40 @@ class LongAnswers:
         answer : object or None
         """
         state = await self._lanes.run("read", state_of)
-        known = self._answers.get(name)
-        if known is None or known[0] != state or (known[1].done() and known[1].exception() is not None):
-            if known is not None and not known[1].done():
-                # The library changes while somebody indexes: no second one before the first is done.
-                return None
-            future = self._lanes.start_long(compute)
-            self._answers[name] = state, future
-            known = state, future
-        done, _ = await asyncio.wait([known[1]], timeout=_PATIENCE)
-        return known[1].result() if done else None
+        self._collect(name)
+        if name in self._known and self._known[name][0] == state:
+            return self._known[name][1]
+        if name not in self._running:
+            self._running[name] = state, self._lanes.start_long(compute)
+        if self._is_useful(name, state):
+            return self._known[name][1]
+        await asyncio.wait([self._running[name][1]], timeout=_PATIENCE)
+        self._collect(name)
+        return self._known[name][1] if self._is_useful(name, state) else None
+
+    def _is_useful(self, name: str, state: LibraryState) -> bool:
+        return name in self._known and self._known[name][0].decisions == state.decisions
+
+    def _collect(self, name: str) -> None:
+        """Keep the answer that was computed, if it is done; raises what the computation has raised."""
+        if name in self._running and self._running[name][1].done():
+            state, future = self._running.pop(name)
+            self._known[name] = state, future.result()
 
 
-def state_of(library: Library) -> str:
-    """Return a text that changes when shapes or decisions of a library do."""
+def state_of(library: Library) -> LibraryState:
+    """Return what tells whether an answer about a library is still right.
+
+    Parameters
+    ----------
+    library : Library
+
+    Returns
+    -------
+    state : LibraryState
+    """
     info = library.info()
-    decisions = library.decisions()
-    numbers = [info[name] for name in ("shapes", "sources", "failed", "bytes")]
     # Indexing a file again may leave all numbers as they are.
     changed = 0 if is_database(library.name) else library.path.stat().st_mtime_ns
-    return json.dumps([*numbers, changed, [decision.number for decision in decisions]])
+    numbers = [info[name] for name in ("shapes", "sources", "failed", "bytes")]
+    return LibraryState((*numbers, changed), tuple(decision.number for decision in library.decisions()))

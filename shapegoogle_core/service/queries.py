@@ -11,12 +11,13 @@ import base64
 import binascii
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.origin import Origin
 from shapegoogle_core.library.storage.signature_file import signature_from_bytes
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.service.contents import Example, QueryRequest
@@ -35,7 +36,7 @@ _PART = "query.json"
 _KEPT = tuple(
     field.name
     for field in fields(Match)
-    if field.name not in ("placement", "evidence", "alignment", "aligned_sample")
+    if field.name not in ("placement", "evidence", "alignment", "aligned_sample", "origin")
 )
 
 
@@ -71,7 +72,9 @@ class _Answer:
     def append(self, matches: Sequence[Match]) -> None:
         known = {match["shape_id"] for match in self.matches}
         new = [match for match in matches if match.shape_id not in known]
-        self.matches += [{name: getattr(match, name) for name in _KEPT} for match in new]
+        self.matches += [
+            {name: getattr(match, name) for name in _KEPT} | {"origin": asdict(match.origin)} for match in new
+        ]
         self.shown += [None] * len(new)
 
 
@@ -271,4 +274,5 @@ def known_shape(library: Library, shape_id: int) -> None:
 
 
 def _match(record: dict[str, Any]) -> Match:
-    return replace(Match(**record), version_ids=tuple(record["version_ids"]))
+    lists = {"version_ids": tuple(record["version_ids"]), "tags": tuple(record["tags"])}
+    return Match(**{**record, **lists, "origin": Origin(**record["origin"])})

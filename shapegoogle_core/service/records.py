@@ -56,6 +56,9 @@ def shape_record(shape: ShapeRecord, roots: Sequence[Root]) -> dict[str, Any]:
         "extents": list(shape.extents),
         "tags": list(shape.tags),
         "placements": shape.placement_count,
+        "shape_type": shape.origin.completed(shape.object_name).shape_type,
+        "catalog": shape.origin.catalog,
+        "frame": shape.origin.frame,
     }
 
 
@@ -64,6 +67,8 @@ def match_record(match: Match, tags: Sequence[str], roots: Sequence[Root]) -> di
     return {
         "placement": None,
         "versions": 0,
+        "catalog": "",
+        "frame": None,
         **match.to_json(),
         "source": place(match.source, roots),
         "shape_id": match.shape_id,

@@ -49,7 +49,7 @@ def library_path(made_library: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(made_library, tmp_path / "shapes.sglib"))
 
 
-MakeSettings = Callable[..., ServiceSettings]
+Serve = Callable[..., TestClient]
 
 
 @pytest.fixture(scope="session")
@@ -65,7 +65,7 @@ def client(settings: ServiceSettings) -> Iterator[TestClient]:
 
 
 @pytest.fixture
-def serve(settings: ServiceSettings, tmp_path: Path) -> Iterator[Callable[..., TestClient]]:
+def serve(settings: ServiceSettings, tmp_path: Path) -> Iterator[Serve]:
     """Start services with other settings."""
     started = []
     spool = tmp_path / "spool"
