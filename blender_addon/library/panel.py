@@ -110,7 +110,7 @@ def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
     split.prop(chosen, "objects", text="")
     split = body.split(factor=0.3)
     split.label(text="Frames")
-    split.prop(chosen, "frames", text="", placeholder="as saved, or such as 1,10,20")
+    split.prop(chosen, "frames", text="", placeholder="such as 1,10,20")
 
 
 def _draw_indexing(layout: Any, session: Any, context: Any) -> None:

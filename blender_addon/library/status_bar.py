@@ -12,10 +12,15 @@ from ..state import session_of
 __all__ = ["redraw_status_bar", "register", "unregister"]
 
 
+# In units of the interface: enough for a sentence.
+WIDTH = 18
+
+
 def _draw(self: Any, context: Any) -> None:
     session = session_of(context)
     if session.indexing:
         row = self.layout.row()
+        row.ui_units_x = WIDTH
         row.progress(factor=session.share, text=f"Shape Google: {session.progress or 'indexing'}")
         row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
     elif session.searching:
