@@ -45,7 +45,7 @@ def fields(properties: dict[str, Json], required: list[str]) -> str:
     text = ""
     for name, schema in properties.items():
         notes = [type_text(schema)]
-        if name not in required and schema.get("default") is not None:
+        if name not in required and schema.get("default") not in (None, "", [], {}):
             notes.append(f"default ``{schema['default']}``")
         elif name not in required:
             notes.append("optional")

@@ -80,5 +80,6 @@ def test_the_reference_has_every_public_name_and_command(monkeypatch: pytest.Mon
     assert "POST /api/queries\n" in addresses
     assert "Takes ``application/json``: `QueryRequest`_." in addresses
     assert "``rank`` : ``both``, ``shape``, ``kind``, default ``both``" in addresses
+    assert "````" not in addresses, "an empty text is no code"
     for name in ("generated_reference", "http_reference"):
         sys.modules.pop(name)
