@@ -52,6 +52,8 @@ class PreparedSample:
         keypoints = len(sample.descriptors)
         self.key_points = sample.points[:keypoints].astype(np.float32)
         self.key_centers = self.centers[:keypoints].astype(np.float32)
+        # Shared by the copies at other scales, whoever asks first.
+        self._fields: dict[bool, NearestField] = {}
         self._known_cells: dict[int, NDArray[np.int32]] = {}
         self._known_enlarged: dict[float, tuple[NDArray[np.float32], NDArray[np.float32]]] = {}
         self._known_scales: dict[
@@ -107,20 +109,25 @@ class PreparedSample:
         """Measures of the medial axis."""
         return measure_axis(self.sample)
 
-    @cached_property
+    @property
     def field(self) -> NearestField:
         """The nearest of the points."""
-        return NearestField(self.points)
+        return self._field(of_surface=True)
 
     @cached_property
     def field_normals(self) -> NDArray[np.float32]:
         """(m + 1, 3) normals of the points of the field; that of the one far away is 0."""
         return np.concatenate([self.normals, np.zeros((1, 3))]).astype(np.float32)
 
-    @cached_property
+    @property
     def center_field(self) -> NearestField:
         """The nearest of the points of the medial axis."""
-        return NearestField(self.centers)
+        return self._field(of_surface=False)
+
+    def _field(self, *, of_surface: bool) -> NearestField:
+        if of_surface not in self._fields:
+            self._fields[of_surface] = NearestField(self.points if of_surface else self.centers)
+        return self._fields[of_surface]
 
     @cached_property
     def at_scales(self) -> tuple[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]], ...]:

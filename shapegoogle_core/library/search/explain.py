@@ -27,6 +27,7 @@ from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
 from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -92,28 +93,36 @@ def explain_matches(
         for example, group in stored.items():
             query, query_sample = usable[example]
             pair = PairFigures(model, settings, query, query_sample, certain)
-            for compared, pose in zip(group, pair.poses(group), strict=True):
-                match = cast(Match, compared.shape)
-                shape_id = match.shape_id
-                placed = Placed(compared, known_alignment(match, query_sample), pose)
-                distance, usual = least[shape_id], typical[example]
-                plain = None if usual is None else float(usual[rows[shape_id]])
-                pooled, pooled_plain = match.bag_distance, match.typical_distance
-                if pooled is None:  # a match that is not of this search
-                    pooled, pooled_plain = distance, plain
-                figures = BagFigures(distance, plain, pooled, pooled_plain)
+            shown = [cast(Match, compared.shape) for compared in group]
+            bag_figures = [
+                _bag_figures(match, least[match.shape_id], typical[example], rows[match.shape_id])
+                for match in shown
+            ]
+            known = [known_alignment(match, query_sample) for match in shown]
+            positions = pair.positions(group, bag_figures, known)
+            for match, compared, figures, found_position in zip(
+                shown, group, bag_figures, positions, strict=True
+            ):
+                shape_id, placed = match.shape_id, Placed(compared, found_position)
                 similarities: list[float] = []
                 explain = partial(_explain, pair, figures, similarities)
                 if shape_id in placements:
-                    shown = placements[shape_id]
-                    evidence, position = best_placement(query_sample, placed, shown, explain, where)
-                    match = shown_at(match, shown, position)
+                    objects = placements[shape_id]
+                    evidence, position = best_placement(query_sample, placed, objects, explain, where)
+                    best = shown_at(match, objects, position)
                 else:
-                    evidence = explain(placed)
+                    evidence, best = explain(placed), match
                 similarity = max(similarities)
                 evidence = with_kind(evidence, similarity, match.likeness)
-                explained[shape_id] = replace(match, similarity=similarity, evidence=evidence)
+                explained[shape_id] = replace(best, similarity=similarity, evidence=evidence)
     return [explained.get(match.shape_id) or replace(match, evidence=None) for match in matches]
+
+
+def _bag_figures(match: Match, distance: float, typical: FloatArray | None, row: int) -> BagFigures:
+    plain = None if typical is None else float(typical[row])
+    if match.bag_distance is None:  # a match that is not of this search
+        return BagFigures(distance, plain, distance, plain)
+    return BagFigures(distance, plain, match.bag_distance, match.typical_distance)
 
 
 def _explain(
@@ -123,7 +132,7 @@ def _explain(
     placed: Placed,
 ) -> Evidence:
     """Find the evidence at one placement, and note the similarity there."""
-    similarity, evidence = pair.figures(placed.compared, bags, placed.alignment, placed.pose)
+    similarity, evidence = pair.figures(placed.compared, bags, placed.position)
     similarities.append(similarity)
     return evidence
 

@@ -16,11 +16,20 @@ from shapegoogle_core.library.search.kinds import Compared, Explainer
 from shapegoogle_core.library.search.query import QuerySample
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import lowered_distance
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
-from shapegoogle_core.registration import Alignment, PartPose, PreparedSample, SurfaceSample, align, measure
+from shapegoogle_core.registration import (
+    Alignment,
+    Frame,
+    PartPose,
+    PreparedSample,
+    SurfaceSample,
+    align_all,
+    measure,
+)
 
-__all__ = ["BagFigures", "PairFigures", "with_kind"]
+__all__ = ["BagFigures", "PairFigures", "Position", "with_kind"]
 
 # Least similarity of another triangulation of the same surface, which bags may find less alike.
 _SAME_SURFACE = 0.99
@@ -50,6 +59,58 @@ class BagFigures:
     pooled_typical: float | None
 
 
+@dataclass(frozen=True, eq=False)
+class Position:
+    """How a match and a query lie on each other, as far as it was sought.
+
+    Attributes
+    ----------
+    candidate : PreparedSample
+        Of the match.
+    pose : PartPose
+    rough : Alignment or None
+        Agreement in this pose, if the bags are uncertain and it is promising.
+    thorough : Alignment or None
+        From the query to the match, if a thorough alignment was worthwhile and found something.
+    """
+
+    candidate: PreparedSample
+    pose: PartPose
+    rough: Alignment | None = None
+    thorough: Alignment | None = None
+
+    def turned(self, sample: SurfaceSample, rotation: FloatArray) -> Position:
+        """Carry it along with a match that is turned.
+
+        Parameters
+        ----------
+        sample : SurfaceSample
+            Of the match that was turned.
+        rotation : (3, 3) array
+
+        Returns
+        -------
+        position : Position
+        """
+        pose, frame = self.pose, self.pose.frame
+        if frame is not None:
+            pose = replace(pose, frame=Frame(frame.scale, frame.rotation @ rotation.T, frame.translation))
+        return Position(
+            PreparedSample(sample, (1.0,)),
+            pose,
+            _turned(self.rough, rotation),
+            _turned(self.thorough, rotation),
+        )
+
+
+def _turned(alignment: Alignment | None, rotation: FloatArray) -> Alignment | None:
+    if alignment is None:
+        return None
+    frame = alignment.frame
+    moved = Frame(frame.scale, rotation @ frame.rotation, rotation @ frame.translation)
+    return replace(alignment, frame=moved)
+
+
 class PairFigures:
     """Compares one query with matches.
 
@@ -75,33 +136,64 @@ class PairFigures:
     ) -> None:
         self._model, self._settings, self._certain = model, settings, certain
         self._sample = QuerySample(sample)
-        self._explainer = Explainer(Compared(sample, query, query.measures), query.surface, settings.evidence)
+        self._explainer = Explainer(
+            Compared(sample, query, query.measures), query.surface, settings.evidence, self._sample.prepared
+        )
 
-    def poses(self, matches: Sequence[Compared]) -> list[PartPose | None]:
-        """Find the poses of many matches at once, which is faster than one by one.
+    def positions(
+        self,
+        matches: Sequence[Compared],
+        bags: Sequence[BagFigures],
+        alignments: Sequence[Alignment | None],
+    ) -> list[Position | None]:
+        """Find how many matches and the query lie on each other, which is faster than one by one.
 
         Parameters
         ----------
         matches : sequence of Compared
+        bags : sequence of BagFigures
+        alignments : sequence of Alignment or None
+            From `align`, where the search has found one.
 
         Returns
         -------
-        poses : list of PartPose or None
+        positions : list of Position or None
             For `figures`; None for copies of the query, which need none. Independent of each other.
         """
-        poses: list[PartPose | None] = [None] * len(matches)
         others = [place for place, match in enumerate(matches) if not self._explainer.is_copy(match)]
         candidates = [PreparedSample(matches[place].sample, (1.0,)) for place in others]
-        for place, pose in zip(others, self._explainer.poses(candidates), strict=True):
-            poses[place] = pose
-        return poses
+        found: dict[int, Position] = {}
+        wanted = []
+        for place, candidate, pose in zip(others, candidates, self._explainer.poses(candidates), strict=True):
+            rough = self._rough(candidate, bags[place], pose)
+            found[place] = Position(candidate, pose, rough)
+            # Whether a pair is aligned depends on the pair, and not on what the search has aligned.
+            if rough is not None and self._is_worthwhile(bags[place], pose, rough):
+                known = alignments[place]
+                found[place] = replace(found[place], thorough=known)
+                if known is None:
+                    wanted.append(place)
+        samples = [matches[place].sample for place in wanted]
+        for place, alignment in zip(wanted, align_all(self._sample.prepared, samples), strict=True):
+            found[place] = replace(found[place], thorough=alignment)
+        return [found.get(place) for place in range(len(matches))]
+
+    def _rough(self, candidate: PreparedSample, bags: BagFigures, pose: PartPose) -> Alignment | None:
+        """Measure the agreement in a pose, where bags are uncertain."""
+        if self._by_bags(bags) >= self._certain or not pose.is_promising or pose.frame is None:
+            return None
+        return measure(self._sample.prepared, candidate, pose.frame.inverse())
+
+    def _is_worthwhile(self, bags: BagFigures, pose: PartPose, rough: Alignment) -> bool:
+        """Decide whether a thorough alignment may find more."""
+        verified = self._lowered(bags, rough, pose)
+        similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
+        if similarity >= self._settings.verification.likely:
+            return False
+        return not pose.of_query or rough.agreement >= _WORTHWHILE
 
     def figures(
-        self,
-        match: Compared,
-        bags: BagFigures,
-        alignment: Alignment | None = None,
-        pose: PartPose | None = None,
+        self, match: Compared, bags: BagFigures, position: Position | None = None
     ) -> tuple[float, Evidence]:
         """Find the similarity and the evidence of a match.
 
@@ -109,52 +201,44 @@ class PairFigures:
         ----------
         match : Compared
         bags : BagFigures
-        alignment : Alignment, optional
-            From `align`, where the search has found one.
-        pose : PartPose, optional
-            From `poses`, where it is known.
+        position : Position, optional
+            From `positions`, where it is known.
 
         Returns
         -------
         similarity : float
         evidence : Evidence
         """
-        by_bags = float(self._model.similarity(bags.pooled, bags.pooled_typical))
+        by_bags = self._by_bags(bags)
         if (copy := self._explainer.copy(match)) is not None:
             return 1.0, copy
         if (other := self._explainer.other_mesh(match)) is not None:
             return max(by_bags, _SAME_SURFACE), other
+        if position is None:
+            (position,) = self.positions([match], [bags], [None])
+            assert position is not None  # it is no copy
         weighed = float(self._model.weighed_distances(bags.distance, bags.typical))
-        candidate = PreparedSample(match.sample, (1.0,))
-        if pose is None:
-            (pose,) = self._explainer.poses([candidate])
         if by_bags >= self._certain:
-            return by_bags, _limited(self._explainer.relate(match, weighed, pose), by_bags, bags, weighed)
-        verified, pose = self._verify(candidate, bags, pose, alignment)
+            evidence = self._explainer.relate(match, weighed, position.pose)
+            return by_bags, _limited(evidence, by_bags, bags, weighed)
+        verified, pose = self._verify(bags, position)
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
         evidence = self._explainer.relate(match, weighed, pose)
         return similarity, _limited(evidence, similarity, bags, weighed)
 
-    def _verify(
-        self, candidate: PreparedSample, bags: BagFigures, pose: PartPose, alignment: Alignment | None
-    ) -> tuple[float, PartPose]:
-        """Lower the distance of the bags as a search does; align thoroughly only where it is worthwhile.
+    def _by_bags(self, bags: BagFigures) -> float:
+        return float(self._model.similarity(bags.pooled, bags.pooled_typical))
 
-        Whether it is depends on the pair, and not on what the search has aligned. Returns the distance, and
-        the better pose if the alignment has found one.
-        """
-        if not pose.is_promising or pose.frame is None:
+    def _verify(self, bags: BagFigures, position: Position) -> tuple[float, PartPose]:
+        """Lower the distance of the bags as a search does; return the better pose too, if one was found."""
+        pose, rough, thorough = position.pose, position.rough, position.thorough
+        if rough is None:
             return bags.pooled, pose
-        query = self._sample.prepared
-        found = measure(query, candidate, pose.frame.inverse())
-        verified = self._lowered(bags, found, pose)
-        similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
-        is_certain = similarity >= self._settings.verification.likely
-        if is_certain or (pose.of_query and found.agreement < _WORTHWHILE):
+        verified = self._lowered(bags, rough, pose)
+        if thorough is None:
             return verified, pose
-        alignment = align(query, candidate) if alignment is None else alignment
-        pose = self._explainer.refined(candidate, pose, alignment)
-        return min(verified, self._lowered(bags, alignment, pose)), pose
+        pose = self._explainer.refined(position.candidate, pose, thorough)
+        return min(verified, self._lowered(bags, thorough, pose)), pose
 
     def _lowered(self, bags: BagFigures, alignment: Alignment, pose: PartPose) -> float:
         exact = pose.exact if pose.of_query else 0.0

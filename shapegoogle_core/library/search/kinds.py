@@ -80,14 +80,21 @@ class Explainer:
     surface : Mesh, optional
         Preprocessed mesh of the query, at its original place and size. Without it the figures are coarser.
     settings : EvidenceSettings, optional
+    prepared : PreparedSample, optional
+        Of the query, where it is used for other comparisons too.
     """
 
     def __init__(
-        self, query: Compared, surface: Mesh | None = None, settings: EvidenceSettings | None = None
+        self,
+        query: Compared,
+        surface: Mesh | None = None,
+        settings: EvidenceSettings | None = None,
+        prepared: PreparedSample | None = None,
     ) -> None:
         self._settings = settings = EvidenceSettings() if settings is None else settings
         self._query = query
         self._sample = query.sample
+        self._prepared = PreparedSample(query.sample) if prepared is None else prepared
         self._surface: Surface | TangentPlanes
         if surface is None:
             self._surface = TangentPlanes(query.sample)
@@ -97,12 +104,8 @@ class Explainer:
             self._remeshed, self._near = settings.remeshed, settings.near
 
     @cached_property
-    def _prepared(self) -> PreparedSample:
-        return PreparedSample(self._sample, (1.0,))
-
-    @cached_property
     def _parts(self) -> PartPoses:
-        return PartPoses(self._sample)
+        return PartPoses(self._prepared)
 
     @cached_property
     def _isometries(self) -> IsometryTest:
@@ -171,10 +174,14 @@ class Explainer:
         -------
         evidence : Evidence
         """
-        if pose.frame is not None and self._is_promising(pose):
+        is_exact = pose.exact >= self._settings.promising
+        if pose.frame is not None and (is_exact or pose.covered >= self._settings.widely):
             fitted = fit_surface(self._surface, self._sample, match.sample, pose.frame)
-            if (found := self._version(fitted, match) or self._part(fitted, match)) is not None:
-                return found
+            if (version := self._version(fitted, match)) is not None:
+                return version
+            # A part is no smoothed surface: it fits exactly, or not at all.
+            if is_exact and (part := self._part(fitted, match)) is not None:
+                return part
         return self._posed(match, distance)
 
     def is_copy(self, match: Compared) -> bool:
@@ -241,7 +248,8 @@ class Explainer:
         if frames:
             frame = min(frames, key=lambda one: measured(self._surface, sample, one))
             return [fit_surface(self._surface, self._sample, sample, frame)]
-        frame = align(self._prepared, PreparedSample(sample)).frame.inverse()
+        alone = self._prepared.at_other_scales((1.0,))
+        frame = align(alone, PreparedSample(sample)).frame.inverse()
         return [fit_surface(self._surface, self._sample, sample, frame)]
 
     def other_mesh(self, match: Compared) -> Evidence | None:
@@ -284,9 +292,6 @@ class Explainer:
         if abs(factor - 1) <= self._settings.same_size:
             factor = 1.0
         return Evidence(kind, factor=_digits(factor), deviation=_digits(fitted.deviation))
-
-    def _is_promising(self, pose: PartPose) -> bool:
-        return pose.exact >= self._settings.promising or pose.covered >= self._settings.widely
 
     def _version(self, fitted: Fit, match: Compared) -> Evidence | None:
         """Check whether each surface lies on all of the other one, but for small changes.

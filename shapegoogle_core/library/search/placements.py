@@ -21,9 +21,10 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.placement import Placement
+from shapegoogle_core.library.search.figures import Position
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration import Alignment, Frame, PartPose, SurfaceSample
+from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["Placed", "best_placement", "shown_at"]
 
@@ -44,15 +45,12 @@ class Placed:
     Attributes
     ----------
     compared : Compared
-    alignment : Alignment or None
-        From the query to the shape, where it is known.
-    pose : PartPose or None
-        How the shape lies on the query, where it is known.
+    position : Position or None
+        How the shape and the query lie on each other, where it is known.
     """
 
     compared: Compared
-    alignment: Alignment | None
-    pose: PartPose | None
+    position: Position | None
 
 
 Explain = Callable[[Placed], Evidence]
@@ -179,17 +177,10 @@ def _placed(stored: Placed, relative: FloatArray) -> Placed:
         replace(shape, area=scale**2 * shape.area),
         None if measures is None else measures.moved(relative),
     )
-    alignment, pose = stored.alignment, stored.pose
-    if np.linalg.det(rotation) < 0:
-        return Placed(compared, None, None)
-    if alignment is not None:
-        frame = alignment.frame
-        moved = Frame(frame.scale, rotation @ frame.rotation, rotation @ frame.translation)
-        alignment = replace(alignment, frame=moved)
-    if pose is not None and pose.frame is not None:
-        frame = pose.frame
-        pose = replace(pose, frame=Frame(frame.scale, frame.rotation @ rotation.T, frame.translation))
-    return Placed(compared, alignment, pose)
+    position = stored.position
+    if position is None or np.linalg.det(rotation) < 0:
+        return Placed(compared, None)
+    return Placed(compared, position.turned(turned, rotation))
 
 
 def _in_place(

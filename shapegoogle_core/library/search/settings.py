@@ -183,7 +183,7 @@ class EvidenceSettings:
         nothing.
     promising, widely : float
         Least share of one surface that fits the other one exactly, by their samples, for a fit to its faces;
-        or that lies roughly on it.
+        or that lies roughly on it, which is enough for a version.
     other_spectrum : float
         Difference of the lowest eigenvalues from which no other pose is considered.
     least_residual : float

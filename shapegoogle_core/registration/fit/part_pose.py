@@ -63,22 +63,22 @@ class PartPoses:
 
     Parameters
     ----------
-    sample : SurfaceSample
+    prepared : PreparedSample
         Of the query.
     """
 
-    def __init__(self, sample: SurfaceSample) -> None:
-        self._sample = sample
+    def __init__(self, prepared: PreparedSample) -> None:
+        self._prepared = prepared
 
     @cached_property
     def _as_part(self) -> PreparedSample:
-        return PreparedSample(self._sample, PART_SCALES)
+        return self._prepared.at_other_scales(PART_SCALES)
 
     @cached_property
     def _as_whole(self) -> list[tuple[float, PreparedSample]]:
         """The query enlarged: as a whole of which a candidate of unit area is a part."""
         scales = [1 / scale for scale in _SMALLER]
-        return [(scale, PreparedSample(_enlarged(self._sample, scale), (1.0,))) for scale in scales]
+        return [(scale, PreparedSample(_enlarged(self._prepared.sample, scale), (1.0,))) for scale in scales]
 
     def find(self, candidates: Sequence[PreparedSample]) -> list[PartPose]:
         """Find the positions in which most of one surface lies on the other.
@@ -139,9 +139,5 @@ class PartPoses:
 
 
 def _enlarged(sample: SurfaceSample, scale: float) -> SurfaceSample:
-    return replace(
-        sample,
-        points=scale * sample.points,
-        radii=scale * sample.radii,
-        descriptors=sample.descriptors_at(scale),
-    )
+    """Enlarge the surface for an exact fit, which needs no descriptors."""
+    return replace(sample, points=scale * sample.points, radii=scale * sample.radii)
