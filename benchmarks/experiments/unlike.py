@@ -1,24 +1,30 @@
 # SPDX-License-Identifier: MIT
 """Measure how often different assets are taken for the same shape, and whether the same shape still is.
 
-    python -m benchmarks unlike --blend-meshes FOLDER [--top N] [--as-before]
+    python -m benchmarks unlike --blend-meshes FOLDER [--queries N] [--creatures N] [--top N] [--as-before]
 
-Every CC0 model exported by `python -m benchmarks blend-meshes` (without the posed characters) is searched
-for among all of them and 62 procedural creatures. Each of its best matches is another model, so it should not
-be called re-posed, nor have a similarity above 0.9. Then creatures are searched for in another pose: they
-should keep their similarity and their place. With --as-before neither the model's background is used nor the
-rule about eigenfunctions of loose parts. Prints the tables of docs/measurements/evidence.md.
+CC0 models exported by `python -m benchmarks blend-meshes` (without the posed characters) are compared with
+all of them and with procedural creatures. Different assets should not be called re-posed, nor have a
+similarity above 0.9. They are counted among all pairs and among the nearest of each query, and apart from
+models of one series, whose names begin with the same word: a bottle full and half full, a woman in other
+clothes. Then creatures are searched for in another pose: they should keep their similarity and their place.
+With --as-before neither the model's background is used nor the rule about eigenfunctions of loose parts.
+Prints the tables of docs/measurements/evidence.md.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import re
+import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.kinds.sets import LEARNING_PACKS
@@ -85,21 +91,52 @@ def _print_different(title: str, found: Sequence[tuple[str, Match]], shown: int)
         print(f"    {name} finds {match.name}: {match.similarity:.3f} {kind}")
 
 
-def _search(
-    library: Library, queries: Sequence[tuple[_Asset, ShapeSignature]], top: int
+def _series(name: str) -> str:
+    """Return the first word of a model's name: "Potion" of "potions-Potion2HalfFull.ply"."""
+    words = re.findall(r"[A-Z]?[a-z]+", name.rpartition("-")[2].removeprefix("Smooth_"))
+    return words[0].lower() if words else name
+
+
+def _compare(
+    library: Library, queries: Sequence[tuple[_Asset, ShapeSignature]]
 ) -> list[tuple[_Asset, list[Match]]]:
-    """Search for each model; leave out itself and copies of it."""
+    """Compare each model with all shapes; leave out itself and copies of it."""
     found = []
-    for asset, signature in queries:
-        matches = library.query(signature, top=top + 1, explain=top + 1)
+    for number, (asset, signature) in enumerate(queries, 1):
+        matches = library.query(signature, top=library.info()["shapes"], explain=0)
+        matches = library.explain([signature], matches, len(matches))
         others = [
             match
             for match in matches
             if match.name != asset.name
             and (match.evidence is None or match.evidence.kind not in _SAME_SURFACE)
         ]
-        found.append((asset, others[:top]))
+        found.append((asset, others))
+        print(f"models: {number} of {len(queries)}", file=sys.stderr)
     return found
+
+
+def _print_models(found: Sequence[tuple[_Asset, list[Match]]], top: int, shown: int) -> None:
+    """Print the table of different models."""
+    print("\n| different shapes | pairs | re-posed | similarity above 0.9 |\n|---|---|---|---|")
+    for title, learnt in (("packs to learn from", True), ("packs held out", False)):
+        chosen = [
+            (asset.name, match, rank, _series(asset.name) == _series(match.name))
+            for asset, matches in found
+            if (asset.group in LEARNING_PACKS) == learnt
+            for rank, match in enumerate(matches)
+        ]
+        others = [pair for pair in chosen if not pair[3]]
+        _print_different(f"{title}, all pairs", [pair[:2] for pair in others], shown)
+        nearest = [pair[:2] for pair in others if pair[2] < top]
+        _print_different(f"{title}, among the best {top}", nearest, 0)
+        _print_different(f"{title}, of one series", [pair[:2] for pair in chosen if pair[3]], 0)
+
+
+def _spread(items: Sequence[_Asset], count: int) -> list[_Asset]:
+    """Choose some items, evenly spread over all of them."""
+    chosen = np.linspace(0, len(items) - 1, min(count, len(items))).round().astype(int)
+    return [items[place] for place in chosen.tolist()]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -111,6 +148,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported models")
     parser.add_argument("--top", type=number_from(1), default=5, metavar="N", help="best matches (5)")
+    parser.add_argument(
+        "--queries", type=number_from(1), default=40, metavar="N", help="models that are compared (40)"
+    )
+    parser.add_argument(
+        "--creatures", type=number_from(1), default=16, metavar="N", help="kinds of creatures (16)"
+    )
     parser.add_argument("--shown", type=number_from(0), default=0, metavar="N", help="claims listed (0)")
     parser.add_argument("--as-before", action="store_true", help="ignore how plain shapes are")
     parser.add_argument("--jobs", type=number_from(1), default=2, metavar="N", help="worker processes (2)")
@@ -133,7 +176,8 @@ def run(options: argparse.Namespace) -> int:
         model = replace(model, background=None)
         settings = replace(settings, evidence=replace(settings.evidence, fewest_modes=0))
     models = _models(options.blend_meshes)
-    nulls = [_Asset("creatures", kind, seed) for kind in CREATURE_KINDS for seed in _SEEDS]
+    kinds = _spread([_Asset("creatures", kind) for kind in CREATURE_KINDS], options.creatures)
+    nulls = [replace(kind, seed=seed) for kind in kinds for seed in _SEEDS]
     poses = [replace(asset, pose=pose) for asset in nulls[:: len(_SEEDS)] for pose in (1, 2)]
     assets = [*models, *nulls, *poses]
     describe = partial(_describe, model, options.blend_meshes)
@@ -145,16 +189,9 @@ def run(options: argparse.Namespace) -> int:
         for asset in (*models, *nulls):
             name = f"{asset.name} {asset.seed}" if asset.group == "creatures" else asset.name
             library.add_signature(described[asset], name)
-        found = _search(library, [(asset, described[asset]) for asset in models], options.top)
-        print("\n| different shapes | pairs | re-posed | similarity above 0.9 |\n|---|---|---|---|")
-        for title, learnt in (("packs to learn from", True), ("packs held out", False)):
-            chosen = [
-                (asset.name, match)
-                for asset, matches in found
-                if (asset.group in LEARNING_PACKS) == learnt
-                for match in matches
-            ]
-            _print_different(f"{title}, best {options.top}", chosen, options.shown)
+        queries = _spread(models, options.queries)
+        found = _compare(library, [(asset, described[asset]) for asset in queries])
+        _print_models(found, options.top, options.shown)
         sure = first = posed = 0
         for asset in poses:
             best = library.query(described[asset], top=1, explain=1)[0]
