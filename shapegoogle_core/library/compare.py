@@ -112,11 +112,12 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
         pair = PairFigures(model, settings, signature, signature.sample, settings.verification.certain)
-        similarity, evidence = pair.figures(
-            Compared(sample, match, other.measures),
-            BagFigures(float(model.distances(signature.bags, bags)[0]), usual, float(distances[0]), usual),
-            known_alignment(match, signature.sample),
-        )
+        compared = Compared(sample, match, other.measures)
+        distance = float(model.distances(signature.bags, bags)[0])
+        figures = BagFigures(distance, usual, float(distances[0]), usual)
+        known = known_alignment(match, signature.sample)
+        (position,) = pair.positions([compared], [figures], [known])
+        similarity, evidence = pair.figures(compared, figures, position)
         evidence = with_kind(evidence, similarity, match.likeness)
         return replace(match, similarity=similarity, evidence=evidence)
 
