@@ -102,8 +102,9 @@ def _compare(
 ) -> list[tuple[_Asset, list[Match]]]:
     """Compare each model with all shapes; leave out itself and copies of it."""
     found = []
+    count = len(list(library.shapes()))
     for number, (asset, signature) in enumerate(queries, 1):
-        matches = library.query(signature, top=library.info()["shapes"], explain=0)
+        matches = library.query(signature, top=count, explain=0)
         matches = library.explain([signature], matches, len(matches))
         others = [
             match
