@@ -10,6 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
+from shapegoogle_core.library.origin import UNKNOWN
 from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.fusion import list_distances
 from shapegoogle_core.library.search.kinds import Compared
@@ -94,6 +95,7 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         vertex_count=other.vertex_count,
         face_count=other.face_count,
         area=other.area,
+        origin=UNKNOWN.completed(""),
         bag_distance=float(distances[0]),
         typical_distance=usual,
     )

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import trimesh
 from benchmarks import command
 from benchmarks.errors import BenchmarkError
 from benchmarks.kinds.describing import DescribedSet, describe_set
-from benchmarks.kinds.parts import bag_distances, search_distances
+from benchmarks.kinds.parts import PARTS, bag_distances, search_distances
 from benchmarks.kinds.sets import (
     DEVELOPMENT,
     HELD_OUT,
@@ -163,6 +164,20 @@ def test_distances_of_bags(described: DescribedSet, model: ShapeModel) -> None:
     assert np.abs(np.diag(distances)).max() < 1e-5
     np.testing.assert_allclose(distances, distances.T, atol=1e-5)
     assert category_scores(distances, described.labels).nearest_neighbor == 1
+
+
+def test_the_order_without_the_walk_is_that_of_kinds_or_closer(
+    described: DescribedSet, model: ShapeModel
+) -> None:
+    kind, gate, measures = (PARTS[name](described, model) for name in ("kind", "gate", "measures"))
+    assert kind is not None
+    assert gate is not None
+    assert measures is not None
+    assert kind[0, 1:3].max() < kind[0, 3:].min()  # rods and rings
+    assert (gate <= kind).all()
+    assert (np.diag(gate) == 0).all()
+    assert measures[0, 1] < measures[0, 3]
+    assert PARTS["gate"](described, replace(model, ranking=None)) is None
 
 
 def test_places_in_the_list_of_the_search(described: DescribedSet, model: ShapeModel) -> None:
