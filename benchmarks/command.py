@@ -71,8 +71,8 @@ COMMANDS = (
     Command(
         "network",
         "benchmarks.network.command",
-        "what a small pre-trained network would add to that",
-        ("joblib", "onnx", "onnxruntime", "platformdirs", "skimage", "torch"),
+        "what the small network in the views adds to that",
+        ("joblib", "platformdirs", "skimage"),
     ),
     Command("evidence", "benchmarks.experiments.evidence", "how often the evidence of a match is right"),
     Command(
@@ -124,6 +124,12 @@ COMMANDS = (
         "set-preprocessing",
         "benchmarks.training.preprocessing",
         "give the shipped model the preprocessing of its preset",
+    ),
+    Command(
+        "network-weights",
+        "benchmarks.network.weights",
+        "write that network for the product from its published weights",
+        ("onnx", "torch"),
     ),
     Command("train-views", "benchmarks.training.views", "learn to describe pictures for the shipped model"),
     Command(

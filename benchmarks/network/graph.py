@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.errors import BenchmarkError
+from shapegoogle_core.views.network import FEATURES
 
-__all__ = ["FEATURES", "lite0_graph", "read_weights"]
+__all__ = ["lite0_graph", "read_weights"]
 
 Weights = Mapping[str, NDArray[np.float32]]
-
-FEATURES = 1280
-"""Length of the pooled features."""
 
 # Blocks and first stride of each stage.
 _STAGES = ((1, 1), (2, 2), (2, 2), (3, 2), (3, 1), (4, 2), (1, 1))

@@ -3,9 +3,10 @@
 
     python -m benchmarks train-views --blend-meshes FOLDER
 
-Learns a whitening projection from pictures of procedural creatures, objects and flat parts, and of those CC0
-packs that may be learnt from, exported by `python -m benchmarks blend-meshes`. No label is used, and no
-evaluation data. The bags of the model, and its identifier, stay as they are.
+Learns whitening projections, of gradients and of the network's features, from pictures of procedural
+creatures, objects and flat parts, and of those CC0 packs that may be learnt from, exported by `python -m
+benchmarks blend-meshes`. No label is used, and no evaluation data. The bags of the model, and its identifier,
+stay as they are.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
@@ -94,9 +94,8 @@ def run(options: argparse.Namespace) -> int:
     meshes = list(training_meshes(options.blend_meshes, options.individuals))
     views = learn_views(progress_bar(meshes, "pictures", len(meshes)))
     load_model().with_parts(views=views).save(options.output)
-    learnt = sum(np.asarray(part).nbytes for part in views.projections)
     print(
-        f"{options.output}: views of {len(meshes)} shapes, {views.components} components, "
-        f"{learnt / 1e6:.2f} MB; {options.output.stat().st_size / 1e6:.2f} MB in all"
+        f"{options.output}: views of {len(meshes)} shapes, arrays {views.shape}; "
+        f"{options.output.stat().st_size / 1e6:.2f} MB in all"
     )
     return 0

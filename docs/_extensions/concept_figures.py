@@ -18,7 +18,7 @@ from benchmarks.figures.shape_rows import show_shapes
 from benchmarks.objects import make_object
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.rendering import value_colors, word_palette
-from shapegoogle_core.views import VIEW_ROTATIONS, normal_pictures, surface_points
+from shapegoogle_core.views import normal_pictures, surface_points
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -155,11 +155,11 @@ def views() -> Figure:
     import matplotlib.pyplot as plt
 
     points, normals = surface_points(make_object("teapot", seed=1), 30_000)
-    pictures = normal_pictures(points, normals, VIEW_ROTATIONS, 64)
+    pictures = normal_pictures(points, normals, 128)
     figure, grid = plt.subplots(2, len(pictures) // 2, figsize=(8.8, 3))
     for axes, picture in zip(grid.flat, pictures, strict=True):
-        seen = picture[..., 3:] > 0
-        axes.imshow(np.where(seen, (picture[..., :3] + 1) / 2, 1), interpolation="nearest")
+        seen = picture.any(axis=-1, keepdims=True)
+        axes.imshow(np.where(seen, (picture + 1) / 2, 1), interpolation="nearest")
         axes.axis("off")
     figure.tight_layout()
     return figure

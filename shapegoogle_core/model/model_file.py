@@ -26,7 +26,7 @@ from shapegoogle_core.model.ranking import Ranking
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.shape_bags import ChannelWords
 from shapegoogle_core.registration import LocalWords
-from shapegoogle_core.views import ViewModel
+from shapegoogle_core.views import GradientViews, NetworkViews, ViewModel
 
 if TYPE_CHECKING:
     from shapegoogle_core.model.shape_model import ShapeModel
@@ -101,8 +101,15 @@ def _part_arrays(model: Fields) -> Arrays:
     """Return the arrays of parts that say nothing about the bags, and so do not count for the identifier."""
     arrays: Arrays = {}
     if (views := model["views"]) is not None:
-        arrays = {"views_mean": views.mean, "views_code": views.code_components}
-        arrays |= {f"views_projection_{index}": part for index, part in enumerate(views.projections)}
+        own = views.gradients
+        arrays = {"views_mean": own.mean, "views_code": own.code_components}
+        arrays |= {f"views_projection_{index}": part for index, part in enumerate(own.projections)}
+        if (network := views.network) is not None:
+            arrays |= {
+                "views_network_mean": network.mean,
+                "views_network_projection": network.projection,
+                "views_network_digest": np.array(network.digest),
+            }
     if model["background"] is not None:
         arrays["background_vectors"] = model["background"].vectors
     if (ranking := model["ranking"]) is not None:
@@ -246,13 +253,22 @@ def _local_words(arrays: Arrays) -> LocalWords:
 
 
 def _views(arrays: Arrays) -> ViewModel:
-    return ViewModel(
+    gradients = GradientViews(
         mean=arrays["views_mean"].astype(np.float32),
         projections=tuple(
             arrays[name].astype(np.float16) for name in sorted(arrays) if name.startswith("views_projection_")
         ),
         code_components=arrays["views_code"].astype(np.int64),
     )
+    # Models made before there was a network know gradients only.
+    if "views_network_mean" not in arrays:
+        return ViewModel(gradients)
+    network = NetworkViews(
+        mean=arrays["views_network_mean"].astype(np.float32),
+        projection=arrays["views_network_projection"].astype(np.float16),
+        digest=str(arrays["views_network_digest"]),
+    )
+    return ViewModel(gradients, network)
 
 
 def _background(header: Mapping[str, Any], arrays: Arrays) -> Background:

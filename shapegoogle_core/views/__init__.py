@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Appearance from outside: pictures of a shape from twelve directions, described by whitened gradients."""
+"""Appearance from outside: pictures of a shape, described by their gradients and by a network."""
 
 from shapegoogle_core.api.lazy_names import lazy_names
 

@@ -15,7 +15,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DIRECTIONS", "VIEW_ROTATIONS", "Symmetry", "symmetries"]
+__all__ = ["DIRECTIONS", "OPPOSITES", "VIEW_ROTATIONS", "Symmetry", "symmetries"]
 
 FloatArray = NDArray[np.float64]
 
@@ -38,6 +38,13 @@ VIEW_ROTATIONS = _frames()
 """Rotations (12, 3, 3) whose rows point right, up and towards the viewer."""
 
 DIRECTIONS = len(VIEW_ROTATIONS)
+
+OPPOSITES = tuple(
+    (front, int((VIEW_ROTATIONS[:, 2] @ frame[2]).argmin()))
+    for front, frame in enumerate(VIEW_ROTATIONS)
+    if tuple(frame[2].round(3)) > (0, 0, 0)
+)
+"""The six pairs of opposite directions; each is the other one mirrored left to right, seen from behind."""
 
 
 @dataclass(frozen=True, eq=False)

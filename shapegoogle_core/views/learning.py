@@ -8,32 +8,26 @@ from collections.abc import Iterable
 import numpy as np
 
 from shapegoogle_core.mesh import MeshLike
-from shapegoogle_core.views.directions import DIRECTIONS
-from shapegoogle_core.views.view_model import CODE_BYTES, POSES, ViewModel, picture_parts
+from shapegoogle_core.views.gradients import gradient_parts, learn_gradients
+from shapegoogle_core.views.network_views import features_of, learn_network
+from shapegoogle_core.views.view_model import ViewModel, shape_pictures
 
 __all__ = ["learn_views"]
 
-COMPONENTS = 320
-"""Components of a picture, an even number: 2 × 12 × 320 half bytes are stored for a shape."""
-
-POWER = 0.375
-"""Exponent of the eigenvalues that components are divided by: ½ would be a full whitening."""
+COMPONENTS = (192, 256)
+"""Components of a picture's gradients and of its network features: 24 · 192 + 12 · 256 half bytes are stored
+for a shape."""
 
 
-def learn_views(meshes: Iterable[MeshLike], components: int = COMPONENTS, power: float = POWER) -> ViewModel:
+def learn_views(meshes: Iterable[MeshLike], components: tuple[int, int] = COMPONENTS) -> ViewModel:
     """Learn the whitening of pictures.
-
-    Mirrored pictures count as much as the pictures themselves, so that the principal components of symmetric
-    and antisymmetric parts are found one by one.
 
     Parameters
     ----------
     meshes : iterable of MeshLike
         The more varied they are the better; they need not resemble the shapes that are searched for.
-    components : int, optional
-        Components of all four parts together.
-    power : float, optional
-        Components are divided by their eigenvalues to this power.
+    components : (int, int), optional
+        Components of gradients, and of the network's features.
 
     Returns
     -------
@@ -43,22 +37,20 @@ def learn_views(meshes: Iterable[MeshLike], components: int = COMPONENTS, power:
     ------
     ValueError
         If there are fewer pictures than components.
+    ModelError
+        If the network cannot be used.
     """
-    parts = np.concatenate([picture_parts(mesh).astype(np.float64) for mesh in meshes])
-    if len(parts) < components:
-        raise ValueError(f"{len(parts)} pictures are too few to learn {components} components from")
-    mean = parts[:, 0].mean(axis=0)
-    parts[:, 0] -= mean
-    values, vectors = zip(
-        *(np.linalg.eigh(part.T @ part / len(parts)) for part in parts.transpose(1, 0, 2)), strict=True
+    gradients, features = [], []
+    for mesh in meshes:
+        pictures = shape_pictures(mesh)
+        gradients.append(gradient_parts(pictures.reshape(-1, *pictures.shape[2:])))
+        features.append(features_of(pictures))
+    for count, kind, found in zip(components, ("gradients", "features"), (gradients, features), strict=True):
+        if (pictures_seen := sum(map(len, found))) < count:
+            raise ValueError(
+                f"{pictures_seen} pictures are too few to learn {count} components of {kind} from"
+            )
+    return ViewModel(
+        learn_gradients(np.concatenate(gradients).astype(np.float64), components[0]),
+        learn_network(np.concatenate(features).astype(np.float64), components[1]),
     )
-    least = np.sort(np.concatenate(values))[-components]
-    kept = [part >= least for part in values]
-    spread = [part[chosen] for part, chosen in zip(values, kept, strict=True)]
-    projections = tuple(
-        (directions[:, chosen] / part**power).astype(np.float16)
-        for directions, chosen, part in zip(vectors, kept, spread, strict=True)
-    )
-    coded = 8 * CODE_BYTES // POSES // DIRECTIONS
-    order = np.argsort(-np.concatenate(spread), kind="stable")[:coded]
-    return ViewModel(mean.astype(np.float32), projections, np.sort(order).astype(np.int64))

@@ -18,9 +18,8 @@ from shapegoogle_core.views.directions import symmetries
 __all__ = ["principal_axes", "straight_axes"]
 
 FloatArray = NDArray[np.float64]
+Vectors = NDArray[np.floating]
 
-# Normals that axes are fitted to.
-_NORMALS = 3_000
 # Turns that improve all three pairs of axes; a few are enough from any start.
 _SWEEPS = 6
 # Gain of straightness for which the axes of the file are given up, see `straight_axes`. Of an even
@@ -31,7 +30,7 @@ _ROTATIONS = np.array(
 )
 
 
-def principal_axes(points: FloatArray) -> FloatArray:
+def principal_axes(points: Vectors) -> FloatArray:
     """Find the directions in which points spread most, in the order of their spread.
 
     Parameters
@@ -47,11 +46,12 @@ def principal_axes(points: FloatArray) -> FloatArray:
         return np.eye(3)
     centred = points - points.mean(axis=0)
     axes = _spread_axes(centred)
-    lean = ((centred @ axes.T) ** 3).sum(axis=0)
+    along = axes @ centred.T
+    lean = (along * along * along).sum(axis=1)
     return np.asarray(axes * np.where(lean < 0, -1, 1)[:, None])
 
 
-def straight_axes(points: FloatArray, normals: FloatArray) -> FloatArray:
+def straight_axes(points: Vectors, normals: Vectors) -> FloatArray:
     """Find the axes along which most normals point, if they clearly do; otherwise keep those of the file.
 
     Maximises the straightness, the mean of n_x⁴ + n_y⁴ + n_z⁴ over all unit normals n. In the plane of two
@@ -71,12 +71,11 @@ def straight_axes(points: FloatArray, normals: FloatArray) -> FloatArray:
     """
     if len(points) == 0:
         return np.eye(3)
-    chosen = normals[:: -(-len(normals) // _NORMALS)]
+    moments = _fourth_moments(normals)
     starts = (np.eye(3), _spread_axes(points - points.mean(axis=0)), _spread_axes(normals))
-    best = max(
-        (_straightened(chosen, start) for start in starts), key=lambda axes: _straightness(chosen, axes)
-    )
-    if _straightness(chosen, best) - _straightness(chosen, np.eye(3)) < _GAIN:
+    found = [_straightened(moments, start) for start in starts]
+    best = max(found, key=lambda axes: _straightness(moments, axes))
+    if _straightness(moments, best) - _straightness(moments, np.eye(3)) < _GAIN:
         return np.eye(3)
     if np.linalg.det(best) < 0:
         best = -best
@@ -84,29 +83,42 @@ def straight_axes(points: FloatArray, normals: FloatArray) -> FloatArray:
     return np.asarray(named[np.trace(named, axis1=1, axis2=2).argmax()])
 
 
-def _spread_axes(vectors: FloatArray) -> FloatArray:
+def _spread_axes(vectors: Vectors) -> FloatArray:
     """Eigenvectors of the second moments as rows, the largest first."""
     return np.asarray(np.linalg.eigh(vectors.T @ vectors)[1][:, ::-1].T)
 
 
-def _straightness(normals: FloatArray, axes: FloatArray) -> float:
-    return float(((normals @ axes.T) ** 4).sum(axis=1).mean())
+def _fourth_moments(normals: Vectors) -> FloatArray:
+    """Compute the mean of all products of four components, as a matrix (6, 6) of pairs; see `_pair`."""
+    x, y, z = normals.T
+    pairs = np.stack([x * x, y * y, z * z, x * y, x * z, y * z])
+    return np.asarray(pairs @ pairs.T / len(normals), np.float64)
 
 
-def _straightened(normals: FloatArray, start: FloatArray) -> FloatArray:
+def _pair(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Write the product of a normal's parts along two axes as a sum of the products of its components."""
+    (a, b, c), (d, e, f) = first, second
+    return np.array([a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e])
+
+
+def _straightness(moments: FloatArray, axes: FloatArray) -> float:
+    return float(sum(_pair(axis, axis) @ moments @ _pair(axis, axis) for axis in axes))
+
+
+def _straightened(moments: FloatArray, start: FloatArray) -> FloatArray:
     axes = start.copy()
-    seen = normals @ axes.T
     for _ in range(_SWEEPS):
         for first, second in _PAIRS:
-            x, y = seen[:, first], seen[:, second]
+            xx, yy, xy = (
+                _pair(axes[i], axes[j]) for i, j in ((first, first), (second, second), (first, second))
+            )
             # In the plane the sum of fourth powers is a constant plus a cos 4t + b sin 4t.
-            a = float((x**4 + y**4 - 6 * x**2 * y**2).sum()) / 4
-            b = float((x * y * (x**2 - y**2)).sum())
+            a = (xx @ moments @ xx + yy @ moments @ yy - 6 * (xx @ moments @ yy)) / 4
+            b = xy @ moments @ (xx - yy)
             angle = np.arctan2(b, a) / 4
             turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
             axes[[first, second]] = turn @ axes[[first, second]]
-            seen[:, [first, second]] = seen[:, [first, second]] @ turn.T
-    return np.asarray(axes)
+    return axes
 
 
 _PAIRS: Sequence[tuple[int, int]] = ((0, 1), (0, 2), (1, 2))

@@ -20,9 +20,10 @@ class ShapeViews:
 
     Attributes
     ----------
-    descriptors : (2, 12, d) array of int8
-        Of each pose (straight; in principal axes) and each picture: integers from −7 to 7. Only the direction
-        of each picture's vector counts.
+    descriptors : (2, width) array of int8
+        Of each pose (straight; in principal axes): the components of all pictures, of the twelve of gradients
+        and then of the six of the network. Integers from −7 to 7; only the direction of each picture's vector
+        counts.
     made_by : str
         Identifier of the `ViewModel`; only views of the same one can be compared.
 
@@ -32,7 +33,7 @@ class ShapeViews:
     >>> import trimesh
     >>> views = sg.load_model().views.describe(trimesh.creation.box((1, 2, 3)))
     >>> views.descriptors.shape, len(views.to_bytes())
-    ((2, 12, 320), 3840)
+    ((2, 3840), 3840)
     """
 
     descriptors: NDArray[np.int8]
@@ -50,19 +51,19 @@ class ShapeViews:
         return (pairs[:, 0] << 4 | pairs[:, 1]).astype(np.uint8).tobytes()
 
 
-def packed_size(shape: tuple[int, int, int]) -> int:
-    """Return the number of bytes that descriptors of a shape (2, 12, d) take."""
+def packed_size(shape: tuple[int, int]) -> int:
+    """Return the number of bytes that descriptors of a shape (2, width) take."""
     return -(-int(np.prod(shape)) // 2)
 
 
-def unpack_descriptors(content: NDArray[np.uint8], shape: tuple[int, int, int]) -> NDArray[np.int8]:
+def unpack_descriptors(content: NDArray[np.uint8], shape: tuple[int, int]) -> NDArray[np.int8]:
     """Rebuild the descriptors of several shapes.
 
     Parameters
     ----------
     content : (n, bytes) array of uint8
         Rows are results of `ShapeViews.to_bytes`.
-    shape : (int, int, int)
+    shape : (int, int)
         Shape of the descriptors of each.
 
     Returns
@@ -73,9 +74,9 @@ def unpack_descriptors(content: NDArray[np.uint8], shape: tuple[int, int, int]) 
     --------
     >>> import numpy as np
     >>> from shapegoogle_core.views import ShapeViews, unpack_descriptors
-    >>> views = ShapeViews(np.array([[[-7, 0, 7]]], np.int8), "made by hand")
-    >>> unpack_descriptors(np.frombuffer(views.to_bytes(), np.uint8)[None], (1, 1, 3)).tolist()
-    [[[[-7, 0, 7]]]]
+    >>> views = ShapeViews(np.array([[-7, 0, 7]], np.int8), "made by hand")
+    >>> unpack_descriptors(np.frombuffer(views.to_bytes(), np.uint8)[None], (1, 3)).tolist()
+    [[[-7, 0, 7]]]
     """
     count, size = content.shape
     values = np.stack([content >> 4, content & 15], axis=2).reshape(count, 2 * size).astype(np.int8)

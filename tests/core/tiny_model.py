@@ -89,7 +89,7 @@ def meshes() -> list[Mesh]:
 @pytest.fixture(scope="session")
 def view_model(meshes: list[Mesh]) -> ViewModel:
     """Learnt from five shapes, with few components; any shape can be described with it."""
-    return learn_views(meshes, components=24)
+    return learn_views(meshes, components=(24, 12))
 
 
 @pytest.fixture

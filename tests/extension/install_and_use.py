@@ -22,7 +22,7 @@ BUNDLED: tuple[str, ...] = (
     "robust_laplacian",
     "fast_simplification",
 )
-BUNDLED += ("trimesh", "mapbox_earcut", "PIL", "pebble", "tqdm", "shapegoogle_core")
+BUNDLED += ("trimesh", "mapbox_earcut", "onnxruntime", "PIL", "pebble", "tqdm", "shapegoogle_core")
 
 
 def is_known() -> Any:

@@ -44,6 +44,7 @@ def test_the_addon_leaves_the_path_alone_and_knows_no_name_of_itself() -> None:
 
 
 def test_every_source_names_its_licence() -> None:
-    assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later", "SPDX:CC0-1.0"]  # the add-on, and the models
+    # The add-on, the models, and the network in the views.
+    assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later", "SPDX:CC0-1.0", "SPDX:Apache-2.0"]
     first_line = "# SPDX-License-Identifier: GPL-3.0-or-later\n"
     assert [name for name, text in SOURCES.items() if not text.startswith(first_line)] == []

@@ -22,7 +22,7 @@ def normalized(name: str) -> str:
     return re.sub(r"[-_.]+", "-", start.group()).lower()
 
 
-LARGEST = 65e6
+LARGEST = 95e6
 """Bytes that a zip may have."""
 
 

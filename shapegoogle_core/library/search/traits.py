@@ -40,7 +40,7 @@ class Traits:
         Bags, see `ShapeModel.comparable`.
     background : (n,) array
         Background distances.
-    views : (n, 2, 12, d) array of int8
+    views : (n, 2, width) array of int8
     seen : (n,) array of bool
         Whether a shape has views.
     figures : (n, 12) array of float32
@@ -96,7 +96,7 @@ class TraitDistances:
         self._model = model
         self._ranking: Ranking = model.ranking
         self._background: Background = model.background
-        self._view_shape = (2, 0, 0) if model.views is None else model.views.shape
+        self._view_shape = (2, 0) if model.views is None else model.views.shape
 
     @staticmethod
     def possible(model: ShapeModel) -> bool:

@@ -165,7 +165,7 @@ def stored_views(
     -------
     shape_ids : (n,) array of int64
         Of those that have views, sorted; none if the model has not learnt about pictures.
-    views : (n, 2, 12, d) array of int8
+    views : (n, 2, width) array of int8
     """
     if model.views is None:
         return np.empty(0, np.int64), np.empty((0, 2, 0, 0), np.int8)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the network would add: pictures, whitening, the walk over a whole set, and intervals of gains."""
+"""The network's graph, and what it adds: the walk over a whole set, and intervals of gains."""
 
 from __future__ import annotations
 
@@ -7,31 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from benchmarks.errors import BenchmarkError
 from benchmarks.network.command import gain_in_first_tier, walked_places
-from benchmarks.network.features import PICTURES, network_pictures, whitened
-from benchmarks.network.graph import FEATURES, lite0_graph, read_weights
-from shapegoogle_core.mesh import Mesh
-
-
-def test_pictures_are_normals_on_white() -> None:
-    box = trimesh.creation.box((1.0, 2.0, 3.0))
-    pictures = network_pictures(Mesh(box.vertices, box.faces))
-    assert pictures.shape == (PICTURES, 3, 128, 128)
-    corners = pictures[:, :, [0, 0, -1, -1], [0, -1, 0, -1]]
-    assert (corners == 1).all()
-    lengths = np.linalg.norm(pictures[:, :, 60:68, 60:68], axis=1)
-    np.testing.assert_allclose(lengths, 1, atol=1e-5)
-
-
-def test_whitened_features_have_unit_variance() -> None:
-    rng = np.random.default_rng(0)
-    mixed = rng.normal(size=(50, PICTURES, FEATURES)) * np.geomspace(1, 1e-3, FEATURES)
-    mean, projection = whitened(list(mixed.astype(np.float32)), 5)
-    described = (mixed.reshape(-1, FEATURES) - mean) @ projection
-    np.testing.assert_allclose(np.cov(described.T), np.eye(5), atol=0.02)
+from benchmarks.network.graph import lite0_graph, read_weights
+from shapegoogle_core.views.network import FEATURES
 
 
 def test_a_walk_joins_chains_of_neighbours() -> None:
