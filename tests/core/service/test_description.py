@@ -26,7 +26,7 @@ CHECKS = (
 )
 
 
-MANY = pytest.param(60, id="many", marks=pytest.mark.long)
+MANY = pytest.param(20, id="many", marks=pytest.mark.long)
 
 
 @pytest.mark.parametrize("examples", [pytest.param(2, id="few"), MANY])
@@ -51,7 +51,12 @@ def test_made_up_requests_get_described_answers(client: TestClient, examples: in
         def conforms(case: schemathesis.Case[Any]) -> None:
             arguments = case.as_transport_kwargs(base_url="http://localhost")
             arguments.pop("cookies", None)  # the service needs no token
-            answer = client.request(**arguments)
+            request = client.build_request(**arguments)
+            try:
+                request.read()
+            except (AttributeError, TypeError):  # made up as a form that no client can send
+                return
+            answer = client.send(request)
             response = schemathesis.Response.from_any(answer)
             case.validate_response(response, checks=[*CHECKS])
 
