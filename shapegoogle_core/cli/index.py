@@ -90,6 +90,10 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     )
     shard = "index only the I-th of N parts of the files, for N machines that index the same folders"
     add_value(parser, "--shard", "I/N", shard, shard_from)
+    cluster = "index on the workers of this Dask scheduler; `local` starts --jobs workers on this machine"
+    add_value(parser, "--cluster", "ADDRESS", cluster)
+    trust = "allow a tcp:// scheduler on another machine, whose messages are not encrypted"
+    add_flag(parser, "--trust-network", trust)
     add_flag(parser, "--dry-run", "only list what would be done; nothing is read, changed or created")
     add_value(parser, "--log", "FILE", "append each event to a file, one line each", as_path)
     add_flag(parser, "--json", "print one JSON object at the end")
@@ -138,6 +142,7 @@ def _run(options: argparse.Namespace) -> int:
 def _index(options: argparse.Namespace) -> int:
     from shapegoogle_core.cli.index_progress import IndexProgress
     from shapegoogle_core.indexing import index_files, plan_indexing
+    from shapegoogle_core.indexing.cluster import check_address, index_on_cluster
     from shapegoogle_core.indexing.files import absolute
     from shapegoogle_core.indexing.shards import files_of_shard
     from shapegoogle_core.library.library import Library
@@ -148,6 +153,8 @@ def _index(options: argparse.Namespace) -> int:
     excluded: list[Path] = []
     skipped: list[SkippedFormat] = []
     paths = find_files(options, failed, options.exclude, excluded.append, skipped)
+    if options.cluster is not None:
+        check_address(options.cluster, trusted=options.trust_network)
     if options.shard is not None:
         paths = files_of_shard(paths, [absolute(folder) for folder in options.inputs], options.shard)
     known = library_exists(options.library)
@@ -189,14 +196,25 @@ def _index(options: argparse.Namespace) -> int:
         progress = IndexProgress(len(paths), verbose=options.verbose, send=options.send)
         try:
             with progress:
-                report = index_files(
-                    library,
-                    paths,
-                    settings,
-                    reader=options.reader,
-                    progress=progress.outcome,
-                    status=progress.status,
-                )
+                if options.cluster is not None:
+                    report = index_on_cluster(
+                        library,
+                        options.library,
+                        paths,
+                        settings,
+                        options.cluster,
+                        progress=progress.outcome,
+                        reader=options.reader,
+                    )
+                else:
+                    report = index_files(
+                        library,
+                        paths,
+                        settings,
+                        reader=options.reader,
+                        progress=progress.outcome,
+                        status=progress.status,
+                    )
         except KeyboardInterrupt:
             say(f"shapegoogle: interrupted after {progress.done} of {len(paths)} files; {INTERRUPTION}")
             return INTERRUPTED

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -36,7 +36,7 @@ from shapegoogle_core.library.storage.records import NewShape, SourceRecord
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.processes.launching import default_jobs
 
-__all__ = ["index_files"]
+__all__ = ["index_files", "index_known_files"]
 
 # Number of submitted files per process: enough to keep all of them busy, few enough to keep memory flat.
 FILES_AHEAD = 3
@@ -115,12 +115,58 @@ def index_files(
     >>> [path.name for path, reason in report.failed]
     ['horse.ply']
     """
-    started = time.monotonic()
-    settings = settings or IndexSettings()
-    tracker = ProgressTracker(status)
-    run = _Run(library, settings, reader, progress, tracker)
     listed = as_paths(paths)
     library.add_roots(listed)
+    tracker = ProgressTracker(status)
+    settings = settings or IndexSettings()
+    report = _index(library, listed, settings, _Run(library, settings, reader, progress, tracker), read)
+    # Of shapes that an interrupted run or an older program has added, or whose neighbours are gone.
+    library.update_neighbours()
+    tracker.report(always=True)
+    return report
+
+
+def index_known_files(
+    library: Library,
+    paths: Iterable[str],
+    settings: IndexSettings,
+    known: Mapping[str, SourceRecord],
+    *,
+    progress: Callable[[FileOutcome], None] | None = None,
+    reader: ExternalReader | None = None,
+) -> IndexReport:
+    """Index a part of the files of a run that others share, without reading the whole library.
+
+    Copies of files are described again, and `Library.update_neighbours` is left to the end of the whole run.
+
+    Parameters
+    ----------
+    library : Library
+        Open for writing.
+    paths : iterable of str
+        Below roots of the library.
+    settings : IndexSettings
+    known : mapping of str to SourceRecord
+        What the library knows about these files, by path.
+    progress : callable, optional
+        Called with the `FileOutcome` of each file.
+    reader : ExternalReader, optional
+        See `index_files`.
+
+    Returns
+    -------
+    report : IndexReport
+    """
+    run = _Run(library, settings, reader, progress, ProgressTracker(None), known)
+    with library.neighbours_later():
+        return _index(library, list(map(Path, paths)), settings, run, None)
+
+
+def _index(
+    library: Library, listed: Sequence[Path], settings: IndexSettings, run: _Run, read: ReadFunction | None
+) -> IndexReport:
+    """Index files below roots of the library."""
+    started, tracker, reader = time.monotonic(), run.tracker, run.reader
     changed = run.pass_over_unchanged(map(Path, library.source_paths(listed)))
     jobs = settings.jobs or default_jobs()
     several_shapes = frozenset() if reader is None else reader.suffixes
@@ -142,9 +188,6 @@ def index_files(
             # The meshes of linked files are shapes of those files.
             for path in run.take_linked():
                 run.begin(path, pool)
-    # Of shapes that an interrupted run or an older program has added, or whose neighbours are gone.
-    library.update_neighbours()
-    tracker.report(always=True)
     return IndexReport(
         added=run.counts["added"],
         updated=run.counts["updated"],
@@ -180,6 +223,7 @@ class _Run:
         reader: ExternalReader | None,
         progress: Callable[[FileOutcome], None] | None,
         tracker: ProgressTracker,
+        known: Mapping[str, SourceRecord] | None = None,
     ) -> None:
         self.counts: Counter[str] = Counter()
         self.shapes = self.updated_shapes = self.partial_shapes = 0
@@ -189,12 +233,14 @@ class _Run:
         self.sizes: dict[Path, int] = {}
         self._linked: dict[Path, None] = {}
         self._seconds: dict[Path, float] = {}
-        self._tracker = tracker
+        self.tracker = tracker
         self._library = library
         self._settings = settings
-        self._reader = reader
+        self.reader = reader
         self._progress = progress
-        self._known = library.sources()
+        # Of some files only: others work on the rest, and their copies are not of interest here.
+        self._shared = known is not None
+        self._known = library.sources() if known is None else dict(known)
         self._lacking = library.sources_without_views()
         self._failures: dict[ContentKey, tuple[Path, Failure]] = {}
         # Files in work by their content; the first file of each content is read.
@@ -203,6 +249,8 @@ class _Run:
     @cached_property
     def _shape_ids(self) -> dict[ContentKey, dict[int, str]]:
         """Shapes of each known content: their ids, and the names of their objects."""
+        if self._shared:
+            return {}
         shapes: defaultdict[str, dict[int, str]] = defaultdict(dict)
         for shape in self._library.shapes():
             shapes[shape.source][shape.shape_id] = shape.object_name
@@ -216,10 +264,10 @@ class _Run:
         }
 
     def _again(self, source: SourceRecord) -> bool:
-        return is_read_again(source, self._lacking, self._settings, self._reader)
+        return is_read_again(source, self._lacking, self._settings, self.reader)
 
     def _choices(self, path: Path) -> str:
-        return "" if self._reader is None else self._reader.choices_for(path)
+        return "" if self.reader is None else self.reader.choices_for(path)
 
     def pass_over_unchanged(self, paths: Iterable[Path]) -> list[Path]:
         """Count the files of known size and time; returns the others, which must be opened."""
@@ -248,7 +296,7 @@ class _Run:
         new = [path for path in map(Path, self._library.source_paths(linked)) if path not in self.sizes]
         changed = self.pass_over_unchanged(new)
         for path in changed:
-            self._tracker.add(path)
+            self.tracker.add(path)
         return changed
 
     def begin(self, path: Path, pool: FilePool, *, first: bool = False) -> None:
@@ -257,7 +305,7 @@ class _Run:
             file = examine(path, self._choices(path))
         except OSError as error:
             self._fail(path, Failure(unreadable(path, error)))
-            self._tracker.passed_over(path)
+            self.tracker.passed_over(path)
             return
         source = self._known.get(str(path))
         if source is not None and source.sha256 == file.sha256 and not self._again(source):
@@ -273,7 +321,7 @@ class _Run:
             self._waiting[file.key] = [file]
             pool.submit(path, first=first)
             return
-        self._tracker.passed_over(path)
+        self.tracker.passed_over(path)
 
     def store_finished(self, pool: FilePool) -> None:
         """Wait for the pool and store the files it finished, with the copies that waited for them."""
@@ -411,7 +459,7 @@ class _Run:
 
     def _note(self, outcome: FileOutcome) -> None:
         self.counts[outcome.status] += 1
-        self._tracker.file_done(outcome.path)
+        self.tracker.file_done(outcome.path)
         if self._progress is not None:
             self._progress(replace(outcome, seconds=self._seconds.pop(outcome.path, 0.0)))
 

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 
 import numpy as np
@@ -53,6 +54,7 @@ class LibrarySearch(LibraryContents):
     def __init__(self, store: Store, model: ShapeModel, search: SearchSettings | None = None) -> None:
         super().__init__(store, model)
         self._settings = SearchSettings() if search is None else search
+        self._relates_added = True
         self._search = Search(store, model, self._settings)
         # A model without views knows only whether two shapes are the same, which bags alone decide.
         self._graph = None if model.views is None else self._search.neighbour_graph()
@@ -272,8 +274,17 @@ class LibrarySearch(LibraryContents):
         """
         return 0 if self._graph is None else self._graph.catch_up(progress)
 
+    @contextmanager
+    def neighbours_later(self) -> Iterator[None]:
+        """Add shapes without finding their neighbours, which `update_neighbours` does later for all."""
+        self._relates_added = False
+        try:
+            yield
+        finally:
+            self._relates_added = True
+
     def _added(self, shape_ids: Sequence[int]) -> None:
-        if self._graph is not None:
+        if self._graph is not None and self._relates_added:
             self._graph.add(shape_ids)
 
     def versions(self, shapes: QueryShapes, match: Match, *, explain: int = 10) -> list[Match]:

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""Indexing on a Dask cluster of this machine, into a database."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from shapegoogle_core.cli.parser import main
+from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.indexing import find_meshes
+from shapegoogle_core.indexing.cluster import check_address, index_on_cluster
+from shapegoogle_core.indexing.events import FileOutcome
+from shapegoogle_core.indexing.settings import IndexSettings
+from shapegoogle_core.library.library import Library
+from shapegoogle_core.model import ShapeModel
+
+
+def test_two_workers_fill_a_database(
+    folder: Path, make_mesh: Callable[..., Path], postgresql_url: str, model: ShapeModel
+) -> None:
+    make_mesh(folder / "late.obj", seed=4)
+    (folder / "broken.off").write_text("no mesh")
+    paths = find_meshes([folder])
+    with Library.open(postgresql_url, model) as library:
+        library.add_root(folder)
+        settings = IndexSettings(jobs=2)
+        seen: list[FileOutcome] = []
+        report = index_on_cluster(
+            library, postgresql_url, paths, settings, "local", progress=seen.append, files_per_task=3
+        )
+        ((broken, reason),) = report.failed
+        assert (report.added, report.shapes, broken.name) == (4, 4, "broken.off")
+        assert "broken.off" in reason
+        assert sorted(outcome.path for outcome in seen) == paths
+        # The same again: what is there is not read again, and no worker is needed.
+        there = [path for path in paths if path != broken]
+        again = index_on_cluster(library, postgresql_url, there, settings, "tls://nowhere:1")
+        assert (again.unchanged, again.added, again.failed, len(library)) == (4, 0, [], 4)
+        assert library._store.without_neighbours(0, 10) == []
+        match, *_ = library.query(library.signature(1), top=1)
+        assert match.similarity == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("tcp://farm:8786", "on another machine, and messages to it are not encrypted"),
+        ("tcp://10.0.0.5:8786", "on another machine"),
+        ("farm", "not the address of a Dask scheduler"),
+        ("http://farm", "not the address of a Dask scheduler"),
+    ],
+)
+def test_addresses_that_are_refused(address: str, reason: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(ShapeGoogleError, match=reason):
+        check_address(address)
+    for good in ("local", "tls://farm:8786", "tcp://localhost:8786", "tcp://[::1]:8786"):
+        check_address(good)
+    check_address("tcp://farm:8786", trusted=True)
+
+
+def test_a_scheduler_that_is_not_there(
+    folder: Path, tmp_path: Path, model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["index", str(folder), "--library", str(tmp_path / "new.sglib"), "--model", str(model_file)]
+    assert main([*command, "--cluster", "tcp://127.0.0.1:1"]) == 2
+    assert "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in capsys.readouterr().err
