@@ -43,6 +43,7 @@ LOCAL = "local"
 # Files of one task, and tasks that wait for each worker.
 _FILES = 100
 _AHEAD = 2
+CONNECT_SECONDS = 20
 
 
 @dataclass(frozen=True)
@@ -295,7 +296,7 @@ def _client(address: str, workers: int) -> Iterator[Client]:
 
     if address != LOCAL:
         try:
-            client = Client(address, timeout=20)
+            client = Client(address, timeout=CONNECT_SECONDS)
         except (OSError, ValueError) as error:
             raise ShapeGoogleError(
                 f"no Dask scheduler answers at '{address}'; check the address, and start one with "

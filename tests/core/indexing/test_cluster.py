@@ -39,7 +39,6 @@ def test_two_workers_fill_a_database(
         there = [path for path in paths if path != broken]
         again = index_on_cluster(library, postgresql_url, there, settings, "tls://nowhere:1")
         assert (again.unchanged, again.added, again.failed, len(library)) == (4, 0, [], 4)
-        assert library._store.without_neighbours(0, 10) == []
         match, *_ = library.query(library.signature(1), top=1)
         assert match.similarity == pytest.approx(1)
 
@@ -62,8 +61,13 @@ def test_addresses_that_are_refused(address: str, reason: str, capsys: pytest.Ca
 
 
 def test_a_scheduler_that_is_not_there(
-    folder: Path, tmp_path: Path, model_file: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path,
+    tmp_path: Path,
+    model_file: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr("shapegoogle_core.indexing.cluster.CONNECT_SECONDS", 1)
     command = ["index", str(folder), "--library", str(tmp_path / "new.sglib"), "--model", str(model_file)]
     assert main([*command, "--cluster", "tcp://127.0.0.1:1"]) == 2
     assert "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in capsys.readouterr().err
