@@ -213,8 +213,9 @@ class _Total:
                 self.note(FileOutcome(Path(path), "failed", f"{Path(path).name!r} was not indexed: {done}"))
             return
         self._reports.append(done.report)
-        for outcome in done.outcomes if self._progress is not None else ():
-            self._progress(outcome)
+        if self._progress is not None:
+            for outcome in done.outcomes:
+                self._progress(outcome)
 
     def report(self, seconds: float) -> IndexReport:
         """Return the sum."""
