@@ -56,7 +56,7 @@ def test_eigenvalues_are_compared_as_they_are_defined() -> None:
         looks, modes = np.zeros((8, 29), np.float32), np.zeros((8, len(values)), np.float32)
         return SurfaceSample(zeros, zeros, np.zeros(8), looks, np.array(values), modes, np.zeros(3), 1.0)
 
-    first, second = with_eigenvalues(0, 2, 4, 9), with_eigenvalues(1, 2 * np.e, 4)
+    first, second = with_eigenvalues(0, 2, 4, 9), with_eigenvalues(1, 2 * np.exp(1), 4)
     assert spectral_difference(first, second) == pytest.approx(np.sqrt(1 / 2))
     assert spectral_difference(first, with_eigenvalues()) == 0
     assert len(functional_map(first, with_eigenvalues(0, 0)).counterparts) == 8
