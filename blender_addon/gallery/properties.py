@@ -57,6 +57,7 @@ _EVIDENCE = (
     ("scaled", "Scaled", "The same surface at another size"),
     ("mirrored", "Mirrored", "Its mirror image"),
     ("re-meshed", "Re-Meshed", "The same surface with another mesh"),
+    ("version", "Version", "The same shape, subdivided, smoothed or decimated"),
     ("re-posed", "Re-Posed", "The same shape, bent"),
     ("part of", "Part Of", "The query is a part of it"),
     ("contains", "Contains", "It is a part of the query"),
