@@ -63,7 +63,7 @@ def measure_distances(described: DescribedSet, model: ShapeModel) -> FloatArray 
 
 def kind_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:
     """Compute the kind distances, as ``--rank kind`` sorts by."""
-    return _each(described, model, lambda compared, own, row: compared.kind_distances(own, row, own)[0])
+    return _each(described, model, lambda compared, own, row: compared.kind_distances(own, row, own))
 
 
 def gated_distances(described: DescribedSet, model: ShapeModel) -> FloatArray | None:

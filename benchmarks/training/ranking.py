@@ -42,13 +42,10 @@ _OF_A_LABEL = {"objects": 3, "soup": 3, "creatures": 4}
 _AMONG: dict[str, tuple[str, ...]] = {"poses": ("creatures",), "people": ()}
 # Weights of bags and of simple measures, where the distances of views and measures are divided by their
 # standard deviation and the weight of views is 1.
-_BAG_WEIGHTS = (0.5, 1.0, 1.5, 2.0, 3.0)
-_BAG_REACHES = (0.5, 0.7, 1.0, 1.5)
+_BAG_WEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5)
 _FIGURE_WEIGHTS = (0.0, 0.15, 0.3, 0.45, 0.6)
-_AGREEMENTS, _POWERS = (0.2, 0.25, 0.3, 0.4, 0.5), (1.0, 1.5, 2.0, 3.0)
-# Quantile of the distances of views of different kinds from which shapes do not look alike, and the factor
-# that their bags must agree more closely for each standard deviation beyond it.
-_ALIKE, _DOUBTS = (0.05, 0.1, 0.2), (0.0, 1.0, 2.0)
+_AGREEMENTS, _POWERS = (0.3, 0.4, 0.5, 0.6), (1.0, 1.5, 2.0, 3.0)
+_DISTRUSTS = (0.0, 1.0, 2.0, 3.0)
 # Chosen on halves of development shapes (docs/measurements/kinds.md).
 _CERTAIN_ODDS = 5.0
 _RIVALS = 5
@@ -88,11 +85,10 @@ class _Pairs:
     typical: FloatArray
 
     def kind_distances(self, ranking: Ranking) -> FloatArray:
-        return ranking.kind_distances(self.bags, self.typical, self.views, self.figures)
+        return ranking.kind_distances(self.bags, self.views, self.figures)
 
     def sorting_distances(self, ranking: Ranking) -> FloatArray:
-        kind = self.kind_distances(ranking)
-        return ranking.sorting_distances(kind, self.bags, self.typical, self.views)
+        return ranking.sorting_distances(self.kind_distances(ranking), self.bags, self.typical)
 
     def tiers(self, distances: FloatArray) -> tuple[float, float]:
         """Nearest neighbour and first tier of the queries in percent."""
@@ -130,46 +126,45 @@ def learn_ranking(model: ShapeModel, groups: Sequence[Group]) -> tuple[Ranking, 
     report : str
         What it reaches on these shapes.
     """
+    assert model.background is not None
     figures = [
         figures_of(each.measures, each.area, each.extents) for group in groups for each in group.signatures
     ]
     ranking = Ranking(
         view_weight=1.0,
         bag_weight=0.0,
-        bag_reach=1.0,
         figure_weight=0.0,
         figure_mean=np.nanmean(figures, axis=0),
         figure_scale=np.nanstd(figures, axis=0),
         unknown_views=1.0,
         agreement=1.0,
         power=1.0,
-        alike=1.0,
-        doubt=0.0,
+        distinctive=model.background.distinctive,
+        distrust=0.0,
         certain_odds=_CERTAIN_ODDS,
         likeness_half=1.0,
         likeness_slope=1.0,
     )
     pairs = [_pair_distances(model, ranking, group) for group in groups]
     by_kind = [each for each in pairs if each.group.by_kind]
-    views, spreads = _unlike_views(pairs), _spreads(pairs)
-    ranking = replace(ranking, unknown_views=float(np.median(views)))
+    ranking = replace(ranking, unknown_views=float(np.median(_unlike_views(pairs))))
+    spreads = np.array([_spread(pairs, part) for part in ("views", "bags", "figures")])
 
-    def weighted(bag: float, reach: float, figure: float) -> Ranking:
-        weights = np.array([1, bag * spreads[0], figure * spreads[0] / spreads[1]])
+    def weighted(bag: float, figure: float) -> Ranking:
+        weights = np.array([1, bag, figure]) / spreads
         view, bag, figure = (weights / weights.sum()).tolist()
-        return replace(ranking, view_weight=view, bag_weight=bag, bag_reach=reach, figure_weight=figure)
+        return replace(ranking, view_weight=view, bag_weight=bag, figure_weight=figure)
 
     ranking = max(
-        (weighted(*tried) for tried in product(_BAG_WEIGHTS, _BAG_REACHES, _FIGURE_WEIGHTS)),
+        (weighted(*tried) for tried in product(_BAG_WEIGHTS, _FIGURE_WEIGHTS)),
         key=lambda tried: np.mean([each.tiers(each.kind_distances(tried)) for each in by_kind]),
     )
 
-    def gated(width: float, power: float, alike: float, doubt: float) -> Ranking:
-        distance, factor = float(np.quantile(views, alike)), doubt / spreads[0]
-        return replace(ranking, agreement=width, power=power, alike=distance, doubt=factor)
-
     ranking = max(
-        (gated(*tried) for tried in product(_AGREEMENTS, _POWERS, _ALIKE, _DOUBTS)),
+        (
+            replace(ranking, agreement=width, power=power, distrust=distrust)
+            for width, power, distrust in product(_AGREEMENTS, _POWERS, _DISTRUSTS)
+        ),
         key=lambda tried: np.mean([each.tiers(each.sorting_distances(tried)) for each in pairs]),
     )
     half, slope = _calibrated([(each.group, each.kind_distances(ranking)) for each in by_kind])
@@ -177,13 +172,10 @@ def learn_ranking(model: ShapeModel, groups: Sequence[Group]) -> tuple[Ranking, 
     return ranking, _report(pairs, ranking)
 
 
-def _spreads(pairs: Sequence[_Pairs]) -> tuple[float, float]:
-    """Compute the standard deviations of the distances of views and of simple measures."""
-    upper = [np.triu_indices(len(each.views), 1) for each in pairs]
-    return (
-        float(np.concatenate([each.views[rows] for each, rows in zip(pairs, upper, strict=True)]).std()),
-        float(np.concatenate([each.figures[rows] for each, rows in zip(pairs, upper, strict=True)]).std()),
-    )
+def _spread(pairs: Sequence[_Pairs], part: str) -> float:
+    """Compute the standard deviation of the distances of views, bags or simple measures."""
+    distances = [getattr(each, part) for each in pairs]
+    return float(np.concatenate([own[np.triu_indices(len(own), 1)] for own in distances]).std())
 
 
 def _unlike_views(pairs: Sequence[_Pairs]) -> FloatArray:

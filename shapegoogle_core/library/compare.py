@@ -131,8 +131,8 @@ def _with_kind_distance(
     if not TraitDistances.possible(model) or model.ranking is None:
         return match
     traits = TraitDistances(model)
-    kind, views = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
-    distances = list_distances(model, model.ranking, kind, views, [match])
+    kind = traits.kind_distances(traits.of([signature]), 0, traits.of([other]))
+    distances = list_distances(model, model.ranking, kind, [match])
     return replace(
         match,
         distance=float(np.round(min(distances[0], FARTHEST), DISTANCE_DECIMALS)),

@@ -2,19 +2,16 @@
 """`Ranking`: what decides the order of a list of matches, and how likely two shapes are of one kind.
 
 Bags say whether two shapes are the same, whatever their pose; pictures say whether they look alike; simple
-measures say whether they are long, flat or hollow. A weighted sum of the three, the *kind distance* K, orders
-shapes of one kind best. How much an agreement of bags says depends on the shapes, see `Background`: it is
-measured by E = d / t, the distance of a pair in units of its typical distance. Bags that do not agree say
-little about the kind, since another tessellation or a missing side changes them, too. So bags count in K with
-1 - exp(-(E / E₁)²), which is 0 for the same bags and at most 1.
+measures say whether they are long, flat or hollow. A weighted sum of their distances, the *kind distance* K,
+orders shapes of one kind best. But a shape in another pose may look less like itself than like another one.
+So the list is not sorted by K but by
 
-A shape in another pose may look less like itself than like another one. So the list is not sorted by K but by
+    K (1 - exp(-(E / E₀)²))^q (1 + o / o₀) / (1 + o′ / o₀),    E = d / t max(1, t₀ / t)^p,
 
-    K (1 - exp(-(E′ / E₀)²))^q (1 + o / o₀) / (1 + o′ / o₀),    E′ = E exp(c max(0, V - V₀)),
-
-which is much smaller where bags agree more than those of unrelated shapes do, and where the surfaces fit so
-well that the odds o that the shapes are the same rise to large ones o′. Bags of shapes that do not look alike
-at all, with a distance V of views above V₀, must agree more closely.
+which is much smaller where the distance d of the bags is small compared with the typical distance t of the
+pair, see `Background`, and where the surfaces fit so well that the odds o that the shapes are the same rise
+to large ones o′. A typical distance below t₀ is that of plain shapes, or of loose and open triangles. Their
+bags say little about them, and must agree even more closely.
 """
 
 from __future__ import annotations
@@ -48,16 +45,14 @@ class Ranking:
     ----------
     view_weight, bag_weight, figure_weight : float
         Of the distances of views, of bags and of simple measures in K; together 1.
-    bag_reach : float
-        E₁ above.
     figure_mean, figure_scale : (12,) arrays of float32
         Mean and standard deviation of the simple measures, see `figures_of`.
     unknown_views : float
         Distance of views where one of two shapes has none.
     agreement, power : float
         E₀ and q above.
-    alike, doubt : float
-        V₀ and c above.
+    distinctive, distrust : float
+        t₀ and p above.
     certain_odds : float
         o₀ above: odds of the same shape from which a fit of the surfaces counts.
     likeness_half, likeness_slope : float
@@ -72,15 +67,14 @@ class Ranking:
 
     view_weight: float
     bag_weight: float
-    bag_reach: float
     figure_weight: float
     figure_mean: NDArray[np.float32]
     figure_scale: NDArray[np.float32]
     unknown_views: float
     agreement: float
     power: float
-    alike: float
-    doubt: float
+    distinctive: float
+    distrust: float
     certain_odds: float
     likeness_half: float
     likeness_slope: float
@@ -91,13 +85,12 @@ class Ranking:
             self.bag_weight,
             self.figure_weight,
             self.unknown_views,
-            self.alike,
-            self.doubt,
+            self.distrust,
         )
         positive = (
-            self.bag_reach,
             self.agreement,
             self.power,
+            self.distinctive,
             self.certain_odds,
             self.likeness_half,
             self.likeness_slope,
@@ -117,19 +110,15 @@ class Ranking:
         scaled = (figures - self.figure_mean) / self.figure_scale
         return np.asarray(np.clip(np.nan_to_num(scaled, nan=0.0), -_LARGEST, _LARGEST), np.float32)
 
-    def kind_distances(
-        self, bags: ArrayLike, typical: ArrayLike, views: ArrayLike, figures: ArrayLike
-    ) -> FloatArray:
+    def kind_distances(self, bags: ArrayLike, views: ArrayLike, figures: ArrayLike) -> FloatArray:
         """Compute the kind distances K of pairs.
 
         Parameters
         ----------
-        bags, typical : (n,) array_like
-            Distances of bags, and typical distances, see `Background`.
+        bags, figures : (n,) array_like
+            Distances of bags, and root mean square differences of standardised measures.
         views : (n,) array_like
             Distances of views; NaN where one of the two shapes has none.
-        figures : (n,) array_like
-            Root mean square differences of standardised measures.
 
         Returns
         -------
@@ -138,13 +127,11 @@ class Ranking:
         seen = np.nan_to_num(np.asarray(views, np.float64), nan=self.unknown_views)
         return np.asarray(
             self.view_weight * seen
-            + self.bag_weight * _unusual(bags, typical, self.bag_reach)
+            + self.bag_weight * np.asarray(bags, np.float64)
             + self.figure_weight * np.asarray(figures, np.float64)
         )
 
-    def sorting_distances(
-        self, kind: ArrayLike, bags: ArrayLike, typical: ArrayLike, views: ArrayLike
-    ) -> FloatArray:
+    def sorting_distances(self, kind: ArrayLike, bags: ArrayLike, typical: ArrayLike) -> FloatArray:
         """Compute the distances that a list of both, the same shape and the same kind, is sorted by.
 
         Parameters
@@ -153,17 +140,16 @@ class Ranking:
             Kind distances.
         bags, typical : (n,) array_like
             Distances of bags, not verified, and typical distances.
-        views : (n,) array_like
-            Distances of views; NaN where one of the two shapes has none.
 
         Returns
         -------
         distances : (n,) array
             0 for equal bags, at most `kind`.
         """
-        seen = np.nan_to_num(np.asarray(views, np.float64), nan=0.0)
-        counted = np.asarray(bags, np.float64) * np.exp(self.doubt * np.maximum(seen - self.alike, 0))
-        gate = _unusual(counted, typical, self.agreement) ** self.power
+        usual = np.asarray(typical, np.float64)
+        distrusted = np.maximum(1, self.distinctive / usual) ** self.distrust
+        agreement = np.asarray(bags, np.float64) / usual * distrusted
+        gate = (1 - np.exp(-((agreement / self.agreement) ** 2))) ** self.power
         return np.asarray(np.asarray(kind, np.float64) * gate, np.float64)
 
     def verified_distances(
@@ -192,12 +178,6 @@ class Ranking:
         """Convert kind distances to likenesses from 0 to 1."""
         ratio = np.asarray(kind, np.float64) / self.likeness_half
         return np.asarray(1 / (1 + ratio**self.likeness_slope), dtype=np.float64)
-
-
-def _unusual(bags: ArrayLike, typical: ArrayLike, reach: float) -> FloatArray:
-    """1 - exp(-(E / reach)²): 0 for the same bags, 1 for those of shapes that have nothing in common."""
-    agreement = np.asarray(bags, np.float64) / np.asarray(typical, np.float64)
-    return np.asarray(1 - np.exp(-((agreement / reach) ** 2)), np.float64)
 
 
 def figures_of(

@@ -73,7 +73,7 @@ class Fusion:
             return list(matches)
         kind = self._kind_distances(self._pairs.of(like), [match.shape_id for match in matches])
         return [
-            replace(match, likeness=float(ranking.likeness(kind[match.shape_id][0])))
+            replace(match, likeness=float(ranking.likeness(kind[match.shape_id])))
             if match.shape_id in kind
             else match
             for match in matches
@@ -122,12 +122,12 @@ class Fusion:
         joined = [match for match in joined if match.shape_id in kind]
         if not joined:
             return []
-        distances, views = np.array([kind[match.shape_id] for match in joined]).T
+        distances = np.array([kind[match.shape_id] for match in joined])
         likeness = ranking.likeness(distances)
         if others is not None:
             distances = self._raised(distances, others, joined)
         if rank == "both":
-            distances = list_distances(self._model, ranking, distances, views, joined)
+            distances = list_distances(self._model, ranking, distances, joined)
         distances = np.round(np.minimum(distances, FARTHEST), DISTANCE_DECIMALS)
         ordered = [
             replace(match, distance=float(distance), likeness=float(alike))
@@ -175,8 +175,7 @@ class Fusion:
         best: list[tuple[float, int]] = []
         for shape_ids in self._portions(among):
             kind = self._kind_distances(own, shape_ids)
-            found = ((distance, shape_id) for shape_id, (distance, _) in kind.items())
-            best = sorted([*best, *found])[:count]
+            best = sorted([*best, *((distance, shape_id) for shape_id, distance in kind.items())])[:count]
         return [shape_id for _, shape_id in best]
 
     def _portions(self, among: NDArray[np.int64] | None) -> list[list[int]]:
@@ -189,15 +188,14 @@ class Fusion:
             listed = among.tolist()
         return [listed[start : start + _AT_ONCE] for start in range(0, len(listed), _AT_ONCE)]
 
-    def _kind_distances(self, own: Traits, shape_ids: Sequence[int]) -> dict[int, tuple[float, float]]:
-        """Distances by kind and by views of the query from shapes, without those that are gone."""
+    def _kind_distances(self, own: Traits, shape_ids: Sequence[int]) -> dict[int, float]:
+        """Kind distances of the query from shapes, without those that are gone."""
         assert self._pairs is not None
-        found: dict[int, tuple[float, float]] = {}
+        found: dict[int, float] = {}
         for start in range(0, len(shape_ids), _AT_ONCE):
             traits = self._pairs.read(shape_ids[start : start + _AT_ONCE])
             each = [self._pairs.kind_distances(own, row, traits) for row in range(len(own.ids))]
-            kind, views = (pool_distances(np.stack(part)).tolist() for part in zip(*each, strict=True))
-            found |= zip(traits.ids.tolist(), zip(kind, views, strict=True), strict=True)
+            found |= zip(traits.ids.tolist(), pool_distances(np.stack(each)).tolist(), strict=True)
         return found
 
     def _raised(self, distances: FloatArray, unlike: Traits, matches: Sequence[Match]) -> FloatArray:
@@ -209,7 +207,7 @@ class Fusion:
         ids = [match.shape_id for match in matches]
         for start in range(0, len(ids), _AT_ONCE):
             traits = self._pairs.read(ids[start : start + _AT_ONCE])
-            each = [self._pairs.kind_distances(unlike, row, traits)[0] for row in range(len(unlike.ids))]
+            each = [self._pairs.kind_distances(unlike, row, traits) for row in range(len(unlike.ids))]
             nearest |= zip(traits.ids.tolist(), np.min(each, axis=0).tolist(), strict=True)
         likeness = ranking.likeness([nearest.get(shape_id, np.inf) for shape_id in ids])
         copies = likeness == 1
@@ -220,7 +218,7 @@ class Fusion:
 
 
 def list_distances(
-    model: ShapeModel, ranking: Ranking, kind: FloatArray, views: FloatArray, matches: Sequence[Match]
+    model: ShapeModel, ranking: Ranking, kind: FloatArray, matches: Sequence[Match]
 ) -> FloatArray:
     """Compute the distances that a list of both, the same shape and the same kind, is sorted by.
 
@@ -230,8 +228,8 @@ def list_distances(
         With a background.
     ranking : Ranking
         Of the model.
-    kind, views : (n,) arrays
-        Kind distances of the matches, and distances of their views; NaN where they are not known.
+    kind : (n,) array
+        Kind distances of the matches.
     matches : sequence of n Match
         Verified or not, with the distances of their bags.
 
@@ -244,7 +242,7 @@ def list_distances(
     bags = [match.distance if match.bag_distance is None else match.bag_distance for match in matches]
     verified = [min(match.distance, own) for match, own in zip(matches, bags, strict=True)]
     return ranking.verified_distances(
-        ranking.sorting_distances(kind, bags, typical, views),
+        ranking.sorting_distances(kind, bags, typical),
         model.similarity(bags, typical, verified=True),
         model.similarity(verified, typical, verified=True),
     )

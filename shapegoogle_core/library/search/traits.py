@@ -144,7 +144,7 @@ class TraitDistances:
             figures=self._ranking.standardised(rows) if len(ids) else rows,
         )
 
-    def kind_distances(self, one: Traits, row: int, others: Traits) -> tuple[FloatArray, FloatArray]:
+    def kind_distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
         """Compute the kind distances of one shape from others, see `Ranking`.
 
         Parameters
@@ -156,13 +156,12 @@ class TraitDistances:
 
         Returns
         -------
-        distances, views : (n,) arrays
-            The kind distances, and the distances of views among them; NaN where one of two shapes has none.
+        distances : (n,) array
+            Rounded like those of a search.
         """
-        bags, typical, views, figures = self.parts(one, row, others)
-        distances = self._ranking.kind_distances(bags, typical, views, figures)
+        bags, _, views, figures = self.parts(one, row, others)
         # The last bits of a product depend on the number of its rows.
-        return np.asarray(np.round(distances, DISTANCE_DECIMALS)), np.round(views, DISTANCE_DECIMALS)
+        return np.asarray(np.round(self._ranking.kind_distances(bags, views, figures), DISTANCE_DECIMALS))
 
     def distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
         """Compute the distances that a search by shape and kind sorts by, before surfaces are compared.
@@ -180,8 +179,8 @@ class TraitDistances:
             Rounded like those of a search.
         """
         bags, typical, views, figures = self.parts(one, row, others)
-        kind = np.round(self._ranking.kind_distances(bags, typical, views, figures), DISTANCE_DECIMALS)
-        sorting = self._ranking.sorting_distances(kind, bags, typical, views)
+        kind = np.round(self._ranking.kind_distances(bags, views, figures), DISTANCE_DECIMALS)
+        sorting = self._ranking.sorting_distances(kind, bags, typical)
         return np.asarray(np.round(sorting, DISTANCE_DECIMALS))
 
     def parts(
@@ -199,7 +198,7 @@ class TraitDistances:
         Returns
         -------
         bags, typical, views, figures : (n,) arrays
-            See `Ranking.kind_distances`.
+            See `Ranking.kind_distances` and `Ranking.sorting_distances`.
         """
         views = np.full(len(others.ids), np.nan)
         if one.seen[row] and others.seen.any() and self._model.views is not None:

@@ -25,15 +25,14 @@ def ranking() -> Ranking:
     return Ranking(
         view_weight=0.6,
         bag_weight=0.3,
-        bag_reach=1.0,
         figure_weight=0.1,
         figure_mean=np.zeros(FIGURES, np.float32),
         figure_scale=np.ones(FIGURES, np.float32),
         unknown_views=0.9,
         agreement=0.3,
         power=2.0,
-        alike=0.8,
-        doubt=10.0,
+        distinctive=0.7,
+        distrust=2.0,
         certain_odds=5.0,
         likeness_half=0.5,
         likeness_slope=3.0,
@@ -41,30 +40,27 @@ def ranking() -> Ranking:
 
 
 def test_the_kind_distance_is_a_weighted_sum(ranking: Ranking) -> None:
-    found = ranking.kind_distances([0.0, 0.5, 0.5], [0.5, 0.5, 0.5], [0.0, 0.4, np.nan], [0.0, 1.0, 1.0])
-    bags = 0.3 * (1 - np.exp(-1))
-    np.testing.assert_allclose(found, [0, 0.24 + bags + 0.1, 0.54 + bags + 0.1])
-
-
-def test_bags_that_do_not_agree_count_the_same_however_far_they_are(ranking: Ranking) -> None:
-    far, farther = ranking.kind_distances([1.4, 1.9], [0.5, 0.5], [0.2, 0.2], [0.0, 0.0])
-    assert farther == pytest.approx(far, abs=1e-3)
+    found = ranking.kind_distances([0.0, 0.5, 0.5], [0.0, 0.4, np.nan], [0.0, 1.0, 1.0])
+    np.testing.assert_allclose(found, [0, 0.24 + 0.15 + 0.1, 0.54 + 0.15 + 0.1])
 
 
 def test_only_an_agreement_beyond_the_typical_one_brings_a_shape_forward(ranking: Ranking) -> None:
     """A creature in another pose comes before a look-alike; two boxes with nearly equal bags do not."""
     kind = np.array([0.6, 0.3, 0.3])
-    posed, other, box = ranking.sorting_distances(kind, [0.1, 0.7, 0.04], [0.8, 0.8, 0.05], [0.7, 0.3, 0.3])
+    posed, other, box = ranking.sorting_distances(kind, [0.1, 0.7, 0.04], [0.8, 0.8, 0.05])
     assert posed < 0.05
     assert other == pytest.approx(0.3, abs=0.01)
     assert box == pytest.approx(0.3, abs=0.01)
-    assert ranking.sorting_distances(0.6, 0.0, 0.8, 0.7) == 0
+    assert ranking.sorting_distances(0.6, 0.0, 0.8) == 0
 
 
-def test_bags_of_shapes_that_do_not_look_alike_must_agree_more_closely(ranking: Ranking) -> None:
-    alike, unlike, unseen = ranking.sorting_distances([0.6] * 3, [0.2] * 3, [0.8] * 3, [0.7, 1.0, np.nan])
-    assert alike == unseen < 0.5 * unlike
-    assert ranking.sorting_distances(0.6, 0.0, 0.8, 1.0) == 0
+def test_bags_that_say_little_must_agree_more_closely(ranking: Ranking) -> None:
+    """The same share of the typical distance counts less the plainer the shapes are."""
+    telling, usual, plain, plainer = ranking.sorting_distances(
+        [0.6] * 4, [0.2, 0.175, 0.1, 0.05], [0.8, 0.7, 0.4, 0.2]
+    )
+    assert telling == pytest.approx(usual)
+    assert telling < 0.5 * plain < plainer
 
 
 def test_a_fit_of_the_surfaces_counts_if_the_shapes_are_surely_the_same(ranking: Ranking) -> None:
@@ -117,7 +113,7 @@ def test_a_ranking_of_an_earlier_kind_is_left_out(ranking: Ranking) -> None:
     with np.load(io.BytesIO(complete.to_bytes())) as archive:
         arrays = dict(archive)
     header = json.loads(str(arrays["header"]))
-    del header["ranking"]["bag_reach"]
+    del header["ranking"]["distrust"]
     arrays["header"] = np.array(json.dumps(header))
     data = io.BytesIO()
     np.savez(data, **arrays)
