@@ -141,6 +141,7 @@ class Filter:
         Parameters
         ----------
         area : float
+            In squared units of the file.
 
         Returns
         -------

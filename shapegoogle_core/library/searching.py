@@ -276,7 +276,13 @@ class LibrarySearch(LibraryContents):
 
     @contextmanager
     def neighbours_later(self) -> Iterator[None]:
-        """Add shapes without finding their neighbours, which `update_neighbours` does later for all."""
+        """Add shapes without finding their neighbours, which `update_neighbours` does later for all.
+
+        Returns
+        -------
+        context : context manager
+            Inside it, added shapes get no neighbours.
+        """
         self._relates_added = False
         try:
             yield

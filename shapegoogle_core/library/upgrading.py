@@ -30,6 +30,19 @@ class UpgradeReport:
         File with the library as it was.
     format : int
         Version of the format afterwards.
+
+    Examples
+    --------
+    A library that is new needs no upgrade:
+
+    >>> import tempfile
+    >>> import shapegoogle_core as sg
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with sg.Library.open(f"{folder}/shapes.sglib"):
+    ...         pass
+    ...     report = sg.upgrade_library(f"{folder}/shapes.sglib")
+    >>> report.upgraded
+    False
     """
 
     upgraded: bool

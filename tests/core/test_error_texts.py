@@ -26,6 +26,9 @@ SENTENCES = {
     "shapegoogle_core/cli/index.py",
     "shapegoogle_core/model/settings.py",
     "shapegoogle_core/model/shape_bags.py",
+    "shapegoogle_core/service/queries.py",
+    "shapegoogle_core/service/records.py",
+    "shapegoogle_core/service/routes/decisions.py",
 }
 
 

@@ -37,6 +37,18 @@ class CopyReport:
         Shapes that were copied by this run.
     shapes, sources, decisions : int
         Numbers in both libraries afterwards.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import shapegoogle_core as sg
+    >>> import trimesh
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+    ...         _ = library.add(trimesh.creation.icosphere(2), name="ball")
+    ...     report = sg.copy_library(f"{folder}/shapes.sglib", f"{folder}/copy.sglib")
+    >>> report.copied, report.shapes
+    (1, 1)
     """
 
     copied: int

@@ -110,6 +110,7 @@ def test_index_as_json(run: Command, indexed: Library, library_file: Path, folde
         "removed": [],
         "excluded": [],
         "skipped": [],
+        "left_out": {},
         "new_shapes": 0,
         "added_shapes": 0,
         "updated_shapes": 0,
@@ -176,7 +177,15 @@ def test_query_as_json(
         assert set(record) == {"query", "matches"}
         best = record["matches"][0]
         named = {"name", "source", "object_name"}
-        assert set(best) == {*named, "similarity", "likeness", "distance", "evidence", "placements"}
+        assert set(best) == {
+            *named,
+            "similarity",
+            "likeness",
+            "distance",
+            "evidence",
+            "placements",
+            "shape_type",
+        }
         assert (best["source"], best["similarity"], best["distance"]) == (record["query"], 1.0, 0.0)
         assert best["name"] == Path(record["query"]).name
         distances = [match["distance"] for match in record["matches"]]

@@ -317,5 +317,6 @@ def test_a_match_says_what_the_shape_is_and_turns_into_json(
         "likeness": None,
         "distance": 0.0,
         "placements": 1,
+        "shape_type": "object",
         "evidence": None,
     }
