@@ -23,7 +23,8 @@ evidence    {"kind": …} and its values, found by comparing the surfaces; lengt
   version                              nearly the same: subdivided, smoothed, with fewer faces; deviation
   re-posed                             bent; displacement: how far; probability that it is the same shape
   part of, contains                    the query is a part of it, or it is a part of the query; share
-  similar                              none of these; null where nothing could be compared
+  same kind, nothing in common         none of these: another thing of its kind, or just another thing
+  similar                              none of all these; null where nothing could be compared
 
 for example:
   shapegoogle query horse.obj --library shapes.sglib

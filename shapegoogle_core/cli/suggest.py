@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Suggest tags, folders and name words for a mesh: those of its nearest relatives in a library.
+"""Suggest tags, catalogs, folders and name words for a mesh: those of its nearest relatives in a library.
 
 Only what is in the library already is suggested. The confidence is the share of the relatives that have it,
 from 0 to 1; nearer relatives have more weight.
 
-tag     a tag of relatives, such as those of Blender's assets
-folder  name of the folder that the files of relatives lie in
-word    a word of their names
+tag      a tag of relatives, such as those of Blender's assets
+catalog  an asset catalog of relatives
+folder   name of the folder that the files of relatives lie in
+word     a word of their names
 
 With --json, one line for each mesh:
   {"query": path, "suggestions": [{"kind", "text", "confidence", "relatives": [name, …]}, …]}
@@ -89,7 +90,7 @@ def _print(options: argparse.Namespace, path: str, object_name: str, suggested: 
         return
     title = one_line(f"{path}, {object_name}" if object_name else path)
     if not suggested:
-        put(f"{title}: its relatives have no tags, folders or names to suggest\n")
+        put(f"{title}: its relatives have no tags, catalogs, folders or names to suggest\n")
         return
     rows = [("confidence", "kind", "suggestion", "relatives that have it")]
     rows += [(f"{one.confidence:.2f}", one.kind, one.text, ", ".join(one.relatives)) for one in suggested]

@@ -200,7 +200,7 @@ class LibrarySearch(LibraryContents):
     def suggest(
         self, shape: QueryShape | int, *, relatives: int = RELATIVES, where: Filter | None = None
     ) -> list[Suggestion]:
-        """Suggest tags, folders and name words for a shape: those of its nearest relatives.
+        """Suggest tags, catalogs, folders and name words for a shape: those of its nearest relatives.
 
         Parameters
         ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Suggested tags, folders and name words for a shape, from its nearest relatives in a library."""
+"""Suggested tags, catalogs, folders and name words for a shape, from its nearest relatives in a library."""
 
 from shapegoogle_core.library.suggestions.suggest import Suggestion, SuggestionKind, suggestions_from
 from shapegoogle_core.library.suggestions.words import name_words

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Votes of the nearest relatives of a shape for tags, folders and name words."""
+"""Votes of the nearest relatives of a shape for tags, catalogs, folders and name words."""
 
 from __future__ import annotations
 
