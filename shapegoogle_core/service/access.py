@@ -12,13 +12,15 @@ from urllib.parse import urlsplit
 
 from fastapi import Depends, Request
 from fastapi.security import APIKeyCookie, HTTPAuthorizationCredentials, HTTPBearer
+from fastapi.security.utils import get_authorization_scheme_param
 
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings, is_loopback
 from shapegoogle_core.service.tokens import Scope, Token, TokenFile
 
-__all__ = ["COOKIE", "Access", "Client", "reader", "searcher", "writer"]
+__all__ = ["COOKIE", "TOKENS_UNREADABLE", "Access", "Client", "reader", "searcher", "writer"]
 
 COOKIE = "shapegoogle_token"
+TOKENS_UNREADABLE = "the service cannot read its tokens; whoever runs it finds the reason in its log"
 _BEARER = HTTPBearer(auto_error=False, description="A token from `shapegoogle token create`.")
 _COOKIE = APIKeyCookie(name=COOKIE, auto_error=False, description="The same token, as the web page sends it.")
 # Other requests than searches and uploads cost little.
@@ -80,7 +82,7 @@ class Access:
         ServiceError
             403.
         """
-        host = urlsplit(f"//{request.headers.get('host', '')}").hostname or ""
+        host = _host_of(f"//{request.headers.get('host', '')}")
         if not self.needs_token and not is_loopback(host):
             # A name that somebody made point to this machine: the browser believes to speak with another one.
             raise ServiceError(403, f"this service does not answer under the name {host!r}; use localhost")
@@ -90,9 +92,21 @@ class Access:
         origin = request.headers.get("origin")
         foreign = site not in ("same-origin", "none", None)
         if site is None:  # an old browser, or no browser
-            foreign = origin is not None and urlsplit(origin).netloc != request.headers.get("host")
+            foreign = origin is not None and origin.partition("//")[2] != request.headers.get("host")
         if foreign:
             raise ServiceError(403, "requests from other web pages are refused")
+
+    def check_sender(self, request: Request) -> None:
+        """Refuse a request of somebody whose content need not be received at all.
+
+        Raises
+        ------
+        ServiceError
+            See `check_origin` and `client`.
+        """
+        self.check_origin(request)
+        scheme, text = get_authorization_scheme_param(request.headers.get("authorization"))
+        self.client(request, text if scheme.lower() == "bearer" else request.cookies.get(COOKIE))
 
     def client(self, request: Request, text: str | None) -> Client:
         """Return who sends a request.
@@ -125,6 +139,14 @@ class Access:
         if wait > 0:
             seconds = max(1, round(wait))
             raise ServiceError(429, f"too many {noun} in a minute; try again in {seconds} s", seconds)
+
+
+def _host_of(address: str) -> str:
+    """Return the name of the machine in an address; empty if it cannot be understood."""
+    try:
+        return urlsplit(address).hostname or ""
+    except ValueError:
+        return ""
 
 
 class _Buckets:

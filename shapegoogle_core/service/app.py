@@ -22,7 +22,7 @@ from starlette.staticfiles import StaticFiles
 from shapegoogle_core.errors import LibraryError, MeshError, ShapeGoogleError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import shown_place
-from shapegoogle_core.service.access import Access
+from shapegoogle_core.service.access import TOKENS_UNREADABLE, Access
 from shapegoogle_core.service.library_lanes import LibraryLanes
 from shapegoogle_core.service.limits import Limits
 from shapegoogle_core.service.long_answers import LongAnswers
@@ -31,6 +31,7 @@ from shapegoogle_core.service.routes import about, decisions, searching, shapes
 from shapegoogle_core.service.routes.shared import Parts
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings, short_name
 from shapegoogle_core.service.spool import Spool
+from shapegoogle_core.service.tokens import TokenError
 from shapegoogle_core.service.uploads import Uploads
 
 __all__ = ["make_app", "process_app"]
@@ -83,7 +84,7 @@ def make_app(settings: ServiceSettings) -> FastAPI:
         docs_url=None,
         redoc_url=None,
     )
-    app.state.access = Access(settings)
+    access = app.state.access = Access(settings)
     for module in (about, searching, shapes, decisions):
         app.include_router(module.router)
     app.mount("/", StaticFiles(directory=PAGE, html=True))
@@ -91,7 +92,7 @@ def make_app(settings: ServiceSettings) -> FastAPI:
     app.add_exception_handler(HTTPException, _refused)
     app.add_exception_handler(ShapeGoogleError, _failed)
     app.add_exception_handler(Exception, _unexpected)
-    app.add_middleware(Limits, settings=settings)
+    app.add_middleware(Limits, settings=settings, access=access)
     return app
 
 
@@ -126,6 +127,9 @@ async def _failed(request: Request, error: Exception) -> JSONResponse:
         return _answer(error.status, str(error), error.retry_after)
     # The library's path is of no use to a client.
     settings: ServiceSettings = request.app.state.parts.settings
+    if isinstance(error, TokenError):
+        _LOG.error("%s", error)
+        return _answer(500, TOKENS_UNREADABLE)
     sentence = str(error)
     for place in (settings.library, shown_place(settings.library)):
         sentence = sentence.replace(place, short_name(settings.library))

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import time
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 
 from starlette.exceptions import HTTPException
+from starlette.requests import Request
 
-from shapegoogle_core.service.settings import ServiceSettings
+from shapegoogle_core.service.access import TOKENS_UNREADABLE, Access
+from shapegoogle_core.service.settings import ServiceError, ServiceSettings
+from shapegoogle_core.service.tokens import TokenError
 
 __all__ = ["Limits"]
 
@@ -25,6 +29,9 @@ _MOST_JSON = 4 * 2**20
 # A multipart body is a little longer than the file in it.
 _ENVELOPE = 2**16
 UPLOADS = "/api/uploads"
+SESSION = "/api/session"
+
+_LOG = logging.getLogger("shapegoogle.service")
 
 _HEADERS = [
     # The page works without the internet, and nothing of it can be made to load or run something else.
@@ -42,22 +49,27 @@ _HEADERS = [
 class _RefusedError(HTTPException):
     """A body that is refused; the framework lets such an error through while it reads a body."""
 
-    def __init__(self, status: int, sentence: str) -> None:
-        super().__init__(status, sentence)
+    def __init__(self, status: int, sentence: str, retry_after: int | None = None) -> None:
+        super().__init__(status, sentence, None if retry_after is None else {"Retry-After": str(retry_after)})
 
 
 class Limits:
     """An ASGI application around another one, which refuses bodies that are too large or too slow.
 
+    The framework receives a body before it looks at the token, so those who have none are refused here: they
+    must not fill the disk of the service.
+
     Parameters
     ----------
     app : callable
     settings : ServiceSettings
+    access : Access
     """
 
-    def __init__(self, app: Application, settings: ServiceSettings) -> None:
+    def __init__(self, app: Application, settings: ServiceSettings, access: Access) -> None:
         self._app = app
         self._settings = settings
+        self._access = access
 
     async def __call__(self, scope: MutableMapping[str, Any], receive: Receive, send: Send) -> None:
         """Answer a request."""
@@ -84,10 +96,20 @@ class Limits:
             await answer({"type": "http.response.start", "status": refused.status_code, "headers": headers})
             await answer({"type": "http.response.body", "body": body})
 
+    def _check_sender(self, scope: MutableMapping[str, Any]) -> None:
+        try:
+            self._access.check_sender(Request(scope))
+        except ServiceError as error:
+            raise _RefusedError(error.status, str(error), error.retry_after) from error
+        except TokenError as error:
+            _LOG.error("%s", error)
+            raise _RefusedError(500, TOKENS_UNREADABLE) from error
+
     def _limited(self, scope: MutableMapping[str, Any], receive: Receive, most: int) -> Receive:
         received = 0
         until = time.monotonic() + self._settings.upload_seconds
         complete = False
+        checked = scope["path"] == SESSION  # which is there to send a token
         size = dict(scope["headers"]).get(b"content-length", b"0")
         claimed = int(size) if size.isdigit() else 0
         too_large = _RefusedError(
@@ -97,7 +119,10 @@ class Limits:
         )
 
         async def limited() -> Message:
-            nonlocal received, complete
+            nonlocal received, complete, checked
+            if not checked:
+                self._check_sender(scope)
+                checked = True
             if claimed > most + _ENVELOPE:
                 raise too_large
             if complete:  # what follows is only that the client goes away

@@ -170,7 +170,7 @@ class Uploads:
         Parameters
         ----------
         path : Path
-            Alone in its folder.
+            Alone in its folder, which is removed in any case.
 
         Returns
         -------
@@ -184,6 +184,7 @@ class Uploads:
             422 if the file cannot be read, 504 if that takes too long, 503 if too many uploads wait.
         """
         if self._waiting >= self._settings.max_waiting:
+            shutil.rmtree(path.parent, ignore_errors=True)
             raise ServiceError(503, "too many uploads are waiting; try again in a few seconds", retry_after=5)
         self._waiting += 1
         try:

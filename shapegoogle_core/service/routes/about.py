@@ -30,6 +30,8 @@ _SESSION_SECONDS = 30 * 24 * 3600
 @router.get("/health")
 async def health(request: Request) -> Health:
     """Say whether the service can read its library."""
+    access: Access = request.app.state.access
+    access.count("read", request)
     await parts_of(request).lanes.run("read", len)
     return Health(status="ok")
 

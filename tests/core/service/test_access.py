@@ -15,10 +15,15 @@ import pytest
 import trimesh
 from fastapi.testclient import TestClient
 
+import shapegoogle_core as sg
+from shapegoogle_core.service.access import Access
+from shapegoogle_core.service.app import make_app
 from shapegoogle_core.service.library_lanes import LibraryLanes
 from shapegoogle_core.service.limits import Limits
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings
+from shapegoogle_core.service.spool import Spool
 from shapegoogle_core.service.tokens import TokenError, TokenFile
+from shapegoogle_core.service.uploads import Uploads
 
 Serve = Callable[..., TestClient]
 QUERY = {"like": [{"shape_id": 1}], "limit": 1, "evidence": 0}
@@ -114,11 +119,92 @@ def test_too_slow(settings: ServiceSettings) -> None:
     async def send(message: Any) -> None:
         sent.append(message)
 
-    limited = Limits(application, replace(settings, upload_seconds=0.2))
-    scope = {"type": "http", "path": "/api/uploads", "headers": []}
+    limited = Limits(application, replace(settings, upload_seconds=0.2), Access(settings))
+    scope = {
+        "type": "http",
+        "method": "POST",
+        "path": "/api/uploads",
+        "headers": [(b"host", b"localhost")],
+    }
     asyncio.run(limited(scope, receive, send))
     assert sent[0]["status"] == 408
     assert "did not arrive" in json.loads(sent[1]["body"])["error"]
+
+
+@pytest.mark.parametrize("path", ["/api/uploads", "/api/queries", "/api/decisions"])
+def test_nothing_is_received_without_a_token(settings: ServiceSettings, tokens: TokenFile, path: str) -> None:
+    tokens.create("ana", "read")
+    received = 0
+
+    sent: list[dict[str, Any]] = []
+
+    async def receive() -> dict[str, Any]:
+        nonlocal received
+        received += 1
+        return {"type": "http.request", "body": b" " * 2**16, "more_body": received < 5}
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    form = b"multipart/form-data; boundary=x" if path == "/api/uploads" else b"application/json"
+    headers = [(b"host", b"localhost"), (b"content-type", form), (b"authorization", b"Bearer sg_wrong")]
+    scope = {
+        "type": "http",
+        "method": "POST",
+        "scheme": "http",
+        "path": path,
+        "query_string": b"",
+        "headers": headers,
+        "client": ("192.0.2.1", 1),
+    }
+    asyncio.run(make_app(replace(settings, token_file=str(tokens.path)))(scope, receive, send))
+    assert (sent[0]["status"], received) == (401, 0)
+    assert dict(sent[0]["headers"])[b"www-authenticate"] == b"Bearer"
+    assert "is not valid (any more)" in json.loads(sent[1]["body"])["error"]
+
+
+def test_an_upload_that_is_refused_leaves_nothing(settings: ServiceSettings, tmp_path: Path) -> None:
+    async def upload() -> ServiceError:
+        with sg.Library.open(settings.library, read_only=True) as library:
+            uploads = Uploads(replace(settings, max_waiting=0), Spool(tmp_path), library.model)
+        try:
+            path = uploads.folder / "refused" / "ball.off"
+            path.parent.mkdir()
+            path.write_text("OFF")
+            with pytest.raises(ServiceError, match="too many uploads") as refused:
+                await uploads.describe(path)
+            assert not path.parent.exists()
+            return refused.value
+        finally:
+            uploads.close()
+
+    assert asyncio.run(upload()).status == 503
+
+
+def test_a_library_that_was_moved_away_is_not_made_anew(serve: Serve, library_path: Path) -> None:
+    client = serve(library=str(library_path))
+    library_path.unlink()
+    decision = {"kind": "master", "shape": {"shape_id": 1}}
+    answer = client.post("/api/decisions", json=decision)
+    assert (answer.status_code, library_path.exists()) == (503, False)
+    assert answer.json()["error"].startswith("there is no library 'shapes.sglib'")
+
+
+def test_tokens_that_cannot_be_read(serve: Serve, tokens: TokenFile) -> None:
+    tokens.path.write_text("[]")
+    client = serve(token_file=str(tokens.path))
+    headers = bearer("sg_any")
+    for answer in (
+        client.get("/api/info", headers=headers),
+        client.post("/api/queries", json=QUERY, headers=headers),
+    ):
+        assert (answer.status_code, str(tokens.path.parent) in answer.text) == (500, False)
+        assert "cannot read its tokens" in answer.json()["error"]
+
+
+def test_addresses_that_are_none(client: TestClient) -> None:
+    assert client.get("/api/info", headers={"Host": "["}).status_code == 403
+    assert client.post("/api/queries", json=QUERY, headers={"Origin": "http://["}).status_code == 403
 
 
 def test_a_busy_library(settings: ServiceSettings) -> None:
