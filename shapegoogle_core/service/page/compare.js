@@ -19,7 +19,8 @@ export async function compare(shape, { examples = [], match = null, actions = []
   say(byId("compare-state"), "");
   byId("facts").replaceChildren();
   byId("actions").replaceChildren();
-  byId("tagging").hidden = state.scope !== "write";
+  // Until the shape is described, a tag would go to the shape that was shown before.
+  byId("tagging").hidden = true;
   if (!dialog.open) dialog.showModal();
   const both = [...examples.slice(0, 1).map((example) => ({ example, label: `Query: ${example.name}` })), { example: shape, label: title(shape) }];
   const figuresOf = both.map(({ label }) => {
@@ -42,6 +43,7 @@ export async function compare(shape, { examples = [], match = null, actions = []
   });
   try {
     const { show } = await import("./viewer.js");
+    if (shown !== session) return;
     end = show(stages.filter(Boolean));
   } catch {
     for (const { stage } of figuresOf) stage.textContent = "This browser shows no 3-D pictures (WebGL is off).";
@@ -49,7 +51,9 @@ export async function compare(shape, { examples = [], match = null, actions = []
 }
 
 async function describe(shape, match, actions) {
+  const session = shown;
   const details = await get(`shapes/${shape.shape_id}`);
+  if (shown !== session) return;
   const facts = [["From", place(details.source)], ["Size", details.extents.map((extent) => Number(extent.toPrecision(3))).join(" × ")]];
   facts.push(["Mesh", `${details.vertices.toLocaleString("en")} vertices, ${details.faces.toLocaleString("en")} faces`]);
   if (details.catalog) facts.push(["Catalog", details.catalog]);
@@ -63,6 +67,7 @@ async function describe(shape, match, actions) {
     buttons.push(make("a", { class: "button", href: `/api/shapes/${shape.shape_id}/file`, download: "" }, "Download the file"));
   }
   byId("actions").replaceChildren(...buttons);
+  byId("tagging").hidden = state.scope !== "write";
   byId("tagging").onsubmit = (event) => {
     event.preventDefault();
     const input = event.target.elements.tag;
@@ -71,7 +76,7 @@ async function describe(shape, match, actions) {
     act(async () => {
       await post("decisions", { kind: "tag", shape: { shape_id: shape.shape_id }, tag, author: author() });
       input.value = "";
-      await describe(shape, match, actions);
+      if (shown === session) await describe(shape, match, actions);
     });
   };
 
@@ -79,7 +84,7 @@ async function describe(shape, match, actions) {
     if (state.scope !== "write") return null;
     const run = async () => {
       await post("decisions", { kind: "no tag", shape: { shape_id: of.shape_id }, tag, author: author() });
-      await describe(shape, match, actions);
+      if (shown === session) await describe(shape, match, actions);
     };
     return make("button", { type: "button", "aria-label": `Remove the tag ${tag}`, onclick: () => act(run) }, "✕");
   }

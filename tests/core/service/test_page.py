@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 import trimesh
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, Route, expect, sync_playwright
 
 from shapegoogle_core.library.evidence import KINDS
 from shapegoogle_core.library.origin import SHAPE_TYPES
@@ -137,8 +137,16 @@ def test_everything_else_on_the_page(
     page.locator("#examples li button").last.click()
     expect(page.locator("#examples li")).to_have_count(1)
     expect(page.locator("#state")).to_contain_text("matches", timeout=WAIT)
-    # A tag, a download, and a decision that is undone.
+    # A tag, once the page knows the shape; a download, and a decision that is undone.
+    held: list[Route] = []
+    page.route(re.compile(r"/api/shapes/\d+$"), lambda route: held.append(route))
     cards.nth(1).locator(".open").click()
+    expect(page.locator("#compare")).to_be_visible()
+    expect(page.locator("#compare canvas").first).to_be_visible(timeout=WAIT)
+    expect(page.locator("#tagging")).to_be_hidden()
+    for route in held:
+        route.continue_()
+    page.unroute_all()
     page.fill("#tagging input", "crate")
     page.click("#tagging button")
     expect(page.locator("#facts .tags")).to_contain_text("crate", timeout=WAIT)
