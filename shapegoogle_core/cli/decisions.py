@@ -30,7 +30,9 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.storage.opening import check_exists
 
+    check_exists(options.library)
     with Library.open(options.library, read_only=options.undo is None) as library:
         made = library.decisions() if options.undo is None else [library.undo(options.undo)]
     if options.json:

@@ -38,10 +38,12 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.storage.opening import check_exists
 
     if not options.folders and not options.missing:
         say("shapegoogle: name the folders or sources to forget, or use --missing")
         return UNUSABLE
+    check_exists(options.library)
     with Library.open(options.library, read_only=options.dry_run) as library:
         map_roots(library, options)
         report = library.forget(options.folders, missing=options.missing, dry_run=True)

@@ -44,7 +44,9 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.storage.opening import check_exists
 
+    check_exists(options.library)
     with Library.open(options.library, read_only=options.dry_run) as library:
         report = library.move(options.old, options.new, dry_run=options.dry_run)
     if options.json:

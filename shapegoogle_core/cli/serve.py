@@ -76,7 +76,8 @@ def _serve(options: argparse.Namespace) -> int:
     with Library.open(options.library, read_only=True) as library:
         advice, name = library.reindexing_advice(), shown_place(options.library)
     if options.token_file is not None and not TokenFile(options.token_file).tokens():
-        say(f"'{options.token_file}' has no tokens yet; create one with: shapegoogle token create NAME")
+        command = f"shapegoogle token create NAME --token-file '{options.token_file}'"
+        say(f"'{options.token_file}' has no tokens yet; create one with: {command}")
     if advice:
         say(advice)
     try:

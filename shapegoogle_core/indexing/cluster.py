@@ -14,7 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ from shapegoogle_core.indexing.plan import plan_indexing
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import Place
+from shapegoogle_core.library.storage.opening import check_exists
 from shapegoogle_core.library.storage.records import SourceRecord
 from shapegoogle_core.processes.launching import default_jobs
 
@@ -62,7 +63,8 @@ class _Task:
     reader : ExternalReader or None
     """
 
-    place: Place
+    # Dask writes the arguments of a task that fails into its log: an address may have a password in it.
+    place: Place = field(repr=False)
     roots: tuple[tuple[str, str], ...]
     known: dict[str, SourceRecord | None]
     settings: IndexSettings
@@ -170,9 +172,11 @@ def index_on_cluster(
     waiting = [str(outcome.path) for outcome in planned if outcome.status in ("added", "updated")]
     roots = tuple((root.name, root.path) for root in library.roots() if root.stored)
     own_jobs = 1 if address == LOCAL else settings.jobs or 1
+    # Workers have working directories of their own.
+    shared = place.absolute() if isinstance(place, Path) else place
     tasks = [
         _Task(
-            place,
+            shared,
             roots,
             {path: known.get(path) for path in waiting[start : start + files_per_task]},
             replace(settings, jobs=own_jobs),
@@ -277,6 +281,8 @@ def _index_task(task: _Task) -> _Done:
             "workers need processes of their own; start them with DASK_DISTRIBUTED__WORKER__DAEMON=False"
         )
     outcomes: list[FileOutcome] = []
+    # Where a worker does not reach the library, it must not make another one.
+    check_exists(task.place)
     with Library.open(task.place) as library:
         for name, path in task.roots:
             library.map_root(name, path)

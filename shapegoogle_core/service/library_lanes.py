@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Literal, TypeVar
 
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.address import as_place
+from shapegoogle_core.library.storage.opening import check_exists
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings
 
 __all__ = ["Lane", "LibraryLanes"]
@@ -100,6 +102,8 @@ class LibraryLanes:
         """
 
         def changed() -> T:
+            # A file that was moved away must not be made anew, empty.
+            check_exists(as_place(self._settings.library))
             with Library.open(self._settings.library) as library:
                 return function(library)
 

@@ -15,8 +15,8 @@ FOLDERS = ("shapegoogle_core", "blender_addon", "benchmarks", "scripts")
 # Errors whose texts are sentences for users: ours, and what Blender reports through its operators.
 OURS = {
     "BenchmarkError", "BlenderMissingError", "CrashError", "DamagedError", "FormatError", "LibraryError",
-    "MeshError", "ModelError", "NotMakeableError", "PlacingError", "PluginError", "SetupError",
-    "ShapeGoogleError",
+    "MeshError", "ModelError", "NotMakeableError", "PlacingError", "PluginError", "ServiceError",
+    "SetupError", "ShapeGoogleError",
 }  # fmt: skip
 BLENDERS = {"RuntimeError"}
 # Checks of arguments raise ValueError with a sentence of ours; these places hand it on.

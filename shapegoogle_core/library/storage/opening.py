@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shapegoogle_core.errors import LibraryError, ModelError
-from shapegoogle_core.library.storage.address import Place, as_place
+from shapegoogle_core.library.storage.address import Place, as_place, shown_place
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -19,7 +19,7 @@ from shapegoogle_core.model.model_file import views_identifier
 if TYPE_CHECKING:
     from shapegoogle_core.library.storage.postgresql.store import PostgresqlStore
 
-__all__ = ["connect", "library_exists", "open_store"]
+__all__ = ["check_exists", "connect", "library_exists", "open_store"]
 
 
 def open_store(
@@ -133,6 +133,24 @@ def library_exists(place: Place) -> bool:
         return not store.is_empty()
     finally:
         store.close()
+
+
+def check_exists(place: Place) -> None:
+    """Refuse a place without a library, where opening it for writing would make a new one.
+
+    Parameters
+    ----------
+    place : Path or str
+
+    Raises
+    ------
+    LibraryError
+        If there is no library, or a database cannot be reached.
+    """
+    if not (_is_file(place) if isinstance(place, Path) else library_exists(place)):
+        raise LibraryError(
+            f"there is no library '{shown_place(place)}'; check the name, or index a folder into it first"
+        )
 
 
 def _is_file(path: Path) -> bool:

@@ -40,3 +40,13 @@ def test_decisions_are_listed_and_undone(library: sg.Library, capsys: pytest.Cap
     assert [decision.kind for decision in library.decisions()] == ["tag"]
     assert main(["decisions", *place, "--undo", "1"]) == 2
     assert "has no decision 1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["decisions", "--undo", "1"], ["forget", "a"], ["move", "a", "b"]])
+def test_a_misspelt_library_is_not_made(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    path = tmp_path / "misspelt.sglib"
+    assert main([*command, "--library", str(path)]) == 2
+    assert capsys.readouterr().err.startswith(f"shapegoogle: there is no library '{path}'; check the name")
+    assert not path.exists()

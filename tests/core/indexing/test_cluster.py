@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from shapegoogle_core.cli.parser import main
-from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.errors import LibraryError, ShapeGoogleError
 from shapegoogle_core.indexing import find_meshes
-from shapegoogle_core.indexing.cluster import check_address, index_on_cluster
+from shapegoogle_core.indexing.cluster import _index_task, _Task, check_address, index_on_cluster
 from shapegoogle_core.indexing.events import FileOutcome
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.library import Library
@@ -71,3 +71,16 @@ def test_a_scheduler_that_is_not_there(
     command = ["index", str(folder), "--library", str(tmp_path / "new.sglib"), "--model", str(model_file)]
     assert main([*command, "--cluster", "tcp://127.0.0.1:1"]) == 2
     assert "no Dask scheduler answers at 'tcp://127.0.0.1:1'" in capsys.readouterr().err
+
+
+def test_a_worker_makes_no_library(tmp_path: Path) -> None:
+    place = tmp_path / "elsewhere.sglib"
+    task = _Task(place, (), {}, IndexSettings(jobs=1), None)
+    with pytest.raises(LibraryError, match="there is no library"):
+        _index_task(task)
+    assert not place.exists()
+
+
+def test_no_password_comes_into_logs_of_workers() -> None:
+    task = _Task("postgresql://ana:secret@server/shapes", (), {}, IndexSettings(jobs=1), None)
+    assert "secret" not in repr(task)
