@@ -117,8 +117,12 @@ class Database:
         try:
             with self.explained():
                 self.connection.backup(copy.connection)
-        finally:
+        except BaseException:
+            # Half a copy would look like a backup, and be in the way of the next one.
             copy.close()
+            path.unlink(missing_ok=True)
+            raise
+        copy.close()
 
     @contextmanager
     def explained(self) -> Iterator[None]:

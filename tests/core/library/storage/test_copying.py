@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sqlite3
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -159,6 +160,27 @@ def test_a_file_of_the_format_before_is_upgraded_after_a_copy(path: Path, model:
             assert library.info()["schema"] == version
     with pytest.raises(LibraryError, match="there is no library"):
         sg.upgrade_library(path.with_name("absent.sglib"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files have no largest size there")
+def test_half_a_backup_is_removed(path: Path, model: ShapeModel) -> None:
+    import resource
+
+    Library.open(path, model).close()
+    with closing(sqlite3.connect(path)) as connection, connection:
+        for table in ("views", "view_codes", "view_code_blocks", "neighbours"):
+            connection.execute(f"DROP TABLE {table}")
+    before = path.read_bytes()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) // 2, limits[1]))
+    try:
+        with pytest.raises(LibraryError):
+            sg.upgrade_library(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert path.read_bytes() == before
+    assert list(path.parent.glob("*.format-*")) == []
+    assert sg.upgrade_library(path).upgraded
 
 
 def test_a_database_that_lacks_tables_is_upgraded_after_a_dump(
