@@ -45,6 +45,8 @@ FEW_PAIRS = 20
 SPARE, MOST_SPARE = 3, 12
 # Relative distance below which eigenvalues are counted as one.
 CLUSTER = 1e-9
+# A dense cluster far from the shift takes more directions than other pairs: so many times the usual ones.
+MOST_ROOM = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,11 +178,17 @@ def _complete_pairs(pencil: _Pencil, k: int, found: _Pairs) -> _Pairs:
     n = pencil.stiffness.shape[0]
     wanted = max(k, factor.below)
     following = np.inf  # least estimate of the eigenvalue after those found
+    room = 1
     while True:
         found_below = int((found.values < factor.shift).sum())
         missing_below = max(factor.below - found_below, 0)
         missing_above = max(wanted - factor.below - (len(found.values) - found_below), 0)
-        new, estimate = _block_lanczos(pencil, factor, missing_below, missing_above, found.vectors, random)
+        new, estimate = _block_lanczos(
+            pencil, factor, missing_below, missing_above, found.vectors, random, room
+        )
+        if missing_below + missing_above and not len(new.values) and room < MOST_ROOM:
+            room *= 2
+            continue
         if (missing_below + missing_above and not len(new.values)) or len(found.values) > n // 2:
             raise np.linalg.LinAlgError(f"found only {len(found.values)} of {wanted} eigenvalues")
         found = found.joined(new)
@@ -305,6 +313,7 @@ def _block_lanczos(
     above: int,
     known: FloatArray,
     random: np.random.Generator,
+    room: int = 1,
 ) -> tuple[_Pairs, float]:
     """Find eigenpairs on both sides of the shift, orthogonal to those known.
 
@@ -319,6 +328,8 @@ def _block_lanczos(
         A-orthonormal eigenvectors to which the new ones are orthogonal.
     random : numpy.random.Generator
         Source of the first block.
+    room : int, optional
+        Size of the Krylov space, in multiples of the usual one.
 
     Returns
     -------
@@ -328,7 +339,7 @@ def _block_lanczos(
         Estimate of the next eigenvalue above the last one; ∞ if there is none yet.
     """
     n, locked = known.shape
-    capacity = min(n - locked - BLOCK, 3 * (below + above) + 30 * BLOCK)
+    capacity = min(n - locked - BLOCK, room * (3 * (below + above) + 30 * BLOCK))
     basis = np.empty((n, locked + capacity + BLOCK), order="F")
     basis[:, :locked] = known
     start = basis[:, locked : locked + BLOCK]

@@ -201,3 +201,12 @@ def test_says_what_k_may_be(bumpy: Mesh) -> None:
     for k in (0, len(bumpy.vertices) // 3 + 1):
         with pytest.raises(ValueError, match="between 1 and a third of the 642 unknowns"):
             smallest_pairs(operator.stiffness, operator.mass, k)
+
+
+def test_a_dense_cluster_far_from_the_shift_is_resolved() -> None:
+    """A column of many equal rings has one; the usual number of directions does not tell them apart."""
+    ring = 342 + 1e-3 * np.arange(40)
+    expected = np.concatenate([np.linspace(1, 300, 40), ring, np.linspace(400, 4000, 800)])
+    stiffness, mass = sparse.diags_array(expected).tocsc(), sparse.eye_array(len(expected)).tocsc()
+    values, _ = smallest_pairs(stiffness, mass, 67)
+    np.testing.assert_allclose(values, expected[:67], rtol=1e-9)
