@@ -39,6 +39,8 @@ TASKS_PER_PROCESS = 1000
 TASKS_AHEAD = 3
 # Number of times in a row that all processes may die before a task is done; after that no task is to blame.
 MAX_RESTARTS = 2
+# Seconds between two looks for lost tasks, and after which a task is lost that belongs to no process.
+LOOK_AGAIN, LOST_AFTER = 1.0, 5.0
 # Signals that ask a process to end; Windows has some of them.
 ASKING = {getattr(signal, name) for name in ("SIGHUP", "SIGINT", "SIGTERM") if hasattr(signal, name)}
 
@@ -180,6 +182,7 @@ class Pool:
         self._waiting: deque[PoolTask[Any]] = deque()
         self._running: dict[Future[Any], PoolTask[Any]] = {}
         self._restarts = 0
+        self._ownerless: dict[int, float] = {}
         self._pool = self._new_pool()
         self._environment = ExitStack()
 
@@ -239,11 +242,17 @@ class Pool:
         ShapeGoogleError
             If the processes die again and again before any task is done.
         """
+        end = None if timeout is None else time.monotonic() + timeout
         while len(self):
             self._hand_out()
-            done, _ = wait(self._running, timeout, return_when=FIRST_COMPLETED)
+            left = LOOK_AGAIN if end is None else min(LOOK_AGAIN, max(0.0, end - time.monotonic()))
+            done, _ = wait(self._running, left, return_when=FIRST_COMPLETED)
             if not done:
-                return []
+                if self._has_lost_a_task():
+                    self._restart()
+                elif end is not None and time.monotonic() >= end:
+                    return []
+                continue
             whole = [future for future in done if not isinstance(future.exception(), BrokenProcessPool)]
             if not whole:
                 self._restart()
@@ -303,6 +312,19 @@ class Pool:
             context=multiprocessing.get_context("spawn"),
         )
 
+    def _has_lost_a_task(self) -> bool:
+        """Tell whether a task belongs to a process that has been gone for a while.
+
+        Pebble reads that a process has begun a task, and that it has died, in two threads. If the second is
+        known first, nobody is told that the task will never end.
+        """
+        manager, now = self._pool._pool_manager, time.monotonic()
+        alive = manager.worker_manager.workers
+        tasks = list(manager.task_manager.tasks.values())
+        ownerless = [task.id for task in tasks if task.worker_id and task.worker_id not in alive]
+        self._ownerless = {number: self._ownerless.get(number, now) for number in ownerless}
+        return any(now - since > LOST_AFTER for since in self._ownerless.values())
+
     def _restart(self) -> None:
         """Replace a pool whose bookkeeping broke, and hand out its unfinished tasks again."""
         self._restarts += 1
@@ -313,6 +335,7 @@ class Pool:
             )
         self._stop()
         self._pool = self._new_pool()
+        self._ownerless = {}
         self._first.extendleft(reversed(self._running.values()))
         self._running.clear()
 

@@ -7,11 +7,13 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.processes.pool import CrashError, Pool, TimeLimitError
+from shapegoogle_core.processes import pool as pool_module
+from shapegoogle_core.processes.pool import CrashError, Pool, PoolTask, TimeLimitError
 from tests.core.processes import pool_tasks
 
 # No task of these tests comes near it.
@@ -43,6 +45,29 @@ def test_a_task_that_fails_costs_only_itself(capfd: pytest.CaptureFixture[str]) 
     printed = capfd.readouterr()
     assert "output of a library" not in printed.out
     assert "output of a library" in printed.err
+
+
+def test_a_task_whose_process_died_before_that_was_known_is_run_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Pebble may read that a process died before it reads that the process had begun a task."""
+    monkeypatch.setattr(pool_module, "LOST_AFTER", 0.2)
+    with Pool(1, LONG) as pool:
+        task: PoolTask[Any] = pool.submit(pool_tasks.misbehave, "hang")
+        manager = pool._pool._pool_manager
+        while not any(known.worker_id for known in list(manager.task_manager.tasks.values())):
+            time.sleep(0.05)
+        (process,) = manager.worker_manager.workers.values()
+        # What is left of the task then: begun by a process that nobody watches.
+        monkeypatch.setattr(manager, "find_expired_task", raise_lookup_error)
+        process.kill()
+        task.function, task.arguments = abs, (-3,)
+        assert pool.finished() == [task]
+        assert task.result() == 3
+
+
+def raise_lookup_error(_worker_id: int) -> None:
+    raise LookupError
 
 
 def test_a_task_that_takes_too_long_is_killed() -> None:
