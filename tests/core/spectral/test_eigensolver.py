@@ -133,12 +133,19 @@ class Searches:
         self.known: list[int] = []  # how many pairs each search was to keep away from
 
     def __call__(
-        self, pencil: _Pencil, factor: _Factor, below: int, above: int, known: FloatArray, random: Any
+        self,
+        pencil: _Pencil,
+        factor: _Factor,
+        below: int,
+        above: int,
+        known: FloatArray,
+        random: Any,
+        room: int,
     ) -> tuple[_Pairs, float]:
         if not self.known and self.missed:
             random = Blind(np.linalg.eigh(pencil.stiffness.toarray())[1][:, self.missed])
         self.known.append(known.shape[1])
-        return self.search(pencil, factor, below, above, known, random)
+        return self.search(pencil, factor, below, above, known, random, room)
 
 
 @pytest.fixture
@@ -170,7 +177,9 @@ def test_a_start_of_one_direction(monkeypatch: pytest.MonkeyPatch, bumpy: Mesh) 
             return values
 
     search: Callable[..., tuple[_Pairs, float]] = eigensolver._block_lanczos
-    monkeypatch.setattr(eigensolver, "_block_lanczos", lambda *given: search(*given[:-1], Narrow()))
+    monkeypatch.setattr(
+        eigensolver, "_block_lanczos", lambda *given: search(*given[:-2], Narrow(), given[-1])
+    )
     check(build_operator(bumpy, "cotangent"), 40)
 
 
