@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from shapegoogle_core import __version__
+
 PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -76,7 +78,7 @@ def test_the_pins_are_what_the_core_needs(manifest: Any) -> None:
 def test_the_version_of_the_core_tells_its_builds_apart(manifest: Any) -> None:
     # Blender does not unpack a wheel of a version that it already has.
     (core,) = (name for name in manifest["wheels"] if "shapegoogle_core" in name)
-    assert re.search(rf"-{re.escape(PROJECT['project']['version'])}\+[0-9a-f]{{8}}-", core)
+    assert re.search(rf"-{re.escape(__version__)}\+[0-9a-f]{{8}}-", core)
 
 
 def test_only_what_is_meant_to_be_is_packed(package: Any) -> None:

@@ -87,7 +87,7 @@ def test_the_whole_way(blender: Any, extension: Any, tmp_path: Path) -> None:
     assert records(by_script.stdout) == records(by_command.stdout)
     assert [(record["object"], record["matches"][0]["name"]) for record in records(by_script.stdout)] == [
         ("Suzanne", "Suzanne"),
-        ("Torus", "Torus"),
+        ("Torus", "two shapes (Torus)"),
     ]
     painted = blender(
         "--command",
