@@ -187,7 +187,7 @@ def test_points_find_their_mesh_and_mesh_its_points(
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
     assert session.matches[0].name == "human"
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 shapes of this scene"
+    assert session.summary == "4 shapes of this scene; 2 objects skipped: 2 empty meshes"
     bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = bpy.data.objects["human"]
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
