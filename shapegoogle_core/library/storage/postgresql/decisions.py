@@ -6,26 +6,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from shapegoogle_core.library.decisions.decision import TAG_KINDS, Decision, ShapeKey
+from shapegoogle_core.library.storage.decision_rows import COLUMNS, KEY, SELECT_KEYS, decisions_from
 from shapegoogle_core.library.storage.postgresql.sources import SourceTable
 from shapegoogle_core.library.storage.records import SourceKey
 
 __all__ = ["DecisionTable"]
 
-_KEY = ("root", "path", "object_name", "name", "file_hash", "fingerprint")
-_COLUMNS = (
-    "kind",
-    "author",
-    "time",
-    "tag",
-    *(f"{side}_{part}" for side in ("shape", "other") for part in _KEY),
-)
 _SEQUENCE = "pg_get_serial_sequence('decisions', 'number')"
-# Of the columns of a `ShapeKey` without its fingerprint.
-_SELECT_KEYS = """
-SELECT shapes.id, coalesce(roots.name, ''), coalesce(sources.path, ''), object_name, shapes.name,
-    coalesce(sha256, '')
-FROM shapes LEFT JOIN sources ON sources.id = source_id LEFT JOIN roots ON roots.id = root_id
-"""
 
 
 class DecisionTable(SourceTable):
@@ -58,11 +45,11 @@ class DecisionTable(SourceTable):
         else:
             number = self.value(f"SELECT nextval({_SEQUENCE})")
         self.execute(
-            f"INSERT INTO decisions (number, {', '.join(_COLUMNS)})"
-            f" VALUES (%s, {', '.join(['%s'] * len(_COLUMNS))})",
+            f"INSERT INTO decisions (number, {', '.join(COLUMNS)})"
+            f" VALUES (%s, {', '.join(['%s'] * len(COLUMNS))})",
             *(number, decision.kind, decision.author, decision.time, decision.tag),
             *_key_values(decision.shape),
-            *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
+            *([None] * len(KEY) if decision.other is None else _key_values(decision.other)),
         )
         return number
 
@@ -79,7 +66,7 @@ class DecisionTable(SourceTable):
 
     def shape_keys(self, shape_ids: Sequence[int]) -> dict[int, ShapeKey]:
         """Return the keys of some shapes, see `Store.shape_keys`."""
-        rows = self.rows_with_ids(_SELECT_KEYS + "WHERE shapes.id", shape_ids)
+        rows = self.rows_with_ids(SELECT_KEYS + "WHERE shapes.id", shape_ids)
         return {shape_id: ShapeKey(*key) for shape_id, *key in rows}
 
     def shapes_of(self, keys: Sequence[ShapeKey]) -> list[int | None]:
@@ -118,20 +105,9 @@ class DecisionTable(SourceTable):
 
     def _decisions(self, where: str, *parameters: object) -> list[Decision]:
         rows = self.rows(
-            f"SELECT number, {', '.join(_COLUMNS)} FROM decisions {where} ORDER BY number", *parameters
+            f"SELECT number, {', '.join(COLUMNS)} FROM decisions {where} ORDER BY number", *parameters
         )
-        return [
-            Decision(
-                kind,
-                ShapeKey(*keys[: len(_KEY)]),
-                None if keys[len(_KEY)] is None else ShapeKey(*keys[len(_KEY) :]),
-                tag,
-                author,
-                time,
-                number,
-            )
-            for number, kind, author, time, tag, *keys in rows
-        ]
+        return decisions_from(rows)
 
     def _shape_of(self, key: ShapeKey) -> int | None:
         names = "object_name = %s AND shapes.name = %s"
@@ -170,4 +146,4 @@ class DecisionTable(SourceTable):
 
 
 def _key_values(key: ShapeKey) -> tuple[str, ...]:
-    return tuple(getattr(key, part) for part in _KEY)
+    return tuple(getattr(key, part) for part in KEY)

@@ -7,6 +7,7 @@ blocks. Text is compared byte by byte (collation "C"), which ignores the languag
 
 from __future__ import annotations
 
+from shapegoogle_core.library.storage.decision_rows import KEY
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.views import CODE_BYTES
 
@@ -18,7 +19,6 @@ FORMAT = 8
 _OF_SHAPE = "shape_id bigint PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE"
 _TEXT = 'text COLLATE "C"'
 # Fields of a `ShapeKey`.
-_KEY = ("root", "path", "object_name", "name", "file_hash", "fingerprint")
 _NUMBER = "double precision NOT NULL CHECK ({0} <> 'NaN')"
 
 _SCHEMA = f"""
@@ -98,8 +98,8 @@ CREATE TABLE IF NOT EXISTS decisions (
     author {_TEXT} NOT NULL,
     time double precision NOT NULL,
     tag {_TEXT} NOT NULL,
-    {", ".join(f"shape_{part} {_TEXT} NOT NULL" for part in _KEY)},
-    {", ".join(f"other_{part} {_TEXT}" for part in _KEY)} -- NULL: the decision is about one shape
+    {", ".join(f"shape_{part} {_TEXT} NOT NULL" for part in KEY)},
+    {", ".join(f"other_{part} {_TEXT}" for part in KEY)} -- NULL: the decision is about one shape
 );
 CREATE INDEX IF NOT EXISTS decisions_of_path ON decisions USING hash (shape_path);
 """

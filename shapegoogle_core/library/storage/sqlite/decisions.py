@@ -10,20 +10,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from shapegoogle_core.library.decisions.decision import TAG_KINDS, Decision, ShapeKey
+from shapegoogle_core.library.storage.decision_rows import COLUMNS, KEY, SELECT_KEYS, decisions_from
 from shapegoogle_core.library.storage.records import SourceKey
 from shapegoogle_core.library.storage.sqlite.database import encoded
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
 
 __all__ = ["DecisionTable"]
 
-_KEY = ("root", "path", "object_name", "name", "file_hash", "fingerprint")
-_COLUMNS = (
-    "kind",
-    "author",
-    "time",
-    "tag",
-    *(f"{side}_{part}" for side in ("shape", "other") for part in _KEY),
-)
 _SCHEMA_OF_DECISIONS = f"""
 CREATE TABLE IF NOT EXISTS decisions (
     number INTEGER PRIMARY KEY AUTOINCREMENT, -- a number that was shown must never mean another decision
@@ -31,8 +24,8 @@ CREATE TABLE IF NOT EXISTS decisions (
     author TEXT NOT NULL,
     time REAL NOT NULL,
     tag TEXT NOT NULL,
-    {", ".join(f"shape_{part} TEXT NOT NULL" for part in _KEY)},
-    {", ".join(f"other_{part} TEXT" for part in _KEY)} -- NULL: the decision is about one shape
+    {", ".join(f"shape_{part} TEXT NOT NULL" for part in KEY)},
+    {", ".join(f"other_{part} TEXT" for part in KEY)} -- NULL: the decision is about one shape
 )
 """
 _SCHEMA_OF_PREVIEWS = """
@@ -40,12 +33,6 @@ CREATE TABLE IF NOT EXISTS previews (
     shape_id INTEGER PRIMARY KEY REFERENCES shapes (id) ON DELETE CASCADE,
     content BLOB NOT NULL
 )
-"""
-# Of the columns of a `ShapeKey` without its fingerprint.
-_SELECT_KEYS = """
-SELECT shapes.id, coalesce(roots.name, ''), coalesce(sources.path, ''), object_name, shapes.name,
-    coalesce(sha256, '')
-FROM shapes LEFT JOIN sources ON sources.id = source_id LEFT JOIN roots ON roots.id = root_id
 """
 
 
@@ -86,10 +73,10 @@ class DecisionTable(SourceTable):
 
     def insert_decision(self, decision: Decision) -> int:
         """Insert a decision, inside `writing`; return its number, the next one if it has none."""
-        marks = ", ".join("CAST(? AS TEXT)" if column != "time" else "?" for column in _COLUMNS)
+        marks = ", ".join("CAST(? AS TEXT)" if column != "time" else "?" for column in COLUMNS)
         self.connection.execute(_SCHEMA_OF_DECISIONS)
         number = self.connection.execute(
-            f"INSERT INTO decisions (number, {', '.join(_COLUMNS)}) VALUES (?, {marks})",
+            f"INSERT INTO decisions (number, {', '.join(COLUMNS)}) VALUES (?, {marks})",
             (
                 decision.number or None,
                 encoded(decision.kind),
@@ -97,7 +84,7 @@ class DecisionTable(SourceTable):
                 decision.time,
                 encoded(decision.tag),
                 *_key_values(decision.shape),
-                *([None] * len(_KEY) if decision.other is None else _key_values(decision.other)),
+                *([None] * len(KEY) if decision.other is None else _key_values(decision.other)),
             ),
         ).lastrowid
         assert number is not None  # an INSERT that did not raise has made a row
@@ -116,7 +103,7 @@ class DecisionTable(SourceTable):
 
     def shape_keys(self, shape_ids: Sequence[int]) -> dict[int, ShapeKey]:
         """Return the keys of some shapes, see `Store.shape_keys`."""
-        rows = self.rows_with_ids(_SELECT_KEYS + "WHERE shapes.id", shape_ids)
+        rows = self.rows_with_ids(SELECT_KEYS + "WHERE shapes.id", shape_ids)
         return {shape_id: ShapeKey(*key) for shape_id, *key in rows}
 
     def shapes_of(self, keys: Sequence[ShapeKey]) -> list[int | None]:
@@ -162,20 +149,9 @@ class DecisionTable(SourceTable):
         if not self.has_table("decisions"):
             return []
         rows = self.rows(
-            f"SELECT number, {', '.join(_COLUMNS)} FROM decisions {where} ORDER BY number", *parameters
+            f"SELECT number, {', '.join(COLUMNS)} FROM decisions {where} ORDER BY number", *parameters
         )
-        return [
-            Decision(
-                kind,
-                ShapeKey(*keys[: len(_KEY)]),
-                None if keys[len(_KEY)] is None else ShapeKey(*keys[len(_KEY) :]),
-                tag,
-                author,
-                time,
-                number,
-            )
-            for number, kind, author, time, tag, *keys in rows
-        ]
+        return decisions_from(rows)
 
     def _shape_of(self, key: ShapeKey) -> int | None:
         names = "object_name = CAST(? AS TEXT) AND shapes.name = CAST(? AS TEXT)"
@@ -214,4 +190,4 @@ class DecisionTable(SourceTable):
 
 
 def _key_values(key: ShapeKey) -> tuple[bytes, ...]:
-    return tuple(encoded(getattr(key, part)) for part in _KEY)
+    return tuple(encoded(getattr(key, part)) for part in KEY)
