@@ -9,7 +9,8 @@ its own classes:
 - ``gallery``: pictures of the matches, their labels and filters, and appending, linking or marking a match;
 - ``signature``: painting signatures, words and keypoints;
 - ``duplicates``: groups of equal shapes, and linking their data;
-- ``transfer``: carrying vertex groups, colours and UVs from a match to the query.
+- ``transfer``: carrying vertex groups, colours and UVs from a match to the query;
+- ``translation``: the texts of all features in other languages.
 
 Shared: ``scene`` (objects and meshes), ``jobs`` (other processes), ``state`` (memory of the running add-on),
 ``session`` (results shown in the window), ``connections`` (other programs), ``preferences``, ``commands``,
@@ -32,12 +33,14 @@ from . import (
     state,
     suggestions,
     transfer,
+    translation,
     wrapped_text,
 )
 
 __all__ = ["register", "unregister"]
 
 _MODULES = (
+    translation,
     preferences,
     wrapped_text,
     library,
@@ -51,7 +54,7 @@ _MODULES = (
     commands,
 )
 # What a Blender without numpy gets: preferences, a panel and a command that say so.
-_WITHOUT_PACKAGES = (preferences, needs, commands)
+_WITHOUT_PACKAGES = (translation, preferences, needs, commands)
 
 
 def register() -> None:

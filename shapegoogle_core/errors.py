@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Errors of this package, one class for each kind of input, and its warning."""
 
+from __future__ import annotations
+
 __all__ = ["LibraryError", "MeshError", "MeshWarning", "ModelError", "PluginError", "ShapeGoogleError"]
 
 
@@ -8,6 +10,18 @@ class ShapeGoogleError(Exception):
     """Base class of all errors that this package raises on purpose.
 
     The message is one sentence that names the input, says what is wrong with it and what to do.
+
+    Parameters
+    ----------
+    template : str
+        The message; with values, each stands in it as its name in braces.
+    **values : object
+        Values of the message. Programs that speak other languages translate the template and fill them in.
+
+    Attributes
+    ----------
+    template : str
+    values : dict of str to object
 
     Examples
     --------
@@ -17,7 +31,15 @@ class ShapeGoogleError(Exception):
     ... except sg.ShapeGoogleError as error:
     ...     print(error)
     'horse.ply' does not exist; give the path of a mesh file
+    >>> sg.ShapeGoogleError("{name!r} is empty; save it again", name="horse.ply").values
+    {'name': 'horse.ply'}
     """
+
+    def __init__(self, template: str = "", **values: object) -> None:
+        # A message without values may have braces of its own, such as in the name of a file.
+        super().__init__(template.format(**values) if values else template)
+        self.template = template
+        self.values = values
 
 
 class MeshError(ShapeGoogleError, ValueError):

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from ..translation.errors import TextError
+
 __all__ = ["PlacingError"]
 
 
-class PlacingError(Exception):
+class PlacingError(TextError):
     """A shape cannot be brought into or found in the scene; the message gives the reason and what to do."""
