@@ -42,15 +42,19 @@ def name_in(context: Any, path: Path, sought: Sought) -> str:
         return sought.object_name
     if sought.is_collection:
         raise PlacingError(
-            f"{path.name!r} contains no collection {sought.object_name!r} any more; Index Library reads the "
-            "changed file, then search again"
+            "{file!r} contains no collection {name!r} any more; Index Library reads the changed file, then "
+            "search again",
+            file=path.name,
+            name=sought.object_name,
         )
     for name in _candidates(path, names, sought):
         if _has(context, path, name, sought):
             return name
     raise PlacingError(
-        f"{path.name!r} contains no object {sought.object_name!r} any more, nor its mesh under another name; "
-        "Index Library reads the changed file, then search again"
+        "{file!r} contains no object {name!r} any more, nor its mesh under another name; Index Library reads "
+        "the changed file, then search again",
+        file=path.name,
+        name=sought.object_name,
     )
 
 

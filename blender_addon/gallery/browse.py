@@ -9,6 +9,7 @@ import bpy
 from bpy.props import IntProperty
 
 from ..state import session_of
+from ..translation import tr
 from . import pictures
 from .labels import tooltip
 from .on_match import shown_lines
@@ -30,7 +31,7 @@ class SHAPEGOOGLE_OT_choose_match(bpy.types.Operator):
         """Return the tooltip of a match."""
         lines, _ = shown_lines(session_of(context))
         if not 0 <= properties.index < len(lines):
-            return "Choose this match"
+            return tr("Choose this match")
         return tooltip(lines[properties.index])
 
     def execute(self, context: Any) -> set[str]:

@@ -13,7 +13,7 @@ from .. import state
 from ..library.open_file import is_open_file, open_source
 from ..scene.finding import SceneObjects, Sought
 from ..state import session_of
-from .errors import PlacingError
+from .errors import GONE, PlacingError
 
 __all__ = [
     "WHOLES",
@@ -113,14 +113,13 @@ def placements_here(context: Any, match: Any) -> list[Any]:
 def _usable(context: Any, objects: SceneObjects, wanted: Sought) -> Any:
     item = objects.find(wanted)
     if item is None:
-        raise PlacingError(
-            f"{wanted.object_name!r} is not in this scene any more: it was deleted, or renamed and changed; "
-            "undo that, or index This Scene and search again"
-        )
+        raise PlacingError(GONE, name=wanted.object_name)
     if item not in set(context.view_layer.objects):
         where = ", ".join(repr(collection.name) for collection in item.users_collection)
         raise PlacingError(
-            f"{item.name!r} is in a collection that this view layer excludes: {where}; include it"
+            "{name!r} is in a collection that this view layer excludes: {collections}; include it",
+            name=item.name,
+            collections=where,
         )
     return item
 

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
+
+from ..translation import counted, marked, tr
 
 if TYPE_CHECKING:
     from shapegoogle_core import Evidence
@@ -14,17 +15,51 @@ __all__ = [
     "NOT_COMPARED",
     "below_picture",
     "details",
+    "evidence_text",
     "set_evidence",
-    "set_state",
     "similarity_text",
     "title",
     "tooltip",
 ]
 
-COMPARING = "Comparing …"
-"""Stands in for evidence until the surfaces have been compared."""
-NOT_COMPARED = "Not compared"
-"""Stands in for evidence if the comparison failed."""
+COMPARING = "COMPARING"
+"""Stands in for the kind of evidence until the surfaces have been compared."""
+NOT_COMPARED = "FAILED"
+"""Stands in for the kind of evidence if the comparison failed."""
+
+# As `shapegoogle_core.library.evidence.KINDS`, which registering must not import; a test compares them.
+KINDS = {
+    "identical": marked("Identical"),
+    "moved": marked("Moved"),
+    "scaled": marked("Scaled"),
+    "mirrored": marked("Mirrored"),
+    "re-meshed": marked("Re-meshed"),
+    "version": marked("Version"),
+    "re-posed": marked("Re-posed"),
+    "part of": marked("Contains the query"),
+    "contains": marked("Part of the query"),
+    "similar": marked("Similar"),
+    "same kind": marked("Same kind"),
+    "nothing in common": marked("Nothing in common"),
+}
+_STATES = {COMPARING: marked("Comparing …"), NOT_COMPARED: marked("Not compared")}
+# Factors of the size that are shown: below this the two sizes look the same.
+_SHOWN_FACTOR = 0.02
+# Kinds of two different surfaces, whose sizes say nothing.
+_WITHOUT_SIZE = ("similar", "same kind", "nothing in common")
+# As `shapegoogle_core.library.origin.SHAPE_TYPES`, likewise.
+TYPES = {
+    "file": marked("File"),
+    "object": marked("Object"),
+    "point cloud": marked("Point cloud"),
+    "curve": marked("Curve"),
+    "text": marked("Text"),
+    "surface": marked("Surface"),
+    "metaball": marked("Metaball"),
+    "collection": marked("Collection"),
+    "instance": marked("Instance"),
+    "scatter": marked("Scatter"),
+}
 
 
 def below_picture(match: Any) -> str:
@@ -39,7 +74,7 @@ def below_picture(match: Any) -> str:
     text : str
         Such as "0.98  Re-posed"; without evidence the similarity alone.
     """
-    return f"{similarity_text(match)}  {match.label}".rstrip()
+    return f"{similarity_text(match)}  {_short(match)}".rstrip()
 
 
 def title(match: Any) -> str:
@@ -67,11 +102,14 @@ def details(match: Any) -> list[str]:
     -------
     lines : list of str
     """
-    similarity = f"similarity {similarity_text(match)}"
-    return [
-        f"{match.relation}, {similarity}" if match.relation else similarity.capitalize(),
-        f"{match.vertex_count:,} vertices, size ×{match.size:.3g}",
-    ]
+    # The size is shown on its own, unless it is all that differs.
+    relation = evidence_text(match, with_size=match.evidence == "scaled")
+    similarity = similarity_text(match)
+    if relation:
+        first = tr("{evidence}, similarity {similarity}").format(evidence=relation, similarity=similarity)
+    else:
+        first = tr("Similarity {similarity}").format(similarity=similarity)
+    return [first, _size(match)]
 
 
 def tooltip(match: Any) -> str:
@@ -85,28 +123,38 @@ def tooltip(match: Any) -> str:
     -------
     text : str
     """
-    where = f"{match.object_name} in {match.source}" if match.object_name else match.source
-    lines = [where or match.name]
+    where = match.source or match.name
+    if match.object_name:
+        where = tr("{name} in {path}").format(name=match.object_name, path=match.source)
+    lines = [where]
     if match.title and match.title != match.object_name:
         lines.insert(0, match.title)
-    what = [match.shape_type.capitalize()] if match.shape_type else []
+    what = [tr(TYPES.get(match.shape_type, match.shape_type))] if match.shape_type else []
     if match.placement_count > 1:
-        what.append(f"shown {match.placement_count:,} times")
+        what.append(counted("shown {count:,} time", "shown {count:,} times", match.placement_count))
     if match.frame:
-        what.append(f"frame {match.frame}")
+        what.append(tr("frame {frame}").format(frame=match.frame))
     if match.catalog:
-        what.append(f"catalog {match.catalog}")
+        what.append(tr("catalog {catalog}").format(catalog=match.catalog))
     if match.tags:
-        what.append(f"tags {match.tags}")
+        what.append(tr("tags {tags}").format(tags=match.tags))
     if what:
         lines.append(", ".join(what))
-    kind = f"{match.kind}. " if match.kind else ""
-    likeness = f"likeness {match.likeness:.2f}, " if match.likeness >= 0 else ""
-    lines.append(
-        f"{kind}Similarity {match.similarity:.3f}, {likeness}distance {match.distance:.4f}, "
-        f"{match.vertex_count:,} vertices, size ×{match.size:.3g}"
+    figures = [tr("Similarity {value:.3f}").format(value=match.similarity)]
+    if match.likeness >= 0:
+        figures.append(tr("likeness {value:.2f}").format(value=match.likeness))
+    figures.append(tr("distance {value:.4f}").format(value=match.distance))
+    lines += [evidence_text(match), ", ".join(figures), _size(match)]
+    return "\n".join(line for line in lines if line)
+
+
+def _size(match: Any) -> str:
+    return counted(
+        "{count:,} vertex, size ×{size:.3g}",
+        "{count:,} vertices, size ×{size:.3g}",
+        match.vertex_count,
+        size=match.size,
     )
-    return "\n".join(lines)
 
 
 def similarity_text(match: Any) -> str:
@@ -125,41 +173,48 @@ def similarity_text(match: Any) -> str:
 
 
 def set_evidence(match: Any, evidence: Evidence | None) -> None:
-    """Write evidence in words into a match.
+    """Keep evidence in a match.
 
     Parameters
     ----------
     match : SHAPEGOOGLE_PG_match
-        Gets ``kind`` ("Re-posed ×0.978"), ``relation`` (without the size, which is shown on its own, unless
-        the size is all that differs) and ``label`` (shorter still, for the width of a picture).
     evidence : Evidence or None
         None if the match cannot be compared: it shows only its similarity.
     """
-    from shapegoogle_core.rendering.text import evidence_text
-
-    if evidence is None:
-        set_state(match, "")
-        return
-    match.kind = _capital(evidence_text(evidence))
-    without_size = evidence if evidence.kind == "scaled" else replace(evidence, factor=1.0)
-    match.relation = _capital(evidence_text(without_size))
-    match.label = match.relation
-    if evidence.kind == "part of" and evidence.share is not None:
-        match.label = f"{100 * evidence.share:.0f} % of it"
-    if evidence.kind == "nothing in common":
-        match.label = "Unlike"
+    match.evidence = "" if evidence is None else evidence.kind
+    match.factor = 1.0 if evidence is None else evidence.factor
+    match.share = -1.0 if evidence is None or evidence.share is None else evidence.share
 
 
-def set_state(match: Any, text: str) -> None:
-    """Write a text in place of evidence into a match.
+def evidence_text(match: Any, *, with_size: bool = True) -> str:
+    """Return the evidence of a match in words.
 
     Parameters
     ----------
     match : SHAPEGOOGLE_PG_match
+    with_size : bool, optional
+        Whether to add the size relative to the query, where it differs.
+
+    Returns
+    -------
     text : str
+        Such as "Re-posed ×0.978"; empty without evidence.
     """
-    match.kind = match.relation = match.label = text
+    if match.evidence in _STATES:
+        return tr(_STATES[match.evidence])
+    text = tr(KINDS.get(match.evidence, match.evidence))
+    if match.share >= 0 and match.evidence == "part of":
+        text = tr("The query is {share:.0f} % of it").format(share=100 * match.share)
+    elif match.share >= 0:
+        text = tr("{share:.0f} % of the query").format(share=100 * match.share)
+    differs = match.evidence not in _WITHOUT_SIZE and abs(match.factor - 1) > _SHOWN_FACTOR
+    return f"{text} ×{match.factor:.3g}" if with_size and differs and text else text
 
 
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _short(match: Any) -> str:
+    """Return the evidence in words for the width of a picture."""
+    if match.evidence == "part of" and match.share >= 0:
+        return tr("{share:.0f} % of it").format(share=100 * match.share)
+    if match.evidence == "nothing in common":
+        return tr("Unlike")
+    return evidence_text(match, with_size=match.evidence == "scaled")

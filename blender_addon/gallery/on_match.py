@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..state import session_of
+from ..translation import tr
 
 __all__ = ["OnMatch", "active_match", "shown_lines"]
 
@@ -41,6 +42,6 @@ class OnMatch:
     def poll(cls, context: Any) -> bool:
         """Check that a match is chosen."""
         if active_match(context) is None:
-            cls.poll_message_set("Find similar shapes and choose a match first")  # type: ignore[attr-defined]
+            cls.poll_message_set(tr("Find similar shapes and choose a match first"))  # type: ignore[attr-defined]
             return False
         return True

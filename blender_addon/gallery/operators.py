@@ -12,6 +12,7 @@ from bpy.props import BoolProperty
 from ..library.open_file import is_open_file
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
+from ..translation import counted, error_text, tr
 from . import finding, free_place, placing
 from .errors import PlacingError
 from .on_match import OnMatch, active_match
@@ -40,7 +41,7 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
         if not super().poll(context):
             return False
         if active_match(context).in_scene:
-            cls.poll_message_set("The match is in this scene: select it, or choose another one")
+            cls.poll_message_set(tr("The match is in this scene: select it, or choose another one"))
             return False
         return True
 
@@ -51,13 +52,13 @@ class SHAPEGOOGLE_OT_append_match(OnMatch, bpy.types.Operator):
         try:
             objects = placing.bring_in(context, match.source, finding.sought(match))
         except PlacingError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         free_place.put_at_cursor(context, objects, parts)
         for item in objects:
             if item.asset_data is not None and not self.keep_asset:
                 item.asset_clear()
-        self.report({"INFO"}, f"Appended {objects[0].name}{_formerly(match, objects[0])}")
+        self.report({"INFO"}, tr("Appended {name}").format(name=_name_of(objects[0], match)))
         return {"FINISHED"}
 
 
@@ -74,10 +75,10 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
         """Check that the match is in another .blend file."""
         match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
-            cls.poll_message_set("Only objects of .blend files can be linked; append this one")
+            cls.poll_message_set(tr("Only objects of .blend files can be linked; append this one"))
             return False
         if is_open_file(match.source):
-            cls.poll_message_set("The match is in this file")
+            cls.poll_message_set(tr("The match is in this file"))
             return False
         return True
 
@@ -89,14 +90,16 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
         if linked is not None and linked in set(context.view_layer.objects):
             placing.to_object_mode(context)
             placing.select_only(context, [linked])
-            self.report({"INFO"}, f"{linked.name} is linked here already; it is selected now")
+            self.report(
+                {"INFO"}, tr("{name} is linked here already; it is selected now").format(name=linked.name)
+            )
             return {"FINISHED"}
         try:
             objects = placing.bring_in(context, match.source, finding.sought(match), link=True)
         except PlacingError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Linked {objects[0].name}{_formerly(match, objects[0])}")
+        self.report({"INFO"}, tr("Linked {name}").format(name=_name_of(objects[0], match)))
         return {"FINISHED"}
 
 
@@ -114,7 +117,7 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
         """Check that the match is in a .blend file."""
         match = active_match(context)
         if match is None or not match.source.lower().endswith(".blend"):
-            cls.poll_message_set("Only .blend files can be opened; append this match")
+            cls.poll_message_set(tr("Only .blend files can be opened; append this match"))
             return False
         return True
 
@@ -157,7 +160,7 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
         """Check that the match is in this scene."""
         match = active_match(context)
         if match is None or not match.in_scene:
-            cls.poll_message_set("The match is not in this scene; append it")
+            cls.poll_message_set(tr("The match is not in this scene; append it"))
             return False
         return True
 
@@ -174,7 +177,7 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
         try:
             items = finding.placements_here(context, match)
         except (PlacingError, LibraryError) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         index = 0
         if not self.all:
@@ -189,13 +192,15 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
                 if region.type == "WINDOW":
                     with context.temp_override(region=region):
                         bpy.ops.view3d.view_selected()
-        if self.all or len(items) == 1:
-            text = (
-                f"{len(items)} objects" if len(items) > 1 else f"{items[0].name}{_formerly(match, items[0])}"
-            )
-            self.report({"INFO"}, f"Selected {text}")
+        if len(items) == 1:
+            text = tr("Selected {name}").format(name=_name_of(items[0], match))
+        elif self.all:
+            text = counted("Selected {count} object", "Selected {count} objects", len(items))
         else:
-            self.report({"INFO"}, f"Selected {chosen[0].name}, {index + 1} of {len(items)} with this mesh")
+            text = tr("Selected {name}, {number} of {count} with this mesh").format(
+                name=chosen[0].name, number=index + 1, count=len(items)
+            )
+        self.report({"INFO"}, text)
         return {"FINISHED"}
 
 
@@ -216,7 +221,7 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         if not super().poll(context):
             return False
         if context.active_object is None or context.active_object.type not in ("MESH", *CARRIERS):
-            cls.poll_message_set("Select the object that you searched with")
+            cls.poll_message_set(tr("Select the object that you searched with"))
             return False
         return True
 
@@ -235,7 +240,7 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         meshes = {item.data.session_uid for item in items}
         for name, uids in self._sides:
             if not meshes & uids:
-                return f"{name!r} cannot be painted, so there is nothing to compare"
+                return tr("{name!r} cannot be painted, so there is nothing to compare").format(name=name)
         return ""
 
     def take_back(self, context: Any) -> None:
@@ -267,13 +272,13 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         parts = [part for part in meshes_of(query, context) if part in there]
         reason, here = "", None
         if not parts:
-            reason = (
-                f"{query.name!r} has no mesh in this view layer that can be painted; select the mesh itself"
-            )
+            reason = tr(
+                "{name!r} has no mesh in this view layer that can be painted; select the mesh itself"
+            ).format(name=query.name)
         try:
             here = finding.object_of(context, match)
         except PlacingError as error:
-            reason = str(error)
+            reason = error_text(error)
         if reason:
             self._give_up(context, reason)
             return None
@@ -287,9 +292,11 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
                 is_blend = match.source.lower().endswith(".blend")
                 others = objects[:1] if is_blend else mesh_objects(objects)
                 if not others:
-                    reason = f"{match.name!r} contains no mesh any more; Index Library reads the changed file"
+                    reason = tr(
+                        "{name!r} contains no mesh any more; Index Library reads the changed file"
+                    ).format(name=match.name)
             except PlacingError as error:
-                reason = str(error)
+                reason = error_text(error)
             self._appended = {block.session_uid for block in bpy.data.user_map() if block not in before}
             if reason:
                 self._give_up(context, reason)
@@ -305,10 +312,11 @@ class SHAPEGOOGLE_OT_mark_match(OnMatch, Painter, bpy.types.Operator):
         return objects
 
 
-def _formerly(match: Any, item: Any) -> str:
-    """Say the name that an object had when it was indexed, if it was found under another one."""
-    renamed = match.object_name and item.name.partition(".")[0] != match.object_name.partition(".")[0]
-    return f" (was {match.object_name})" if renamed else ""
+def _name_of(item: Any, match: Any) -> str:
+    """Return the name of an object, and the one that it had when it was indexed if that was another one."""
+    if match.object_name and item.name.partition(".")[0] != match.object_name.partition(".")[0]:
+        return tr("{name} (was {old})").format(name=item.name, old=match.object_name)
+    return str(item.name)
 
 
 register, unregister = bpy.utils.register_classes_factory(

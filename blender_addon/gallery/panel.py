@@ -10,6 +10,7 @@ from pathlib import PurePath
 from typing import Any
 
 from ..transfer.panel import draw_transfer
+from ..translation import counted, tr
 from . import pictures
 from .labels import below_picture, details, title
 from .on_match import shown_lines
@@ -44,11 +45,11 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     box = layout.box()
     column = box.column(align=True)
     column.enabled = match is not None
-    column.label(text=_title(match), icon="OUTLINER_OB_MESH")
+    column.label(text=_title(match), icon="OUTLINER_OB_MESH", translate=False)
     lines = column.column(align=True)
     lines.scale_y = 0.8
     for line in _lines(match):
-        lines.label(text=line)
+        lines.label(text=line, translate=False)
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     for name, icon in _BUTTONS:
         grid.operator(f"shape_google.{name}_match", icon=icon)
@@ -59,7 +60,7 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
         if match is not None and (example.library, example.shape_id) == (session.library, match.shape_id)
     ]
     row = box.row(align=True)
-    for unlike, text, icon in ((False, "More Like This", "ADD"), (True, "Not Like This", "REMOVE")):
+    for unlike, text, icon in ((False, tr("More Like This"), "ADD"), (True, tr("Not Like This"), "REMOVE")):
         button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
         button.unlike = unlike
     box.operator("shape_google.show_versions", text=_versions(session, match), icon="DUPLICATE").index = -1
@@ -67,13 +68,15 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
 
 def _versions(session: Any, match: Any | None) -> str:
     if session.opened >= 0:
-        return "Show All Shapes"
+        return tr("Show All Shapes")
     count = 0 if match is None else match.version_count
-    return f"Show {count + 1:,} Versions" if count else "No Other Versions"
+    if not count:
+        return tr("No Other Versions")
+    return counted("Show {count:,} Version", "Show {count:,} Versions", count + 1)
 
 
 def _title(match: Any | None) -> str:
-    return "No match chosen" if match is None else title(match)
+    return tr("No match chosen") if match is None else title(match)
 
 
 def _lines(match: Any | None) -> list[str]:
@@ -81,9 +84,9 @@ def _lines(match: Any | None) -> list[str]:
     if match is None:
         return ["", "", ""]
     # The whole path is in the tooltip of the picture.
-    where = "This scene" if match.in_scene else PurePath(match.source).name or "Added without a file"
+    where = tr("This scene") if match.in_scene else PurePath(match.source).name or tr("Added without a file")
     if match.since:
-        where = f"{match.since}: {where}"
+        where = f"{tr(match.since)}: {where}"
     return [where, *details(match)]
 
 
@@ -109,8 +112,16 @@ def draw_gallery(layout: Any, session: Any, context: Any) -> None:
     middle = row.row()
     middle.alignment = "CENTER"
     last = min((page + 1) * size, len(shown))
-    what = " versions" if session.opened >= 0 else ""
-    middle.label(text=f"{page * size + 1} to {last} of {len(shown)}{what}" if shown else "No matches")
+    if not shown:
+        text = tr("No matches")
+    else:
+        template = (
+            tr("{first} to {last} of {count} versions")
+            if session.opened >= 0
+            else tr("{first} to {last} of {count}")
+        )
+        text = template.format(first=page * size + 1, last=last, count=len(shown))
+    middle.label(text=text, translate=False)
     _draw_turn(row, page + 1, pages, "TRIA_RIGHT")
     grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, even_rows=True, align=True)
     cells: list[tuple[int, Any] | None] = [*shown[page * size : (page + 1) * size]]
@@ -125,12 +136,14 @@ def draw_gallery(layout: Any, session: Any, context: Any) -> None:
         index, match = cell
         column.template_icon(icon_value=pictures.icon_of(match.shape_id), scale=PICTURE_SCALE)
         row = column.row(align=True)
-        row.operator("shape_google.choose_match", text=title(match), depress=index == active).index = index
+        row.operator(
+            "shape_google.choose_match", text=title(match), translate=False, depress=index == active
+        ).index = index
         if match.version_count and session.opened < 0:
             count = row.row(align=True)
             count.scale_x = 0.6
             count.operator("shape_google.show_versions", text=f"+{match.version_count}").index = index
-        column.label(text=below_picture(match))
+        column.label(text=below_picture(match), translate=False)
 
 
 def _draw_turn(layout: Any, page: int, pages: int, icon: str) -> None:

@@ -14,7 +14,7 @@ from ..library.open_file import is_open_file, is_unsaved
 from ..reading.importers import importer_of, is_importable
 from ..scene.finding import Sought
 from . import blend_objects
-from .errors import PlacingError
+from .errors import GONE, PlacingError
 
 __all__ = [
     "PlacingError",
@@ -63,16 +63,18 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
     """
     path, object_name = Path(source), sought.object_name
     if is_open_file(source):
-        raise PlacingError(_why_not_here(object_name))
+        raise _not_here(object_name)
     if is_unsaved(source):
         raise PlacingError(
-            f"{object_name!r} is in a file that was never saved and is not open any more; Forget Missing "
-            "Files removes such shapes from the library"
+            "{name!r} is in a file that was never saved and is not open any more; Forget Missing Files "
+            "removes such shapes from the library",
+            name=object_name,
         )
     if not path.is_file():
         raise PlacingError(
-            f"'{source}' does not exist any more; Move Sources tells the library where its folder is now, "
-            "Forget Missing Files removes the shapes of deleted files"
+            "'{path}' does not exist any more; Move Sources tells the library where its folder is now, "
+            "Forget Missing Files removes the shapes of deleted files",
+            path=source,
         )
     to_object_mode(context)
     before = set(context.view_layer.objects)
@@ -85,7 +87,10 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
         else:
             _import(context, path, object_name)
     except RuntimeError as error:
-        raise PlacingError(f"{path.name!r} cannot be read by Blender: {str(error).strip()}") from error
+        reason = str(error).strip()
+        raise PlacingError(
+            "{name!r} cannot be read by Blender: {reason}", name=path.name, reason=reason
+        ) from error
     # By identity, since an object that is only referred to may have the name of one of the user's.
     new = [item for item in context.view_layer.objects if item not in before]
     if not new:
@@ -159,31 +164,32 @@ def select_only(context: Any, items: Sequence[Any]) -> None:
     objects.active = items[0]
 
 
-def _why_not_here(object_name: str) -> str:
+def _not_here(object_name: str) -> PlacingError:
     """Say why an object of the open file, which cannot be appended to itself, is not in the scene."""
     item = bpy.data.objects.get(object_name)
     scenes = [] if item is None else [repr(scene.name) for scene in item.users_scene]
     if scenes:
-        return (
-            f"{object_name!r} is in another scene of this file, {' and '.join(scenes)}; switch to that scene"
+        return PlacingError(
+            "{name!r} is in another scene of this file, {scenes}; switch to that scene",
+            name=object_name,
+            scenes=", ".join(scenes),
         )
-    return (
-        f"{object_name!r} is not in this scene any more: it was deleted, or renamed and changed; undo "
-        "that, or index This Scene and search again"
-    )
+    return PlacingError(GONE, name=object_name)
 
 
 def _instance(context: Any, path: Path, object_name: str) -> Any:
     """Put an object that was linked before, and that Blender therefore did not link again, into the scene."""
     item = find_linked(str(path), object_name)
     if item is None:
-        raise PlacingError(f"{path.name!r} contains nothing that can be shown in this scene")
+        raise PlacingError("{name!r} contains nothing that can be shown in this scene", name=path.name)
     if item in set(context.view_layer.objects):
         return item
     if item in set(context.scene.objects):
         raise PlacingError(
-            f"{object_name!r} is linked already, in a collection that this view layer excludes: "
-            f"{', '.join(repr(collection.name) for collection in item.users_collection)}; include it"
+            "{name!r} is linked already, in a collection that this view layer excludes: {collections}; "
+            "include it",
+            name=object_name,
+            collections=", ".join(repr(collection.name) for collection in item.users_collection),
         )
     context.collection.objects.link(item)
     return item
@@ -198,14 +204,18 @@ def _import(context: Any, path: Path, object_name: str) -> None:
     if is_importable(suffix):
         version = bpy.app.version_string
         raise PlacingError(
-            f"Blender {version} does not import {suffix} files, or its importer is off in the preferences"
+            "Blender {version} does not import {suffix} files, or its importer is off in the preferences",
+            version=version,
+            suffix=suffix,
         )
     if suffix not in _IMPORTERS:
         _from_core(context, path, object_name)
         return
     module, name = _IMPORTERS[suffix]
     if name not in dir(getattr(bpy.ops, module)):
-        raise PlacingError(f"Blender's importer of {suffix} files is off; switch it on in the preferences")
+        raise PlacingError(
+            "Blender's importer of {suffix} files is off; switch it on in the preferences", suffix=suffix
+        )
     getattr(getattr(bpy.ops, module), name)(filepath=str(path))
 
 
@@ -218,7 +228,7 @@ def _from_core(context: Any, path: Path, object_name: str) -> None:
     try:
         mesh = read_object(path, object_name)
     except MeshError as error:
-        raise PlacingError(str(error)) from error
+        raise PlacingError("{reason}", reason=error) from error
     new_object(context, mesh, object_name or path.stem)
     context.view_layer.update()  # until then the view layer does not list it
 

@@ -16,6 +16,7 @@ from bpy.props import (
 )
 
 from .finding import is_here
+from .labels import evidence_text
 from .refining import search_again
 
 __all__ = ["GalleryProperties", "register", "unregister"]
@@ -71,6 +72,10 @@ def _is_in_scene(match: Any) -> bool:
     return is_here(match)
 
 
+def _evidence_text(match: Any) -> str:
+    return evidence_text(match)
+
+
 class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     """One line of an answer."""
 
@@ -87,9 +92,12 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
         name="Likeness", description="That it is of the same kind; -1: not known", default=-1
     )
     distance: FloatProperty(name="Distance")
-    kind: StringProperty(name="Kind", description="Evidence in words; see gallery.labels")
-    relation: StringProperty(description="The kind without the size")
-    label: StringProperty(description="The kind below the picture")
+    evidence: StringProperty(name="Evidence", description="Kind of the evidence; empty for none")
+    factor: FloatProperty(name="Factor", description="Size relative to the query", default=1.0)
+    share: FloatProperty(
+        name="Share", description="Share of the surface that both have; -1: not known", default=-1.0
+    )
+    kind: StringProperty(name="Kind", description="The evidence in words", get=_evidence_text)
     size: FloatProperty(name="Size", description="Size relative to the query")
     vertex_count: IntProperty(name="Vertices")
     face_count: IntProperty(name="Faces")

@@ -24,6 +24,7 @@ import bpy
 from .. import jobs, state
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import marked, tr
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -36,6 +37,10 @@ T = TypeVar("T")
 
 # A look is made at one tick and compared at the next.
 SECONDS_BETWEEN_LOOKS = 1.0
+
+# What has happened to a match since the search.
+NO_LONGER_INDEXED = marked("No longer indexed")
+INDEXED_AGAIN = marked("Indexed again since")
 
 
 def follow(context: Any) -> None:
@@ -119,7 +124,7 @@ def _show(found: LibraryState) -> None:
     for match in (*session.matches, *session.versions):
         today = found.today.get(match.shape_id, match.shape_id)
         same = today == match.shape_id
-        match.since = "" if same else "No longer indexed" if today is None else "Indexed again since"
+        match.since = "" if same else NO_LONGER_INDEXED if today is None else INDEXED_AGAIN
     for example in session.examples:
         if example.library == str(found.path):
             today = found.today.get(example.shape_id, example.shape_id)
@@ -169,9 +174,13 @@ def _compare(context: Any, path: Path, now: tuple[int, ...]) -> None:
     if before in (None, now):
         return
     if before and now[:2] != before[:2]:
-        how = "was replaced by another file" if now else "is no longer there"
+        template = (
+            tr("The library {name} was replaced by another file")
+            if now
+            else tr("The library {name} is no longer there")
+        )
         for forget in library.forget:
-            forget(context, f"The library {path.name} {how}")
+            forget(context, template.format(name=path.name))
     refresh(context)
     jobs.redraw()
 

@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from ..reading.entries import MOST_FACES, SHAPE_TYPES
 from ..reading.instancers import collect_instances, is_carrier
+from ..translation import marked, tr
 from . import mesh_arrays
 from .selection import joined_name, mesh_objects, meshes_of, query_objects
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
+
+EMPTY = marked("{name!r} has neither faces nor single points; select a mesh or a point cloud")
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -128,7 +131,8 @@ def selected_part(items: Sequence[Any]) -> Mesh:
             used, corners = np.unique(faces, return_inverse=True)
             parts.append((vertices[used], corners.reshape(-1, 3).astype(np.int32), _matrix(item)))
             names.append(item.name)
-    return _core_mesh(f"{joined_name(names or [items[0].name])}, selected part", parts)
+    name = tr("{name}, selected part").format(name=joined_name(names or [items[0].name]))
+    return _core_mesh(name, parts)
 
 
 def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
@@ -159,13 +163,13 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
         edited = {item.data: item for item in (*mesh_objects(context.objects_in_mode), active)}
         part = selected_part(sorted(edited.values(), key=lambda item: (item != active, item.name)))
         if not len(part.faces):
-            names = " and ".join(repr(item.name) for item in edited.values())
-            verb = "has" if len(edited) == 1 else "have"
+            names = ", ".join(repr(item.name) for item in edited.values())
             if not any(len(data.polygons) for data in edited):
                 raise MeshError(
-                    f"{names} {verb} no faces to select; leave edit mode to search with all points"
+                    "{names}: there are no faces to select; leave edit mode to search with all points",
+                    names=names,
                 )
-            raise MeshError(f"{names} {verb} no selected faces; select the faces to search with")
+            raise MeshError("{names}: no faces are selected; select the faces to search with", names=names)
         return [part]
     chosen = query_objects(context.selected_objects)
     if not chosen and active is not None:
@@ -178,7 +182,7 @@ def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
     meshes = [mesh for item in _without_parts(chosen, context) for mesh in _seen(item, context, depsgraph)]
     empty = [mesh.name for mesh in meshes if not len(mesh.vertices)]
     if empty and (separate or len(empty) == len(meshes)):
-        raise MeshError(f"{empty[0]!r} has neither faces nor single points; select a mesh or a point cloud")
+        raise MeshError(EMPTY, name=empty[0])
     return meshes if separate else [_joined(meshes)]
 
 
@@ -207,7 +211,8 @@ def _seen(item: Any, context: Any, depsgraph: Any) -> list[Mesh]:
         parts = [_placed(part, depsgraph) for part in meshes_of(item, context)]
     if not parts:
         raise MeshError(
-            f"{item.name!r} has no visible mesh: it deforms none, and none is its child; select a mesh"
+            "{name!r} has no visible mesh: it deforms none, and none is its child; select a mesh",
+            name=item.name,
         )
     return [_core_mesh(item.name, parts)]
 
@@ -241,7 +246,9 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
             faces += len(parts[instance.mesh][1])
     if faces > MOST_FACES:
         raise MeshError(
-            f"{item.name!r} shows {faces:,} faces, more than one query may have; select what it instances"
+            "{name!r} shows {faces:,} faces, more than one query may have; select what it instances",
+            name=item.name,
+            faces=faces,
         )
     return [(*parts[number], matrix) for number, matrix in shown]
 
@@ -267,7 +274,7 @@ def object_mesh(item: Any, context: Any) -> Mesh:
 
     (mesh,) = _seen(item, context, context.evaluated_depsgraph_get())
     if not len(mesh.vertices):
-        raise MeshError(f"{mesh.name!r} has neither faces nor single points; select a mesh or a point cloud")
+        raise MeshError(EMPTY, name=mesh.name)
     return mesh
 
 
@@ -299,8 +306,10 @@ def _joined(meshes: Sequence[Mesh]) -> Mesh:
     cloud = next((mesh for mesh in meshes if mesh.is_point_cloud and _is_cloud(mesh)), None)
     if surfaces and cloud is not None:
         raise MeshError(
-            f"{cloud.name!r} is a point cloud and {surfaces[0].name!r} a mesh, which cannot be one shape; "
-            "select one of them, or choose Examples"
+            "{cloud!r} is a point cloud and {mesh!r} a mesh, which cannot be one shape; select one of them, "
+            "or choose Examples",
+            cloud=cloud.name,
+            mesh=surfaces[0].name,
         )
     parts = [(mesh.vertices, mesh.faces, np.eye(4)) for mesh in meshes]
     return _core_mesh(joined_name([mesh.name for mesh in meshes]), parts)

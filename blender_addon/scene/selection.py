@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..reading.entries import SHAPE_TYPES
+from ..translation import tr
 
 __all__ = [
     "CARRIERS",
@@ -143,7 +144,9 @@ def asset_tags(item: Any) -> tuple[str, ...]:
 
 def joined_name(names: Sequence[str]) -> str:
     """Return the first name, and how many more there are."""
-    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
+    if len(names) == 1:
+        return names[0]
+    return tr("{name} and {count} more").format(name=names[0], count=len(names) - 1)
 
 
 def _enabled_objects(layer: Any, *, disabled: bool = False) -> set[Any]:

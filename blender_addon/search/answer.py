@@ -14,6 +14,7 @@ from ..gallery.finding import find_objects
 from ..library.present import refresh
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import counted, error_text, tr
 
 if TYPE_CHECKING:
     from shapegoogle_core import Match
@@ -81,11 +82,27 @@ def show_matches(context: Any, answer: Answer, seconds: float) -> None:
 def _sentence(session: Any, count: int, among: int, seconds: float) -> str:
     filtered = is_filtered(session)
     if not count:
-        return f"{session.query}: no match{' meets the filters' if filtered else ''} among {among:,} shapes"
-    what = f"{count}{' different' if session.collapse else ''} shape{'' if count == 1 else 's'}"
-    verb = "meets" if count == 1 else "meet"
-    where = f" that {verb} the filters" if filtered else ""
-    return f"{session.query}: {what}{where}, the best of {among:,}, {seconds:.1f} s"
+        template = (
+            tr("{query}: no match meets the filters among {among:,} shapes")
+            if filtered
+            else tr("{query}: no match among {among:,} shapes")
+        )
+        return template.format(query=session.query, among=among)
+    if session.collapse and filtered:
+        found = counted(
+            "{count} different shape that meets the filters",
+            "{count} different shapes that meet the filters",
+            count,
+        )
+    elif session.collapse:
+        found = counted("{count} different shape", "{count} different shapes", count)
+    elif filtered:
+        found = counted("{count} shape that meets the filters", "{count} shapes that meet the filters", count)
+    else:
+        found = counted("{count:,} shape", "{count:,} shapes", count)
+    return tr("{query}: {found}, the best of {among:,}, {seconds:.1f} s").format(
+        query=session.query, found=found, among=among, seconds=seconds
+    )
 
 
 def show_versions(context: Any, answer: Answer, index: int) -> None:
@@ -128,7 +145,7 @@ def _fill(lines: Any, answer: Answer) -> None:
         line.likeness = -1 if match.likeness is None else match.likeness
         line.placement_count = match.placement_count
         line.version_count = match.versions
-        labels.set_state(line, labels.COMPARING)
+        line.evidence = labels.COMPARING
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
 
 
@@ -181,9 +198,11 @@ def explain_matches(answer: Answer, first: int = 0) -> None:
             rest = {match.shape_id for match in answer.matches[first:]}
             for lines in (session.matches, session.versions):
                 for line in lines:
-                    if line.shape_id in rest and line.label == labels.COMPARING:
-                        labels.set_state(line, labels.NOT_COMPARED)
-            session.answer += f"; surfaces could not be compared: {error}"
+                    if line.shape_id in rest and line.evidence == labels.COMPARING:
+                        line.evidence = labels.NOT_COMPARED
+            session.answer = tr("{answer}; surfaces could not be compared: {reason}").format(
+                answer=session.answer, reason=error_text(error)
+            )
             refresh(bpy.context)  # such as a library that was deleted meanwhile
 
     jobs.watch(jobs.worker().submit(explain, answer.library, answer.signatures, portion), done, failed)

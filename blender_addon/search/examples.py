@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, IntProperty
 from ..gallery.on_match import OnMatch, active_match
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import tr
 from .properties import examples_of
 
 __all__ = ["register", "unregister"]
@@ -30,11 +31,11 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
     def description(cls, _context: Any, properties: Any) -> str:
         """Return the tooltip of either button."""
         if properties.unlike:
-            return (
+            return tr(
                 "Not like this: in the next searches, shapes like this match come last. Press again to take "
                 "it back"
             )
-        return (
+        return tr(
             "More like this: in the next searches, shapes that are also like this match come first. Press "
             "again to take it back"
         )
@@ -60,7 +61,7 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
 
 def _has_examples(operator: Any, context: Any) -> bool:
     if not examples_of(session_of(context), preferences(context).library_path()):
-        operator.poll_message_set("There are no examples from this library")
+        operator.poll_message_set(tr("There are no examples from this library"))
         return False
     return True
 

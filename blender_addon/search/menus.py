@@ -11,6 +11,7 @@ import bpy
 
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import error_text, tr
 from .operators import search_with
 
 __all__ = ["KEYMAP", "register", "unregister"]
@@ -44,10 +45,10 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
         """Check that an asset is active that can be a shape."""
         asset = getattr(context, "asset", None)
         if asset is None or asset.id_type not in _TYPES:
-            cls.poll_message_set("Choose an object or a collection among the assets")
+            cls.poll_message_set(tr("Choose an object or a collection among the assets"))
             return False
         if session_of(context).searching:
-            cls.poll_message_set("A search runs already")
+            cls.poll_message_set(tr("A search runs already"))
             return False
         return True
 
@@ -65,17 +66,16 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
         try:
             found = jobs.worker().submit(find, library, source, asset.name).result()
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         if found is None:
-            where = Path(source).name or "the open file"
-            self.report(
-                {"ERROR"},
-                f"{asset.name!r} of {where} is not in the library; Index Library with its folder first",
-            )
+            where = Path(source).name or tr("the open file")
+            text = tr("{name!r} of {file} is not in the library; Index Library with its folder first")
+            self.report({"ERROR"}, text.format(name=asset.name, file=where))
             return {"CANCELLED"}
         search_with(context, found)
-        self.report({"INFO"}, f"Searching for {found[1]}; the matches are in the sidebar of the 3D view")
+        text = tr("Searching for {name}; the matches are in the sidebar of the 3D view")
+        self.report({"INFO"}, text.format(name=found[1]))
         return {"FINISHED"}
 
 

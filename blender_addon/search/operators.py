@@ -16,6 +16,7 @@ from ..library.present import is_there, when_it_goes
 from ..preferences import preferences
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import SearchState, session_of
+from ..translation import error_text, tr
 from .answer import drop_answer, explain_matches, show_answer, show_evidence, show_matches
 from .properties import examples_of
 
@@ -42,15 +43,15 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is a shape and a library."""
         if session_of(context).searching:
-            cls.poll_message_set("A search runs already")
+            cls.poll_message_set(tr("A search runs already"))
             return False
         active = context.active_object
         chosen = context.selected_objects if active is None else (*context.selected_objects, active)
         if not query_objects(chosen) and all(example.unlike for example in _examples(context)):
-            cls.poll_message_set("Select a mesh or a point cloud")
+            cls.poll_message_set(tr("Select a mesh or a point cloud"))
             return False
         if not is_there(context):
-            cls.poll_message_set("Index a library first")
+            cls.poll_message_set(tr("Index a library first"))
             return False
         return True
 
@@ -77,8 +78,8 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
                 jobs.worker().submit(explain, answer.library, answer.signatures, answer.matches).result()
             )
         except ShapeGoogleError as error:
-            drop_answer(context, str(error))
-            self.report({"ERROR"}, str(error))
+            drop_answer(context, error_text(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         finally:
             state.current().search.waiting = None
@@ -102,13 +103,14 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         except MeshError as error:
             # With examples from the library the selection may be empty, but not in edit mode.
             if not like or context.mode == "EDIT_MESH":
-                self.report({"ERROR"}, str(error))
+                self.report({"ERROR"}, error_text(error))
                 return None
             meshes = []
         state.current().search.unlike = [(example.shape_id, example.name) for example in unlike]
         title = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:
-            title += f", not like {joined_name([example.name for example in unlike])}"
+            others = joined_name([example.name for example in unlike])
+            title = tr("{query}, not like {others}").format(query=title, others=others)
         stored = [(example.shape_id, example.name) for example in like]
         return _begin(context, meshes, stored, title, searched_objects(context))
 
@@ -138,7 +140,8 @@ def _begin(
     future = _submit(context, meshes, stored)
     search.waiting, search.searched, search.refine_at = future, searched, 0.0
     session.searching, session.query = True, title
-    search.before, session.answer = session.answer, f"Searching for {title} …"
+    search.before = session.answer
+    session.answer = tr("Searching for {name} …").format(name=title)
     return future
 
 
@@ -148,7 +151,7 @@ def _show_when_done(future: Future[Answer]) -> None:
 
     def failed(error: BaseException) -> None:
         if state.current().search.waiting is future:
-            drop_answer(bpy.context, str(error))
+            drop_answer(bpy.context, error_text(error))
 
     def done(answer: Answer) -> None:
         if state.current().search.waiting is future:  # else it was cancelled as it ended
@@ -200,7 +203,7 @@ def refine(context: Any) -> None:
     def failed(error: BaseException) -> None:
         if state.current().search.waiting is future:
             state.current().search.waiting = None
-            session_of(bpy.context).answer = str(error)
+            session_of(bpy.context).answer = error_text(error)
 
     jobs.watch(future, done, failed)
 
@@ -231,7 +234,7 @@ class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):
         session = session_of(context)
         session.searching = False
         # What is shown is still the answer to the query before.
-        session.answer = search.before if session.matches else "Cancelled"
+        session.answer = search.before if session.matches else tr("Cancelled")
         return {"FINISHED"}
 
 

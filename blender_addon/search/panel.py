@@ -19,6 +19,7 @@ from ..preferences import preferences
 from ..scene.selection import query_objects
 from ..state import session_of
 from ..transfer.panel import draw_choices
+from ..translation import tr
 from ..wrapped_text import fixed_text
 from .properties import examples_of
 
@@ -60,8 +61,8 @@ def _draw_examples(layout: Any, session: Any, library: Path) -> None:
     examples = [example for _, example in examples_of(session, library)]
     unlike = sum(example.unlike for example in examples)
     header, body = layout.panel_prop(session, "show_examples")
-    counts = ((len(examples) - unlike, "like"), (unlike, "not like"))
-    header.label(text=f"Examples: {', '.join(f'{count} {kind}' for count, kind in counts)}")
+    text = tr("Examples: {like} like, {unlike} not like")
+    header.label(text=text.format(like=len(examples) - unlike, unlike=unlike), translate=False)
     header.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)
     if body is None:
         return
@@ -86,9 +87,11 @@ class SHAPEGOOGLE_UL_examples(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """Lay an example out."""
-        kind = "Not like" if item.unlike else "Like"
+        text = (tr("Not like {name}") if item.unlike else tr("Like {name}")).format(name=item.name)
+        if item.is_gone:
+            text = tr("{example}: no longer indexed").format(example=text)
         icon = "ERROR" if item.is_gone else "REMOVE" if item.unlike else "ADD"
-        layout.label(text=f"{kind} {item.name}{': no longer indexed' if item.is_gone else ''}", icon=icon)
+        layout.label(text=text, translate=False, icon=icon)
 
     def draw_filter(self, _context: Any, _layout: Any) -> None:
         """Leave the filters of lists out: examples of other libraries must stay hidden."""

@@ -11,6 +11,7 @@ from bpy.props import IntProperty
 from .. import jobs, state
 from ..gallery.on_match import shown_lines
 from ..state import session_of
+from ..translation import error_text, tr
 from .answer import explain_matches, show_evidence, show_versions
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class SHAPEGOOGLE_OT_show_versions(bpy.types.Operator):
         session = session_of(context)
         lines, active = shown_lines(session)
         if session.opened < 0 and not (0 <= active < len(lines)):
-            cls.poll_message_set("Find similar shapes and choose a match first")
+            cls.poll_message_set(tr("Find similar shapes and choose a match first"))
             return False
         return not session.searching
 
@@ -64,7 +65,7 @@ class SHAPEGOOGLE_OT_show_versions(bpy.types.Operator):
 
         def failed(error: BaseException) -> None:
             if state.current().search.answer is of:
-                session_of(bpy.context).answer = str(error)
+                session_of(bpy.context).answer = error_text(error)
 
         jobs.watch(future, done, failed)
         return {"FINISHED"}
@@ -84,7 +85,7 @@ class SHAPEGOOGLE_OT_show_versions(bpy.types.Operator):
             show_versions(context, answer, index)
             show_evidence(context, compared.result())
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

@@ -11,6 +11,8 @@ import bpy
 import pytest
 
 from shapegoogle_core import Evidence
+from shapegoogle_core.library.evidence import KINDS
+from shapegoogle_core.library.origin import SHAPE_TYPES
 
 
 @pytest.fixture
@@ -51,7 +53,9 @@ def test_evidence_below_a_picture_leaves_out_the_size(
     labels.set_evidence(match, evidence)
     assert labels.below_picture(match) == f"0.98  {label}"
     assert labels.details(match) == [f"{relation}, similarity 0.98", "1,234 vertices, size ×0.978"]
-    assert f"\n{kind}. Similarity 0.981, distance 0.0200, 1,234 vertices" in labels.tooltip(match)
+    assert match.kind == kind
+    figures = "Similarity 0.981, distance 0.0200\n1,234 vertices, size ×0.978"
+    assert labels.tooltip(match).endswith(f"\n{kind}\n{figures}")
 
 
 def test_a_match_without_evidence_shows_only_its_similarity(labels: Any, match: Any) -> None:
@@ -62,8 +66,13 @@ def test_a_match_without_evidence_shows_only_its_similarity(labels: Any, match: 
 
 
 def test_a_match_that_is_being_compared_says_so(labels: Any, match: Any) -> None:
-    labels.set_state(match, labels.COMPARING)
+    match.evidence = labels.COMPARING
     assert labels.below_picture(match) == "0.98  Comparing …"
+
+
+def test_every_kind_of_evidence_and_type_has_its_words(labels: Any) -> None:
+    assert tuple(labels.KINDS) == KINDS
+    assert tuple(labels.TYPES) == SHAPE_TYPES
 
 
 def test_only_a_match_at_distance_zero_has_similarity_one(labels: Any, match: Any) -> None:

@@ -76,7 +76,7 @@ def test_the_tooltip_says_what_a_match_is(module: Any) -> None:
     match = choose("Cube.003", "collection", "/props/oak.blend")
     match.title, match.tags, match.catalog, match.frame = "oak", "wood, door", "Props/Doors", "10"
     match.placement_count = 3
-    name, where, what, _ = module("gallery.labels").tooltip(match).split("\n")
+    name, where, what, *_ = module("gallery.labels").tooltip(match).split("\n")
     assert (name, where) == ("oak", "Cube.003 in /props/oak.blend")
     assert what == "Collection, shown 3 times, frame 10, catalog Props/Doors, tags wood, door"
 

@@ -96,7 +96,7 @@ def test_the_selected_faces_of_all_objects_in_edit_mode(scene: Any) -> None:
     bpy.context.view_layer.objects.active = items[0]
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
-    with pytest.raises(MeshError, match=r"'First'.* have no selected faces"):
+    with pytest.raises(MeshError, match=r"'First'.*: no faces are selected"):
         scene.query_meshes(bpy.context)
     select_faces(items[1], 2)
     (part,) = scene.query_meshes(bpy.context)
@@ -138,7 +138,7 @@ def test_points_without_faces_are_a_shape(scene: Any) -> None:
     assert len(scene.query_meshes(bpy.context, separate=True)) == 2
     bpy.context.view_layer.objects.active = other
     bpy.ops.object.mode_set(mode="EDIT")
-    with pytest.raises(MeshError, match=r"'Rest' .*leave edit mode to search with all points"):
+    with pytest.raises(MeshError, match=r"'Rest': .*leave edit mode to search with all points"):
         scene.query_meshes(bpy.context)
 
 

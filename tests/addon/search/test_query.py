@@ -39,7 +39,7 @@ def test_the_selected_part_and_several_objects(indexed: Path, preferences: Any, 
     item = lumpy("Query", 0)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
-    with pytest.raises(RuntimeError, match="'Query' has no selected faces"):
+    with pytest.raises(RuntimeError, match="'Query': no faces are selected"):
         bpy.ops.shape_google.find_similar()
     bpy.ops.mesh.select_all(action="SELECT")
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
