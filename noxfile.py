@@ -232,9 +232,7 @@ def load_bpy(session: nox.Session) -> None:
     probe = partial(session.run, "python", "-c", BPY_PROBE, silent=True, success_codes=[0, 1])
     problem = probe()
     if problem and can_use_apt():
-        session.run("apt-get", "update", external=True, silent=True)
-        install = ["apt-get", "install", "--yes", "--no-install-recommends", *SYSTEM_LIBRARIES]
-        session.run(*install, external=True, silent=True)
+        apt_install(session, *SYSTEM_LIBRARIES)
         problem = probe()
     if problem:
         session.skip(
@@ -252,18 +250,27 @@ def install_for_tests(session: nox.Session) -> None:
     missing = [package for package, there in wanted.items() if not there]
     if not missing or not can_use_apt():
         return
-    codes = [*range(128)]  # without a network the tests have to do without
-    session.run("apt-get", "update", external=True, silent=True, success_codes=codes)
-    install = ["apt-get", "install", "--yes", "--no-install-recommends"]
-    for package in missing:
-        session.run(
-            *install,
-            package,
-            external=True,
-            silent=True,
-            success_codes=codes,
-            env={"DEBIAN_FRONTEND": "noninteractive"},
-        )
+    for package in missing:  # without a network the tests have to do without
+        apt_install(session, package, success_codes=[*range(128)])
+
+
+def apt_install(session: nox.Session, *packages: str, success_codes: Sequence[int] = (0,)) -> None:
+    """Install Debian packages, one session at a time: several sessions run at once."""
+    import fcntl  # not on Windows
+
+    lock = ROOT / ".cache" / "apt.lock"
+    lock.parent.mkdir(exist_ok=True)
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        for command in (["update"], ["install", "--yes", "--no-install-recommends", *packages]):
+            session.run(
+                "apt-get",
+                *command,
+                external=True,
+                silent=True,
+                success_codes=success_codes,
+                env={"DEBIAN_FRONTEND": "noninteractive"},
+            )
 
 
 def can_use_apt() -> bool:

@@ -18,7 +18,6 @@ import sys
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from pathlib import Path
 
 from lib import bootstrap
@@ -52,8 +51,10 @@ def sessions_for(
         Sessions by stage: the stages run one after the other, the sessions of a stage two at a time.
     """
     if not paths:
-        # The long sessions first, so that two processors are busy to the end.
-        return [["checks"], ["core"], ["build"], ["window", *addon, *(["docs"] if docs else []), "extension"]]
+        # The zips are built before sessions install them at once. The long sessions come first, so that two
+        # processors are busy to the end; `extension` uses the environments of the add-on's sessions.
+        everything = ["window", "core", *addon, *(["docs"] if docs else []), "extension"]
+        return [["checks", "build"], everything]
     folders = {**FOLDERS, "tests/addon": addon}
     wanted = {
         session
@@ -85,7 +86,9 @@ def run_session(name: str, *, options: Sequence[str], live: bool) -> bool:
         errors="replace",
         check=False,
     )
-    print(result.stdout or "", end="", flush=True)
+    # In one piece: another session may be printing, too.
+    sys.stdout.write(result.stdout or "")
+    sys.stdout.flush()
     return result.returncode == 0
 
 
@@ -129,9 +132,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     started = time.monotonic()
     passed: dict[str, bool] = {}
     for stage in sessions_for(paths, options.addon or EVERYDAY, docs=bool(options.addon)):
-        run = partial(run_session, options=["-m", marker, *others], live=len(stage) == 1)
         with ThreadPoolExecutor(2) as pool:
-            passed |= dict(zip(stage, pool.map(run, stage), strict=True))
+            # The longest session shows its progress, those beside it what they printed when they end.
+            results = [
+                pool.submit(
+                    run_session,
+                    name,
+                    options=["-m", marker, *others],
+                    live=len(stage) == 1 or name == "core",
+                )
+                for name in stage
+            ]
+            passed |= {name: result.result() for name, result in zip(stage, results, strict=True)}
     failed = [name for name, good in passed.items() if not good]
     print(
         f"{time.monotonic() - started:.0f} s; " + (f"FAILED: {', '.join(failed)}" if failed else "all passed")

@@ -13,7 +13,7 @@ ADDON = ["addon-4.5"]
 @pytest.mark.parametrize(
     ("paths", "stages"),
     [
-        ([], [["checks"], ["core"], ["build"], ["window", *ADDON, "extension"]]),
+        ([], [["checks", "build"], ["window", "core", *ADDON, "extension"]]),
         (["tests/addon"], [[name] for name in ADDON]),
         (["tests/addon/test_it.py::test_1", "tests/core"], [["core"], *([name] for name in ADDON)]),
         (["tests/core/test_it.py"], [["core"]]),
@@ -29,10 +29,10 @@ def test_paths_choose_the_sessions(
 def test_more_blenders_are_tested_on_request(test_script: ModuleType) -> None:
     assert test_script.CI == ("blender", "addon-4.5", "addon-4.2")
     assert (*test_script.CI, "addon-5.0", "addon-5.2") == test_script.ALL
-    addon = test_script.sessions_for([], test_script.CI)[3]
-    assert addon == ["window", "blender", "addon-4.5", "addon-4.2", "extension"]
-    documented = test_script.sessions_for([], test_script.CI, docs=True)[3]
-    assert documented == ["window", "blender", "addon-4.5", "addon-4.2", "docs", "extension"]
+    addon = test_script.sessions_for([], test_script.CI)[1]
+    assert addon == ["window", "core", "blender", "addon-4.5", "addon-4.2", "extension"]
+    documented = test_script.sessions_for([], test_script.CI, docs=True)[1]
+    assert documented == ["window", "core", "blender", "addon-4.5", "addon-4.2", "docs", "extension"]
     assert test_script.sessions_for(["tests/addon"], test_script.CI) == [[name] for name in test_script.CI]
 
 
@@ -48,7 +48,7 @@ def test_one_failing_session_fails_the_run_and_the_others_still_run(
     def run(name: str, *, options: list[str], live: bool) -> bool:
         ran.append(name)
         assert options[:2] == ["-m", "not long and not real_data"]
-        assert live == (name not in {"window", *ADDON, "extension"})
+        assert live == (name == "core")
         return name != failing
 
     monkeypatch.setattr(test_script.bootstrap, "enter", lambda extras: None)
