@@ -78,6 +78,8 @@ class Window:
         self._numbers = count()
         self._panel = ""
         self._places: dict[tuple[object, ...], tuple[float, float]] = {}
+        # Every button that the pointer came past: by panel, scrolling, column and height.
+        self._seen: dict[tuple[str, float, float, int], str] = {}
 
     def ask(self, function: str, *arguments: Any) -> Any:
         """Call a function of `driver.py` inside Blender."""
@@ -205,21 +207,22 @@ class Window:
         x, y : float
             On the button, where the pointer is.
         """
-        # Nothing in a panel moves, so a button is looked for where it was.
+        # Nothing in a panel moves, so a button is looked for where it was, or where the pointer came past it.
         known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
-        if known in self._places:
-            x, y = self._places[known]
-            if self._confirmed(action, x, (y,)):
-                return x, y
+        place = self._places.get(known) or (self._passed(action, columns) if occurrence == 0 else None)
+        if place is not None and (place := self._confirmed(action, place[0], (place[1], place[1] - STEP))):
+            self._places[known] = place
+            return place
         others: dict[str, None] = {}
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
-            seen = 0
+            seen, scrolled = 0, self.ask("scrolled")
             for share in columns:
                 x, before = left + share * (right - TABS - left), ""
                 for y in range(top + 8, bottom - 4, STEP):
                     button = self._button_at(x, y)
                     others[f"{button} at {x:.0f}, {y}"] = None
+                    self._seen[self._panel, scrolled, share, y] = button
                     if action in button and button != before:
                         # A slow Blender may have answered for the place before.
                         place = self._confirmed(action, x, (y, y - STEP))
@@ -230,11 +233,20 @@ class Window:
                                 return place
                             seen += 1
                     before = button
-            scrolled = self.ask("scrolled")
             self.move(x, top + FIRST_HEADER)
             self.tool("click", "--repeat", 12, "--delay", 10, 5)
             self.settle()
             assert self.ask("scrolled") != scrolled, f"nothing does {action!r}: {', '.join(others)}"
+
+    def _passed(self, action: str, columns: Sequence[float]) -> tuple[float, float] | None:
+        """Find out where the pointer once came past a button, without moving it."""
+        left, _, right, _ = self.ask("regions")["ui"]
+        scrolled = self.ask("scrolled")
+        for share in columns:
+            for (panel, offset, column, y), button in self._seen.items():
+                if (panel, offset, column) == (self._panel, scrolled, share) and action in button:
+                    return left + share * (right - TABS - left), y
+        return None
 
     def _confirmed(self, action: str, x: float, heights: Sequence[float]) -> tuple[float, float] | None:
         """Find out with patience at which of some places a button is; the pointer stays there."""

@@ -19,7 +19,7 @@ import bpy
 
 NAME = "bl_ext.user_default.shape_google"
 CATEGORY = "Shape Google"
-SECONDS_BETWEEN_LOOKS = 0.05
+SECONDS_BETWEEN_LOOKS = 0.02
 # In words that no button puts into the clipboard.
 NOTHING = "no button"
 

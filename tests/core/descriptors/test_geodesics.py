@@ -40,7 +40,7 @@ def test_paths_across_an_edge_are_those_of_the_unfolded_triangles() -> None:
 
 def test_geodesic_histogram_of_a_strip(shapes: type[Shapes]) -> None:
     # Along a narrow strip the way to a point is its distance along it: d bins end at r √(k/d) on both sides.
-    strip = shapes.rectangle(5.0, 0.05, 1000)
+    strip = shapes.rectangle(5.0, 0.05, 500)
     unit, radius, bins = np.sqrt(strip.area), 2.0, 4
     values = geodesic_histograms(strip, radius, bins)
     edges = radius * unit * np.sqrt(np.arange(bins + 1) / bins)

@@ -55,7 +55,7 @@ def split_faces(mesh: Mesh) -> Mesh:
     return Mesh(np.array(vertices), np.array(faces))
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(seed=st.integers(0, 10_000), exponent=st.floats(-5, 5), shape=st.integers(0, 3))
 def test_rigid_motion_and_size_do_not_change_a_bag(
     seed: int, exponent: float, shape: int, shapes: type[Shapes], model: ShapeModel
@@ -67,7 +67,7 @@ def test_rigid_motion_and_size_do_not_change_a_bag(
     assert change(model, mesh, moved) < RIGID_BOUND
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(seed=st.integers(0, 10_000), shape=st.integers(0, 3))
 def test_order_of_vertices_and_faces_does_not_change_a_bag(
     seed: int, shape: int, shapes: type[Shapes], model: ShapeModel
@@ -80,7 +80,7 @@ def test_order_of_vertices_and_faces_does_not_change_a_bag(
     assert change(model, mesh, shuffled) < ORDER_BOUND
 
 
-@pytest.mark.parametrize("shape", range(4))
+@pytest.mark.parametrize("shape", range(2))
 def test_refinement_hardly_changes_a_bag(shape: int, shapes: type[Shapes], model: ShapeModel) -> None:
     mesh = shapes.bumpy(4, shape)  # 2,562 vertices; refined 10,242, above the budget
     refined = change(model, mesh, split_faces(mesh))

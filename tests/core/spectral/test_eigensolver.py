@@ -97,7 +97,7 @@ def test_the_constant_need_not_be_in_the_kernel(laplacian: str, shapes: type[Sha
     check(operator, 80)
 
 
-@pytest.mark.parametrize("k", [5, 30, 60])
+@pytest.mark.parametrize("k", [5, 60])
 def test_more_equal_eigenvalues_than_a_block_has_vectors(k: int, shapes: type[Shapes]) -> None:
     one = build_operator(shapes.sphere(2), "cotangent")
     copies = 2 * eigensolver.BLOCK
