@@ -31,6 +31,7 @@ __all__ = [
     "explain",
     "library_duplicates",
     "library_state",
+    "model_of",
     "open_library",
     "query",
     "versions",
@@ -346,10 +347,7 @@ def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> l
     ModelError
         If the model cannot be loaded.
     """
-    if isinstance(model, Path):
-        model = _SESSION.library(model).model
-    elif isinstance(model, str):
-        model = _SESSION.model(model)
+    model = model_of(model)
     described: list[ShapeSignature | str] = []
     for mesh in meshes:
         try:
@@ -357,6 +355,13 @@ def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> l
         except MeshError as error:
             described.append(str(error))
     return described
+
+
+def model_of(model: ShapeModel | Path | str) -> ShapeModel:
+    """Return a model, that of a library, or one by its name; see `describe_meshes`."""
+    if isinstance(model, Path):
+        return _SESSION.library(model).model
+    return _SESSION.model(model) if isinstance(model, str) else model
 
 
 def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> list[DuplicateGroup]:

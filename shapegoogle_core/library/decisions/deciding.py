@@ -28,6 +28,9 @@ from shapegoogle_core.model.signature import ShapeSignature
 
 __all__ = ["LibraryDecisions"]
 
+# Path of the key of a query without a source. Empty, it would be that of a shape that was added without one.
+_OUTSIDE = "outside the library"
+
 
 class LibraryDecisions(LibrarySearch):
     """The shapes of a library, the search in them, and what people decided about them; see `Library`.
@@ -43,6 +46,8 @@ class LibraryDecisions(LibrarySearch):
         *,
         tag: str = "",
         author: str = "",
+        name: str = "",
+        source: str = "",
     ) -> Decision:
         """Remember a decision about one or two shapes; later searches and lists of duplicates follow it.
 
@@ -54,14 +59,16 @@ class LibraryDecisions(LibrarySearch):
         kind : {"not a match", "keep both", "master", "tag", "no tag"}
             See `Decision`.
         shape : int or ShapeSignature
-            Number of a shape of this library. For "not a match" also the signature of a query that is not in
-            the library.
+            Number of a shape of this library. For a pair also the signature of a query that is not in the
+            library.
         other : int, optional
             Number of the second shape, for "not a match" and "keep both".
         tag : str, optional
             For "tag" and "no tag".
         author : str, optional
             Who decides.
+        name, source : str, optional
+            Name and file of a query that is not in the library, for the list of decisions.
 
         Returns
         -------
@@ -87,7 +94,8 @@ class LibraryDecisions(LibrarySearch):
         ['box 1', 'box 2']
         """
         self._check(kind, shape, other, tag)
-        check_type("author", author, str, "a text")
+        for argument, value in (("author", author), ("name", name), ("source", source)):
+            check_type(argument, value, str, "a text")
         listed = [number for number in (shape, other) if isinstance(number, int)]
         for number in listed:
             has_tag = tag.strip() in self.shape(number).tags  # raises the error for an unknown shape
@@ -96,7 +104,10 @@ class LibraryDecisions(LibrarySearch):
                     f"shape {number} {'has' if has_tag else 'does not have'} the tag {tag.strip()!r} already"
                 )
         keys = self._keys(listed)
-        first = keys[shape] if isinstance(shape, int) else ShapeKey(fingerprint=fingerprint(shape))
+        if isinstance(shape, int):
+            first = keys[shape]
+        else:
+            first = ShapeKey("", source or _OUTSIDE, name, name, fingerprint=fingerprint(shape))
         second = None if other is None else keys[other]
         decision = Decision(kind, first, second, tag.strip(), author, time.time())
         return replace(decision, number=self._store.add_decision(decision))
@@ -248,7 +259,7 @@ class LibraryDecisions(LibrarySearch):
         check_type("shape", shape, (int, ShapeSignature), "the number of a shape, or a signature")
         check_type("other", other, (int, type(None)), "the number of a shape")
         check_type("tag", tag, str, "a text")
-        if isinstance(shape, ShapeSignature) and kind != "not a match":
+        if isinstance(shape, ShapeSignature) and kind not in PAIR_KINDS:
             raise ValueError(f"{kind!r} needs the number of a shape of the library, not a signature")
         if (other is not None) != (kind in PAIR_KINDS):
             wanted = "two shapes" if kind in PAIR_KINDS else "one shape"
