@@ -9,6 +9,9 @@ its own classes:
 - ``gallery``: pictures of the matches, their labels and filters, and appending, linking or marking a match;
 - ``signature``: painting signatures, words and keypoints;
 - ``duplicates``: groups of equal shapes, and linking their data;
+- ``decisions``: what was decided about matches and duplicates;
+- ``replacing``: giving objects the mesh of a match;
+- ``new_objects``: checking whether objects are in the library already;
 - ``transfer``: carrying vertex groups, colours and UVs from a match to the query;
 - ``translation``: the texts of all features in other languages.
 
@@ -21,12 +24,15 @@ functions.
 
 from . import (
     commands,
+    decisions,
     duplicates,
     gallery,
     jobs,
     library,
     needs,
+    new_objects,
     preferences,
+    replacing,
     search,
     session,
     signature,
@@ -48,6 +54,9 @@ _MODULES = (
     gallery,
     signature,
     duplicates,
+    decisions,
+    replacing,
+    new_objects,
     transfer,
     suggestions,
     session,

@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import getpass
 import os
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -151,6 +153,12 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         min=256,
         max=1_048_576,
     )
+    author: StringProperty(
+        name="Author",
+        description="Your name in decisions; if empty, that of your account on this computer",
+        maxlen=200,
+        update=_changed,
+    )
     model: EnumProperty(
         name="Model",
         description="Model of a new library; a library keeps the model that it was created with",
@@ -176,6 +184,8 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column = layout.column(heading="Library")
         column.prop(self, "library", placeholder=self.library_path().name)
         column.prop(self, "folder", placeholder="Blender's own folder for extensions")
+        column = layout.column(heading="Decisions")
+        column.prop(self, "author", placeholder=login_name())
         column = layout.column(heading="Indexing")
         column.prop(self, "jobs", text="Workers (0: All Processors)")
         column.prop(self, "time_limit", text="Time Limit (s)")
@@ -215,6 +225,10 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         """Return the name or path of the chosen model, as `shapegoogle_core.load_model` takes it."""
         return str(self.model_file) if self.model == "FILE" else str(self.model).lower()
 
+    def author_name(self) -> str:
+        """Return the name that decisions are made under."""
+        return str(self.author).strip() or login_name()
+
     def has_sources(self) -> bool:
         """Whether any source of files is chosen; does not access the disk."""
         libraries = self.use_asset_libraries and bool(connections.asset_libraries())
@@ -227,6 +241,15 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         chosen = [path for _, path in libraries if path.is_dir()]
         chosen += [Path(item.path) for item in self.folders if item.use and item.path]
         return list(dict.fromkeys(chosen))
+
+
+@cache
+def login_name() -> str:
+    """Return the name of the user's account; empty where the system does not know it."""
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):  # such as a container without accounts
+        return ""
 
 
 def preferences(context: Any | None = None) -> SHAPEGOOGLE_preferences:

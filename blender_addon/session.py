@@ -12,8 +12,10 @@ from typing import Any
 import bpy
 from bpy.props import PointerProperty
 
+from .decisions.properties import DecisionProperties
 from .gallery.properties import GalleryProperties
 from .library.properties import IndexingProperties
+from .new_objects.properties import NewObjectsProperties
 from .search.properties import SearchProperties
 from .state import current, session_of
 from .suggestions.properties import SuggestionProperties
@@ -28,6 +30,8 @@ class SHAPEGOOGLE_PG_session(
     GalleryProperties,
     TransferProperties,
     SuggestionProperties,
+    DecisionProperties,
+    NewObjectsProperties,
     bpy.types.PropertyGroup,
 ):
     """State of this Blender session."""

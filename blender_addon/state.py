@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import ShapeModel
+    from shapegoogle_core import ShapeModel, ShapeSignature
     from shapegoogle_core.processes.worker import Worker
     from shapegoogle_core.worker.requests import Answer
 
@@ -27,12 +27,22 @@ if TYPE_CHECKING:
     from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
     from .jobs import BackgroundRun
     from .library.scene_source import SceneIndexing
+    from .replacing.operators import Replaces
     from .session import SHAPEGOOGLE_PG_session
     from .signature.distance import TimeRange
     from .signature.results import Key, Known
     from .transfer.operators import SHAPEGOOGLE_OT_transfer_match
 
-__all__ = ["SignatureState", "State", "current", "is_registered", "session_of", "start", "stop"]
+__all__ = [
+    "ReplacingState",
+    "SignatureState",
+    "State",
+    "current",
+    "is_registered",
+    "session_of",
+    "start",
+    "stop",
+]
 
 
 @dataclass
@@ -70,6 +80,8 @@ class LibraryState:
         The look that another thread takes at the file.
     forget : list of callable
         What the features do when their results no longer belong to the library.
+    notice : list of callable
+        What the features do when the library has changed.
     indexing : list of BackgroundRun or SceneIndexing
         Runs that fill the library, the present one first.
     training : BackgroundRun or None
@@ -94,6 +106,7 @@ class LibraryState:
     file: tuple[int, ...] | None = None
     look: Future[tuple[int, ...] | None] | None = None
     forget: list[Callable[[Any, str], None]] = field(default_factory=list)
+    notice: list[Callable[[Any], None]] = field(default_factory=list)
     indexing: list[BackgroundRun | SceneIndexing] = field(default_factory=list)
     training: BackgroundRun | None = None
     model: tuple[str, float, ShapeModel] | None = None
@@ -118,6 +131,9 @@ class SearchState:
         The versions of one of its matches, if they are shown.
     before : str
         What was said of the answer shown, for a search that is cancelled.
+    examples, coming : list of (str, int)
+        Names of the shapes of the query that is answered and of the one that waits, with their number where
+        they are from the library; else 0.
     unlike : list of (int, str)
         Examples of shapes that were not meant in the last query.
     refine_at : float
@@ -130,6 +146,8 @@ class SearchState:
     answer: Answer | None = None
     versions: Answer | None = None
     before: str = ""
+    examples: list[tuple[str, int]] = field(default_factory=list)
+    coming: list[tuple[str, int]] = field(default_factory=list)
     unlike: list[tuple[int, str]] = field(default_factory=list)
     refine_at: float = 0.0
     searched: frozenset[int] = frozenset()
@@ -213,12 +231,44 @@ class TransferState:
 
 
 @dataclass
+class ReplacingState:
+    """State of replacing meshes.
+
+    Attributes
+    ----------
+    operator : Replaces or None
+        The replacement that waits for the worker; see `TransferState`.
+    """
+
+    operator: Replaces | None = None
+
+
+@dataclass
+class NewObjectsState:
+    """State of the check of new objects.
+
+    Attributes
+    ----------
+    known : set of int
+        Session uids of the objects that were there at the last check, or when the file was opened.
+    task : Future or None
+        What the worker does for the check that runs.
+    signatures : dict of int to ShapeSignature
+        Of the objects that are listed, by their session uid.
+    """
+
+    known: set[int] = field(default_factory=set)
+    task: Future[Any] | None = None
+    signatures: dict[int, ShapeSignature] = field(default_factory=dict)
+
+
+@dataclass
 class State:
     """State of the add-on, by feature.
 
     Attributes
     ----------
-    jobs, library, search, gallery, signature, duplicates, transfer
+    jobs, library, search, gallery, signature, duplicates, transfer, replacing, new_objects
         Parts that belong to one feature each.
     kept_session : dict or None
         Values of the session while another file is being opened.
@@ -235,6 +285,8 @@ class State:
     signature: SignatureState = field(default_factory=SignatureState)
     duplicates: DuplicatesState = field(default_factory=DuplicatesState)
     transfer: TransferState = field(default_factory=TransferState)
+    replacing: ReplacingState = field(default_factory=ReplacingState)
+    new_objects: NewObjectsState = field(default_factory=NewObjectsState)
     kept_session: dict[str, Any] | None = None
     command: object = None
     registered: tuple[ModuleType, ...] = ()

@@ -47,6 +47,8 @@ class Member:
         The .blend file that the object is linked from; empty for one of this file, and in a library.
     source : str
         The file that the shape of a library came from; empty in a scene.
+    shape_id : int
+        Its number in the library; 0 in a scene.
     scale : float
         Size relative to the first member.
     similarity : float
@@ -58,6 +60,7 @@ class Member:
     name: str
     library: str = ""
     source: str = ""
+    shape_id: int = 0
     scale: float = 1.0
     similarity: float = 1.0
     note: str = ""
@@ -288,6 +291,7 @@ def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
                 Member(
                     member.object_name or member.name,
                     source=member.source,
+                    shape_id=member.shape_id,
                     scale=member.scale,
                     similarity=member.similarity,
                 )

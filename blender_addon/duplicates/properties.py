@@ -48,6 +48,7 @@ class SHAPEGOOGLE_PG_duplicate_member(bpy.types.PropertyGroup):
 
     library: StringProperty()
     source: StringProperty()
+    shape_id: IntProperty()
     scale: FloatProperty(default=1.0)
     similarity: FloatProperty(default=1.0)
     note: StringProperty()
@@ -148,6 +149,7 @@ def show_groups(
             line = entry.members.add()
             line.name, line.library, line.source = member.name, member.library, member.source
             line.scale, line.similarity, line.note = member.scale, member.similarity, member.note
+            line.shape_id = member.shape_id
 
 
 def _saving(group: Group) -> str:

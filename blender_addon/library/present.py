@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from shapegoogle_core.worker.library_state import LibraryState
 
-__all__ = ["follow", "is_there", "library_changed", "refresh", "when_it_goes"]
+__all__ = ["follow", "is_there", "library_changed", "refresh", "when_it_changes", "when_it_goes"]
 
 T = TypeVar("T")
 
@@ -130,6 +130,8 @@ def _show(found: LibraryState) -> None:
             today = found.today.get(example.shape_id, example.shape_id)
             example.is_gone = today is None
             example.shape_id = example.shape_id if today is None else today
+    for notice in state.current().library.notice:
+        notice(context)
 
 
 def is_there(context: Any) -> bool:
@@ -226,6 +228,17 @@ def _in_thread(function: Callable[[], T]) -> Future[T]:
 
     threading.Thread(target=call, daemon=True).start()
     return future
+
+
+def when_it_changes(notice: Callable[[Any], None]) -> None:
+    """Have a feature look at the library again when it has changed, or another one was chosen.
+
+    Parameters
+    ----------
+    notice : callable
+        Called with the context.
+    """
+    state.current().library.notice.append(notice)
 
 
 def when_it_goes(forget: Callable[[Any, str], None]) -> None:

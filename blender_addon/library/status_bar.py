@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 from ..state import session_of
+from ..translation import tr
 
 __all__ = ["redraw_status_bar", "register", "unregister"]
 
@@ -23,6 +24,14 @@ def _draw(self: Any, context: Any) -> None:
         row.ui_units_x = WIDTH
         row.progress(factor=session.share, text=f"Shape Google: {session.progress or 'indexing'}")
         row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
+    elif session.checking:
+        row = self.layout.row()
+        row.ui_units_x = WIDTH
+        row.progress(
+            factor=session.check_progress,
+            text=tr("Shape Google: {progress}").format(progress=session.check_status),
+        )
+        row.operator("shape_google.cancel_check", text="", icon="X", emboss=False)
     elif session.searching:
         self.layout.label(text="Shape Google: searching …", icon="VIEWZOOM")
 

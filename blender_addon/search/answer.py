@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.worker.requests import Answer
 
 __all__ = [
+    "describe_match",
     "drop_answer",
     "explain_matches",
     "show_answer",
@@ -46,6 +47,7 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     session = session_of(context)
     session.searching = False
     session.asked = answer.examples
+    state.current().search.examples = state.current().search.coming
     pictures.clear()
     state.current().gallery.placed.clear()
     show_matches(context, answer, seconds)
@@ -130,23 +132,35 @@ def _fill(lines: Any, answer: Answer) -> None:
     """Describe each match of an answer in a line."""
     lines.clear()
     for match in answer.matches:
-        line = lines.add()
-        line.name = match.name
-        line.object_name = match.object_name
-        line.title = match.name if match.name != match.object_name else ""
-        line.shape_type = match.origin.shape_type or ""
-        line.tags, line.catalog = ", ".join(match.tags), match.origin.catalog
-        line.frame = "" if match.origin.frame is None else str(match.origin.frame)
-        line.shape_id = match.shape_id
-        line.source = match.source
-        line.similarity, line.distance = match.similarity, match.distance
-        line.size = (match.area / answer.area) ** 0.5
-        line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
-        line.likeness = -1 if match.likeness is None else match.likeness
-        line.placement_count = match.placement_count
-        line.version_count = match.versions
-        line.evidence = labels.COMPARING
+        describe_match(lines.add(), match, answer.area)
         pictures.keep(match.shape_id, answer.thumbnails.get(match.shape_id))
+
+
+def describe_match(line: Any, match: Match, area: float) -> None:
+    """Describe a match in a line, without its evidence.
+
+    Parameters
+    ----------
+    line : SHAPEGOOGLE_PG_match
+    match : Match
+    area : float
+        Of the query.
+    """
+    line.name = match.name
+    line.object_name = match.object_name
+    line.title = match.name if match.name != match.object_name else ""
+    line.shape_type = match.origin.shape_type or ""
+    line.tags, line.catalog = ", ".join(match.tags), match.origin.catalog
+    line.frame = "" if match.origin.frame is None else str(match.origin.frame)
+    line.shape_id = match.shape_id
+    line.source = match.source
+    line.similarity, line.distance = match.similarity, match.distance
+    line.size = (match.area / area) ** 0.5
+    line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
+    line.likeness = -1 if match.likeness is None else match.likeness
+    line.placement_count = match.placement_count
+    line.version_count = match.versions
+    line.evidence = labels.COMPARING
 
 
 def show_evidence(context: Any, explained: dict[int, Match]) -> None:

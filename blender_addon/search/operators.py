@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from shapegoogle_core.worker.requests import Answer
 
-__all__ = ["register", "unregister"]
+__all__ = ["refine", "refine_and_wait", "register", "search_with", "unregister"]
 
 
 class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
@@ -139,6 +139,7 @@ def _begin(
     session, search = session_of(context), state.current().search
     future = _submit(context, meshes, stored)
     search.waiting, search.searched, search.refine_at = future, searched, 0.0
+    search.coming = [(mesh.name, 0) for mesh in meshes] + [(name, number) for number, name in stored]
     session.searching, session.query = True, title
     search.before = session.answer
     session.answer = tr("Searching for {name} …").format(name=title)
@@ -206,6 +207,30 @@ def refine(context: Any) -> None:
             session_of(bpy.context).answer = error_text(error)
 
     jobs.watch(future, done, failed)
+
+
+def refine_and_wait(context: Any) -> None:
+    """Answer the present query again, as `refine` does, before returning.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Raises
+    ------
+    ShapeGoogleError
+        If the library cannot be searched.
+    """
+    from shapegoogle_core.worker.requests import explain
+
+    search = state.current().search
+    if search.answer is None:
+        return
+    started = time.monotonic()
+    answer = _submit(context, search.answer.signatures).result()
+    explained = jobs.worker().submit(explain, answer.library, answer.signatures, answer.matches).result()
+    show_matches(context, answer, time.monotonic() - started)
+    show_evidence(context, explained)
 
 
 def _examples(context: Any) -> list[Any]:
