@@ -62,7 +62,16 @@ def test_one_failing_session_fails_the_run_and_the_others_still_run(
 def test_a_session_of_nox_passes_its_options_to_pytest(
     test_script: ModuleType, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    nothing = ["-m", "", "tests/scripts/test_wheels.py", "-k", "another_platform"]
+    # In one process: there is one test to run.
+    nothing = [
+        "--numprocesses=0",
+        "--dist=no",
+        "-m",
+        "",
+        "tests/scripts/test_wheels.py",
+        "-k",
+        "another_platform",
+    ]
     assert test_script.run_session("core", options=nothing, live=False)
     assert "1 passed" in capfd.readouterr().out
     assert not test_script.run_session("core", options=[*nothing, "--no-such-option"], live=False)
