@@ -213,7 +213,7 @@ class SceneIndexing:
         if found is not None:
             self._states[item.session_uid] = found
         elif item.session_uid not in self._instances and item.session_uid in self._chosen:
-            self._left_out[what_is_empty(kind)] += 1
+            self._left_out[what_is_empty(item, kind)] += 1
 
     def _assembled(self) -> Iterator[NewShape[Mesh] | FileNotes | str]:
         """Make shapes of all that was read."""

@@ -78,11 +78,21 @@ class MeshWriter:
             evaluated.to_mesh_clear()
 
 
-def what_is_empty(kind: str) -> str:
-    """Say in a report what an object without a surface is, by what its shape would be called."""
+def what_is_empty(item: Any, kind: str) -> str:
+    """Say in a report what an object without a surface is.
+
+    Parameters
+    ----------
+    item : bpy.types.Object
+    kind : str
+        What its shape would be called.
+    """
     if kind == "metaball":  # only one ball of a family has the mesh of all
         return "metaball element"
-    return "empty mesh" if kind == "object" else f"empty {kind}"
+    if kind != "object":
+        return f"empty {kind}"
+    # Wires and single points, such as a scan, are not empty.
+    return "mesh without faces" if len(item.data.vertices) else "empty mesh"
 
 
 def _positions(points: Any) -> array[float]:

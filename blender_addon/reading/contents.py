@@ -169,7 +169,7 @@ class _Contents:
                 if state is not None:
                     states[uid] = state
                 elif frame == self._frames[0] and uid in chosen and uid not in instances:
-                    self._left_out[what_is_empty(self._items[uid].kind)] += 1
+                    self._left_out[what_is_empty(item, self._items[uid].kind)] += 1
             yield frame, states
 
     def _linked_files(self) -> list[str]:

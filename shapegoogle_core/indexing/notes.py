@@ -19,7 +19,7 @@ class LeftOut:
     Attributes
     ----------
     kind : str
-        In the singular, such as "light" or "empty mesh".
+        In the singular, such as "light" or "mesh without faces".
     count : int
     """
 
@@ -80,8 +80,8 @@ def left_out_sentence(notes: Iterable[LeftOut]) -> str:
     Examples
     --------
     >>> from shapegoogle_core.indexing.notes import LeftOut, left_out_sentence
-    >>> left_out_sentence([LeftOut("empty mesh", 5), LeftOut("light", 7)])
-    '12 objects skipped: 7 lights, 5 empty meshes'
+    >>> left_out_sentence([LeftOut("mesh without faces", 5), LeftOut("light", 7)])
+    '12 objects skipped: 7 lights, 5 meshes without faces'
     """
     total = total_left_out(notes)
     if not total:
@@ -93,8 +93,11 @@ def left_out_sentence(notes: Iterable[LeftOut]) -> str:
 def _with_number(note: LeftOut) -> str:
     if note.count == 1:
         return f"1 {note.kind}"
-    if note.kind.endswith("sh"):
-        return f"{note.count:,} {note.kind}es"
-    if note.kind.endswith("ty"):
-        return f"{note.count:,} {note.kind[:-1]}ies"
-    return f"{note.count:,} {note.kind}s"
+    noun, without, rest = note.kind.partition(" without ")
+    if noun.endswith("sh"):
+        noun = f"{noun}es"
+    elif noun.endswith("ty"):
+        noun = f"{noun[:-1]}ies"
+    else:
+        noun = f"{noun}s"
+    return f"{note.count:,} {noun}{without}{rest}"

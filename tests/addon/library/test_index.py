@@ -132,7 +132,9 @@ def test_hidden_objects_and_wires_are_left_out_of_the_scene(preferences: Any, se
     bpy.context.collection.objects.link(bpy.data.objects.new("Wire", wire))
     preferences.use_scene = True
     bpy.ops.shape_google.index_library()
-    assert session.summary == ("1 shape of this scene; 2 objects skipped: 1 empty mesh, 1 hidden object")
+    assert session.summary == (
+        "1 shape of this scene; 2 objects skipped: 1 hidden object, 1 mesh without faces"
+    )
     assert not session.errors
 
 

@@ -81,6 +81,7 @@ LEFT_OUT = {
     "camera": 1,
     "empty": 1,
     "empty mesh": 2,
+    "mesh without faces": 1,
     "empty curve": 1,
     "metaball element": 1,
 }
@@ -276,3 +277,6 @@ def _left_out() -> None:
     _add("Wire", bpy.ops.curve.primitive_bezier_curve_add)
     for _ in range(2):
         bpy.context.collection.objects.link(bpy.data.objects.new("Nothing", bpy.data.meshes.new("Nothing")))
+    rope = bpy.data.meshes.new("Rope")
+    rope.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Rope of edges", rope))

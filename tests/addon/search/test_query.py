@@ -170,7 +170,7 @@ def test_points_find_their_mesh_and_mesh_its_points(
     for kind in kinds:
         scan(kind)
     bpy.ops.shape_google.index_library()
-    assert session.summary == "3 shapes of this scene; 3 objects skipped: 3 empty meshes"
+    assert session.summary == "3 shapes of this scene; 3 objects skipped: 3 meshes without faces"
     for kind in kinds:
         item = bpy.data.objects[f"Scan of {kind}"]
         bpy.ops.object.select_all(action="DESELECT")
@@ -187,7 +187,7 @@ def test_points_find_their_mesh_and_mesh_its_points(
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
     assert session.matches[0].name == "human"
     bpy.ops.shape_google.index_library()
-    assert session.summary == "4 shapes of this scene; 2 objects skipped: 2 empty meshes"
+    assert session.summary == "4 shapes of this scene; 2 objects skipped: 2 meshes without faces"
     bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = bpy.data.objects["human"]
     assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
