@@ -17,7 +17,7 @@ its own classes:
 
 Shared: ``scene`` (objects and meshes), ``jobs`` (other processes), ``state`` (memory of the running add-on),
 ``session`` (results shown in the window), ``connections`` (other programs), ``preferences``, ``commands``,
-``needs`` (what a Blender without numpy shows instead).
+``documentation`` (the manual), ``needs`` (what a Blender without numpy shows instead).
 Modules imported for registering must not import numpy or the core; those that need them are imported in
 functions.
 """
@@ -25,6 +25,7 @@ functions.
 from . import (
     commands,
     decisions,
+    documentation,
     duplicates,
     gallery,
     jobs,
@@ -48,6 +49,7 @@ __all__ = ["register", "unregister"]
 _MODULES = (
     translation,
     preferences,
+    documentation,
     wrapped_text,
     library,
     search,

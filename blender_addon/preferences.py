@@ -181,6 +181,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
             return
         layout.use_property_split = True
         layout.use_property_decorate = False
+        layout.operator("shape_google.open_manual", icon="HELP")
         column = layout.column(heading="Library")
         column.prop(self, "library", placeholder=self.library_path().name)
         column.prop(self, "folder", placeholder="Blender's own folder for extensions")

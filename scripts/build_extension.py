@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from lib import bootstrap, wheels
+from lib.manual import write_manual
 
 __all__ = ["build", "main"]
 
@@ -36,6 +37,7 @@ DIST = bootstrap.ROOT / "dist"
 REPOSITORY = DIST / "repository"
 CACHE = bootstrap.ROOT / ".cache"
 WHEELS = CACHE / "wheels"
+CONVERTER = CACHE / "markdown"
 STAGES = CACHE / "extension"
 PIP = (sys.executable, "-m", "pip")
 PIP_OPTIONS = ("--no-input", "--disable-pip-version-check", "--progress-bar=off")
@@ -125,6 +127,8 @@ def fill(stage: Path, platform: str, python: str) -> None:
         target = stage / source.relative_to(ADDON)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, target)
+    (pin,) = pyproject()["dependency-groups"]["manual"]
+    write_manual(stage / "manual", CONVERTER, PIP, pin)
     text = (ADDON / MANIFEST).read_text(encoding="utf-8")
     complete = complete_manifest(text, version(), platform, sorted(wheel_files))
     (stage / MANIFEST).write_text(complete, encoding="utf-8")

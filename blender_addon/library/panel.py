@@ -68,10 +68,11 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
     bl_order = 10
 
     def draw_header_preset(self, context: Any) -> None:
-        """Show the number of shapes at the right of the title."""
+        """Show the number of shapes at the right of the title, and the button of the manual."""
         count = session_of(context).shape_count
         if count:
             self.layout.label(text=f"{count:,} shape{'' if count == 1 else 's'}")
+        self.layout.operator("shape_google.open_manual", text="", icon="HELP", emboss=False)
 
     def draw(self, context: Any) -> None:
         """Lay the panel out."""

@@ -3,10 +3,18 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import bpy
+
+
+def test_the_manual_can_be_opened(addon: ModuleType) -> None:
+    page = importlib.import_module(f"{addon.__name__}.documentation").manual()
+    assert "Find Similar" in page.read_text(encoding="utf-8")
+    assert bpy.ops.shape_google.open_manual.poll()
 
 
 def test_the_manual_s_script(folder: Path, preferences: Any, session: Any, tmp_path: Path) -> None:

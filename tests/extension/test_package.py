@@ -83,7 +83,8 @@ def test_the_version_of_the_core_tells_its_builds_apart(manifest: Any) -> None:
 
 def test_only_what_is_meant_to_be_is_packed(package: Any) -> None:
     suffixes = {Path(name).suffix for name in package.namelist()}
-    assert suffixes <= {".py", ".toml", ".whl", ".png", ".svg", ".md", ""}
+    assert suffixes <= {".py", ".toml", ".whl", ".png", ".svg", ".md", ".html", ""}
     assert [name for name in package.namelist() if not Path(name).suffix] == ["LICENSE"]
     assert "GNU GENERAL PUBLIC LICENSE" in package.read("LICENSE").decode()
+    assert "Replace With Match" in package.read("manual/index.html").decode()
     assert not any("__pycache__" in name or "/." in name for name in package.namelist())
