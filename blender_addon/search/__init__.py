@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Query the library with the selection, and with matches as examples."""
 
-from . import examples, menus, operators, panel, properties, versions
+from . import examples, menus, operators, other_file, panel, properties, versions
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (properties, operators, menus, versions, examples, panel)
+_MODULES = (properties, operators, menus, versions, examples, other_file, panel)
 
 
 def register() -> None:
