@@ -32,6 +32,8 @@ T = TypeVar("T")
 INTERVAL = 0.02
 # Of the sidebar, the tab that has the add-on's panels.
 CATEGORY = "Shape Google"
+# Kind of node tree by which an area is a gallery, see `gallery.editor.area`.
+GALLERY = "SHAPEGOOGLE_NT_gallery"
 
 
 def worker() -> Worker:
@@ -75,14 +77,16 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
 
 
 def redraw() -> None:
-    """Have the preferences and the sidebars with the add-on's tab drawn again; never the 3D views."""
+    """Have preferences, galleries and the sidebars with the add-on's tab drawn again; never the 3D views."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
                 for region in area.regions:
                     if region.type == "UI" and region.active_panel_category == CATEGORY:
                         region.tag_redraw()
-            elif area.type == "PREFERENCES":
+            elif area.type == "PREFERENCES" or (
+                area.type == "NODE_EDITOR" and area.spaces.active.tree_type == GALLERY
+            ):
                 area.tag_redraw()
 
 

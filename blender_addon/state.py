@@ -18,13 +18,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import ShapeModel, ShapeSignature
+    from shapegoogle_core import Match, Mesh, ShapeModel, ShapeSignature
     from shapegoogle_core.processes.worker import Worker
     from shapegoogle_core.worker.requests import Answer
 
     from .duplicates.background import BackgroundSearch
     from .duplicates.follow import Found
     from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
+    from .gallery.compare.shown import Shown
+    from .gallery.editor.typed_text import TypedText
     from .jobs import BackgroundRun
     from .library.scene_source import SceneIndexing
     from .replacing.operators import Replaces
@@ -117,6 +119,22 @@ class LibraryState:
     objects: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Asked:
+    """What was searched.
+
+    Attributes
+    ----------
+    meshes : tuple of Mesh
+        The first examples, as they were then.
+    stored : tuple of int
+        Ids of the others, which are shapes of the library.
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    stored: tuple[int, ...] = ()
+
+
 @dataclass
 class SearchState:
     """State of the search.
@@ -140,6 +158,14 @@ class SearchState:
         When the present query is to be answered again because a filter has changed; 0 for never.
     searched : frozenset of int
         Session uids of the objects that the last query was made with.
+    file_before, file_wanted : str
+        Path of the file that is being left, and of the one that a match was opened in.
+    asked_with : Asked
+        The examples of the query whose answer is shown.
+    asking_with : Asked
+        Those of the query that is being answered.
+    explained : dict of int to Match
+        Matches whose surfaces have been compared, by the id of the shape.
     """
 
     waiting: Future[Answer] | None = None
@@ -151,6 +177,36 @@ class SearchState:
     unlike: list[tuple[int, str]] = field(default_factory=list)
     refine_at: float = 0.0
     searched: frozenset[int] = frozenset()
+    file_before: str = ""
+    file_wanted: str = ""
+    asked_with: Asked = Asked()
+    asking_with: Asked = Asked()
+    explained: dict[int, Match] = field(default_factory=dict)
+
+
+@dataclass
+class GalleryView:
+    """What the large gallery shows beside the matches themselves.
+
+    Attributes
+    ----------
+    scroll : float
+        How far it is scrolled, in pixels.
+    hovered : int
+        Position of the match under the pointer; -1: none.
+    typed : TypedText or None
+        The text of the search field while it is typed.
+    textures : OrderedDict of int to bpy.types.GPUTexture or None
+        Pictures on the graphics card by shape id, the most recently seen last; None for shapes without one.
+    comparison : Shown or None
+        The two surfaces that are shown in place of the pictures.
+    """
+
+    scroll: float = 0.0
+    hovered: int = -1
+    typed: TypedText | None = None
+    textures: OrderedDict[int, Any] = field(default_factory=OrderedDict)
+    comparison: Shown | None = None
 
 
 @dataclass
@@ -165,11 +221,14 @@ class GalleryState:
         Session uids of the objects that were appended from this answer.
     numbers : tuple of (int, set of int) or None
         Session uid of the scene and those of its objects; None after a change.
+    view : GalleryView
+        Of the large gallery.
     """
 
     pictures: Any = None
     placed: set[int] = field(default_factory=set)
     numbers: tuple[int, set[int]] | None = None
+    view: GalleryView = field(default_factory=GalleryView)
 
 
 @dataclass

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The matches: pictures with labels, filters, and appending, linking, opening, selecting, marking them."""
 
-from . import browse, finding, operators, properties
+from . import browse, compare, editor, finding, operators, properties
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (properties, finding, browse, operators)
+_MODULES = (properties, finding, browse, operators, compare, editor)
 
 
 def register() -> None:

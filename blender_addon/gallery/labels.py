@@ -16,6 +16,7 @@ __all__ = [
     "below_picture",
     "details",
     "evidence_text",
+    "one_line",
     "set_evidence",
     "similarity_text",
     "title",
@@ -155,6 +156,21 @@ def _size(match: Any) -> str:
         match.vertex_count,
         size=match.size,
     )
+
+
+def one_line(match: Any) -> str:
+    """Return what matters of a match in a line, the place of its file last: that may be long.
+
+    Parameters
+    ----------
+    match : SHAPEGOOGLE_PG_match
+
+    Returns
+    -------
+    text : str
+    """
+    parts = [title(match), below_picture(match), f"×{match.size:.3g}", match.tags, match.source]
+    return "  ·  ".join(part for part in parts if part)
 
 
 def similarity_text(match: Any) -> str:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import bpy
 from bpy.props import BoolProperty
 
+from .. import state
 from ..library.open_file import is_open_file
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
@@ -131,6 +132,7 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
 
     def _open(self, context: Any, how: str) -> set[str]:
         source = active_match(context).source
+        state.current().search.file_wanted = source  # whose objects the matches stay for
         try:
             # Scripts in it stay off regardless of the preferences, since the file comes from a search.
             bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)

@@ -15,7 +15,7 @@ from . import pictures
 from .labels import below_picture, details, title
 from .on_match import shown_lines
 
-__all__ = ["draw_gallery", "draw_match"]
+__all__ = ["BUTTONS", "draw_gallery", "draw_match", "versions_text"]
 
 # Width of a picture in units of the interface, and of a column of the gallery in pixels.
 PICTURE_SCALE = 4.6
@@ -23,12 +23,13 @@ COLUMN_WIDTH = 105
 # More rows would push the following panels out of sight; the other matches are on further pages.
 GALLERY_ROWS = 3
 # All that can be done with a match; what is not possible with the chosen one is disabled.
-_BUTTONS = (
+BUTTONS = (
     ("select", "RESTRICT_SELECT_OFF"),
     ("append", "APPEND_BLEND"),
     ("link", "LINK_BLEND"),
     ("open", "FILE_BLEND"),
     ("mark", "COLOR"),
+    ("compare", "SPLIT_VERTICAL"),
 )
 
 
@@ -51,7 +52,7 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     for line in _lines(match):
         lines.label(text=line, translate=False)
     grid = box.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
-    for name, icon in _BUTTONS:
+    for name, icon in BUTTONS:
         grid.operator(f"shape_google.{name}_match", icon=icon)
     draw_transfer(grid.row(align=True))
     row = box.row(align=True)
@@ -66,10 +67,23 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     for unlike, text, icon in ((False, tr("More Like This"), "ADD"), (True, tr("Not Like This"), "REMOVE")):
         button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
         button.unlike = unlike
-    box.operator("shape_google.show_versions", text=_versions(session, match), icon="DUPLICATE").index = -1
+    box.operator(
+        "shape_google.show_versions", text=versions_text(session, match), icon="DUPLICATE"
+    ).index = -1
 
 
-def _versions(session: Any, match: Any | None) -> str:
+def versions_text(session: Any, match: Any | None) -> str:
+    """Return the text of the button that shows the versions of a match, or all shapes again.
+
+    Parameters
+    ----------
+    session : SHAPEGOOGLE_PG_session
+    match : SHAPEGOOGLE_PG_match or None
+
+    Returns
+    -------
+    text : str
+    """
     if session.opened >= 0:
         return tr("Show All Shapes")
     count = 0 if match is None else match.version_count

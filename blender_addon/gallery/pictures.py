@@ -7,6 +7,7 @@ import bpy
 import bpy.utils.previews
 
 from .. import state
+from ..state import GalleryView
 
 __all__ = ["clear", "icon_of", "keep"]
 
@@ -51,6 +52,7 @@ def icon_of(shape_id: int) -> int:
 def clear() -> None:
     """Remove the icons of all shapes."""
     gallery = state.current().gallery
+    gallery.view = GalleryView()
     if gallery.pictures is not None:
         bpy.utils.previews.remove(gallery.pictures)
         gallery.pictures = None

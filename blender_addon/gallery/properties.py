@@ -15,6 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from .editor import area
+from .editor.layout import LARGEST_PICTURE, SMALLEST_PICTURE
 from .finding import is_here
 from .labels import evidence_text
 from .refining import search_again
@@ -66,6 +68,10 @@ _EVIDENCE = (
     ("same kind", "Same Kind", "Another shape of the same kind"),
     ("nothing in common", "Nothing in Common", "Another shape of another kind"),
 )
+
+
+def _draw_again(_session: Any, context: Any) -> None:
+    area.redraw(context)
 
 
 def _is_in_scene(match: Any) -> bool:
@@ -128,6 +134,15 @@ class GalleryProperties:
     active_version: IntProperty(name="Version", default=-1)
     page_of_matches: IntProperty(description="Page to return to from the versions", min=0)
     page: IntProperty(name="Page", description="Page of the gallery, from 0", min=0)
+    picture_size: IntProperty(
+        name="Picture Size",
+        description="Width of the pictures in the large gallery, in pixels",
+        default=160,
+        min=SMALLEST_PICTURE,
+        max=LARGEST_PICTURE,
+        subtype="PIXEL",
+        update=_draw_again,
+    )
     least_similarity: FloatProperty(
         name="Similarity",
         description="Lowest similarity of the matches; 0.5: as likely the same shape as another one",

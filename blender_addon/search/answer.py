@@ -50,6 +50,7 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     state.current().search.examples = state.current().search.coming
     pictures.clear()
     state.current().gallery.placed.clear()
+    state.current().search.asked_with = state.current().search.asking_with
     show_matches(context, answer, seconds)
     session.active_match = 0 if answer.matches else -1
 
@@ -72,6 +73,8 @@ def show_matches(context: Any, answer: Answer, seconds: float) -> None:
     session.opened = -1
     session.versions.clear()
     search.answer, search.versions = answer, None
+    search.explained.clear()
+    state.current().gallery.view.scroll = 0.0
     _fill(session.matches, answer)
     find_objects(context, session.matches)
     ids = [match.shape_id for match in answer.matches]
@@ -177,6 +180,7 @@ def show_evidence(context: Any, explained: dict[int, Match]) -> None:
     for line in (*session.matches, *session.versions):
         if line.shape_id in explained:
             match = explained[line.shape_id]
+            state.current().search.explained[line.shape_id] = match
             if match.object_name != line.object_name:
                 line.object_name, line.area = match.object_name, match.area
                 moved.append(line)

@@ -15,7 +15,7 @@ from ..gallery.filters import conditions, size_factor
 from ..library.present import is_there, when_it_goes
 from ..preferences import preferences
 from ..scene.selection import joined_name, query_objects, searched_objects
-from ..state import SearchState, session_of
+from ..state import Asked, SearchState, session_of
 from ..translation import error_text, tr
 from .answer import drop_answer, explain_matches, show_answer, show_evidence, show_matches
 from .properties import examples_of
@@ -140,6 +140,7 @@ def _begin(
     future = _submit(context, meshes, stored)
     search.waiting, search.searched, search.refine_at = future, searched, 0.0
     search.coming = [(mesh.name, 0) for mesh in meshes] + [(name, number) for number, name in stored]
+    search.asking_with = Asked(tuple(meshes), tuple(shape_id for shape_id, _ in stored))
     session.searching, session.query = True, title
     search.before = session.answer
     session.answer = tr("Searching for {name} …").format(name=title)

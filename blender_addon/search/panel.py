@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 
 from ..gallery import panel as gallery
+from ..gallery.editor import area
 from ..gallery.on_match import active_match
 from ..library.present import follow
 from ..preferences import preferences
@@ -51,6 +52,8 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         _draw_examples(layout, session, preferences(context).library_path())
         layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
+        is_open = any(map(area.is_gallery, context.screen.areas))
+        layout.operator("shape_google.open_gallery", icon="ASSET_MANAGER", depress=is_open)
         gallery.draw_match(layout, session, active_match(context))
         # Only at full width, so not in the box.
         draw_choices(layout, session)

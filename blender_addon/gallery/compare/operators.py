@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compare the chosen match with the query: ask the worker, show both in the gallery, turn them."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ... import jobs, state
+from ...state import session_of
+from ...translation import error_text, tr
+from .. import finding, labels
+from ..editor import area
+from ..editor.operators import InGallery
+from ..errors import PlacingError
+from ..on_match import OnMatch, active_match
+from .shown import Shown
+from .turning import turned
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from shapegoogle_core import Match
+    from shapegoogle_core.worker.comparison import SurfaceComparison
+    from shapegoogle_core.worker.requests import Answer
+
+__all__ = ["register", "unregister"]
+
+
+class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
+    """Compare the match with the query."""
+
+    bl_idname = "shape_google.compare_match"
+    bl_label = "Compare"
+    bl_description = (
+        "Show the query and the match side by side in the gallery, turning together, with the distance "
+        "between their surfaces in color"
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that there is a match of the answer shown."""
+        if not super().poll(context):
+            return False
+        if _asked(context) is None:
+            cls.poll_message_set(tr("Find similar shapes first"))
+            return False
+        return True
+
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Open the gallery, and show both once the worker has compared them."""
+        if area.open_beside(context) is None:
+            self.report(
+                {"ERROR"},
+                tr(
+                    "There is no 3D view with room for the gallery; choose Shape Gallery in the editor menu "
+                    "of an area"
+                ),
+            )
+            return {"CANCELLED"}
+        match = active_match(context)
+        shown = Shown(session_of(context).query, labels.title(match), match.relation)
+        view = state.current().gallery.view
+        view.comparison = shown
+
+        def done(surfaces: SurfaceComparison) -> None:
+            shown.surfaces = surfaces
+
+        def failed(error: BaseException) -> None:
+            shown.problem = error_text(error)
+
+        jobs.watch(self._ask(context), done, failed)
+        area.redraw(context)
+        return {"FINISHED"}
+
+    def execute(self, context: Any) -> set[str]:
+        """Compare them, and report how far apart they are."""
+        from shapegoogle_core import ShapeGoogleError
+
+        try:
+            surfaces = self._ask(context).result()
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, error_text(error))
+            return {"CANCELLED"}
+        text = tr("{name}: median distance {median}, 95 % of the surface within {most}, size ×{factor:.3g}")
+        self.report(
+            {"INFO"},
+            text.format(
+                name=labels.title(active_match(context)),
+                median=length_text(context, surfaces.typical),
+                most=length_text(context, surfaces.most),
+                factor=surfaces.factor,
+            ),
+        )
+        return {"FINISHED"}
+
+    def _ask(self, context: Any) -> Future[SurfaceComparison]:
+        from shapegoogle_core.worker.comparison import compare_surfaces
+
+        asked = _asked(context)
+        assert asked is not None  # see poll
+        answer, match = asked
+        examples = state.current().search.asked_with
+        compare = partial(compare_surfaces, queries=examples.meshes, stored=examples.stored)
+        mesh = _mesh_here(context, active_match(context))
+        return jobs.worker().submit(compare, answer.library, answer.signatures, match, mesh)
+
+
+def _asked(context: Any) -> tuple[Answer, Match] | None:
+    """Return the answer that the chosen match is of, and what the search has found out about it."""
+    session, search = session_of(context), state.current().search
+    answer = search.versions if session.opened >= 0 else search.answer
+    line = active_match(context)
+    if answer is None or line is None:
+        return None
+    found = [match for match in answer.matches if match.shape_id == line.shape_id]
+    return (answer, search.explained.get(line.shape_id, found[0])) if found else None
+
+
+def _mesh_here(context: Any, match: Any) -> Any | None:
+    """Return the mesh of a match in the open scene; of others the worker knows the file or a preview."""
+    from shapegoogle_core import MeshError
+
+    from ...scene.meshes import object_mesh
+
+    try:
+        here = finding.object_of(context, match)
+        if here is None or match.shape_type == "collection":
+            return None
+        mesh = object_mesh(here, context)
+    except (PlacingError, MeshError):  # it is gone; the library still has its preview
+        return None
+    return mesh if len(mesh.vertices) == match.vertex_count else None
+
+
+def length_text(context: Any, value: float) -> str:
+    """Write a length in the units of the scene.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    value : float
+        In Blender's units.
+
+    Returns
+    -------
+    text : str
+        With three digits.
+    """
+    units = context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{value:.3g}"
+    scaled = value * units.scale_length
+    return str(bpy.utils.units.to_string(units.system, "LENGTH", scaled, precision=3))
+
+
+class SHAPEGOOGLE_OT_gallery_turn(InGallery, bpy.types.Operator):
+    """Turn the query and the match together."""
+
+    bl_idname = "shape_google.gallery_turn"
+    bl_label = "Turn Shapes"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that two surfaces are shown."""
+        return super().poll(context) and state.current().gallery.view.comparison is not None
+
+    def invoke(self, context: Any, event: Any) -> set[str]:
+        """Turn as long as the button is held down."""
+        self._button, self._at = event.type, (event.mouse_x, event.mouse_y)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Any, event: Any) -> set[str]:
+        """Follow the pointer."""
+        shown = state.current().gallery.view.comparison
+        if shown is None or (event.type == self._button and event.value == "RELEASE") or event.type == "ESC":
+            return {"FINISHED"}
+        if event.type in ("MOUSEMOVE", "INBETWEEN_MOUSEMOVE"):
+            scale = context.preferences.system.ui_scale
+            x, y = self._at
+            right, up = (event.mouse_x - x) / scale, (event.mouse_y - y) / scale
+            shown.direction = turned(shown.direction, right, up)
+            self._at = event.mouse_x, event.mouse_y
+            area.redraw(context)
+        return {"RUNNING_MODAL"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_compare_match, SHAPEGOOGLE_OT_gallery_turn)
+)

@@ -1,0 +1,414 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where everything in the gallery is, and what is at a place: arithmetic without Blender.
+
+Lengths are pixels; y grows upwards, as in Blender's regions. `scale` is the scale of the interface.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+__all__ = [
+    "LARGEST_PICTURE",
+    "SMALLEST_PICTURE",
+    "Bars",
+    "Box",
+    "Grid",
+    "arrange",
+    "fitted",
+    "shortened",
+    "unobstructed",
+]
+
+SMALLEST_PICTURE, LARGEST_PICTURE = 96, 256
+# At a scale of 1.
+_GAP, _BAR, _STATUS, _BUTTON, _SCROLLBAR, _LINE, _INSET = 8, 30, 24, 24, 10, 18, 4
+_BADGE = 34, 18
+_CORNER = 28
+_LINES = 2
+_LONGEST_FIELD = 480
+_SHORTEST_HANDLE = 24
+
+
+@dataclass(frozen=True)
+class Box:
+    """An upright rectangle.
+
+    Attributes
+    ----------
+    left, bottom, right, top : float
+        Empty if right is not above left, or top not above bottom.
+    """
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    @property
+    def width(self) -> float:
+        """Its width, 0 if it is empty."""
+        return max(0.0, self.right - self.left)
+
+    @property
+    def height(self) -> float:
+        """Its height, 0 if it is empty."""
+        return max(0.0, self.top - self.bottom)
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point is inside."""
+        return self.left <= x < self.right and self.bottom <= y < self.top
+
+    def shrunk(self, margin: float) -> Box:
+        """Return the box without a margin on all sides."""
+        return Box(self.left + margin, self.bottom + margin, self.right - margin, self.top - margin)
+
+
+@dataclass(frozen=True)
+class Bars:
+    """What surrounds the pictures.
+
+    Attributes
+    ----------
+    search : Box
+        The search field.
+    clear : Box
+        The button inside it that empties it.
+    smaller, larger, close : Box
+        Buttons.
+    count : Box
+        Where the number of matches is written, or the button that leads back from versions; empty if there
+        is no room.
+    content : Box
+        Where the pictures are.
+    status : Box
+        The line at the bottom that describes a match.
+    """
+
+    search: Box
+    clear: Box
+    smaller: Box
+    larger: Box
+    close: Box
+    count: Box
+    content: Box
+    status: Box
+
+    def button_at(self, x: float, y: float) -> str | None:
+        """Return the name of the button at a place: one of the attributes, or None."""
+        for name in ("clear", "search", "smaller", "larger", "close", "count"):
+            if getattr(self, name).holds(x, y):
+                return name
+        return None
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of the same size, row by row from the top left.
+
+    Attributes
+    ----------
+    box : Box
+        Where they are.
+    count : int
+        Number of cells.
+    columns : int
+    cell_width, cell_height : float
+        With the gap to the next cell.
+    picture : float
+        Width and height of a picture.
+    gap, line : float
+        Gap between cells, and height of a line of text.
+    scale : float
+    """
+
+    box: Box
+    count: int
+    columns: int
+    cell_width: float
+    cell_height: float
+    picture: float
+    gap: float
+    line: float
+    scale: float
+
+    @classmethod
+    def of(cls, box: Box, count: int, picture: float, scale: float) -> Grid:
+        """Fit as many columns as possible into a box, and spread them evenly over its width.
+
+        Parameters
+        ----------
+        box : Box
+        count : int
+        picture : float
+            Width of a picture at a scale of 1. A picture is smaller where not even one fits.
+        scale : float
+
+        Returns
+        -------
+        grid : Grid
+        """
+        gap, inset, room = _GAP * scale, _INSET * scale, box.width - _SCROLLBAR * scale
+        line = _LINE * scale
+        texts = _LINES * line
+        # A row has to be visible as a whole.
+        side = min(picture * scale, room - 2 * inset - gap, box.height - texts - 2 * inset - gap)
+        side = max(side, 16 * scale)
+        columns = max(1, int(room // (side + 2 * inset + gap)))
+        return cls(
+            box, count, columns, room / columns, side + texts + 2 * inset + gap, side, gap, line, scale
+        )
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return -(-self.count // self.columns)
+
+    @property
+    def largest_scroll(self) -> float:
+        """How far it can be scrolled."""
+        return max(0.0, self.rows * self.cell_height + self.gap - self.box.height)
+
+    def clamped(self, scroll: float) -> float:
+        """Return the nearest scroll that is possible."""
+        return min(max(scroll, 0.0), self.largest_scroll)
+
+    def cell(self, index: int, scroll: float) -> Box:
+        """Return the box of a cell, without the gap.
+
+        Parameters
+        ----------
+        index : int
+        scroll : float
+            How far the grid is scrolled.
+
+        Returns
+        -------
+        box : Box
+            It may be outside that of the grid.
+        """
+        row, column = divmod(index, self.columns)
+        left = self.box.left + column * self.cell_width + self.gap / 2
+        top = self.box.top - row * self.cell_height - self.gap + scroll
+        return Box(left, top - self.cell_height + self.gap, left + self.cell_width - self.gap, top)
+
+    def picture_in(self, cell: Box) -> Box:
+        """Return where in a cell its picture is."""
+        left = (cell.left + cell.right - self.picture) / 2
+        top = cell.top - _INSET * self.scale
+        return Box(left, top - self.picture, left + self.picture, top)
+
+    def badge_in(self, cell: Box) -> Box:
+        """Return where in a cell the number of versions is: the top right corner of its picture."""
+        picture = self.picture_in(cell)
+        width, height = (length * self.scale for length in _BADGE)
+        return Box(picture.right - width, picture.top - height, picture.right, picture.top)
+
+    def lines_in(self, cell: Box) -> list[Box]:
+        """Return where in a cell its lines of text are, from the top."""
+        top, inset = self.picture_in(cell).bottom, _INSET * self.scale
+        return [
+            Box(cell.left + inset, top - (row + 1) * self.line, cell.right - inset, top - row * self.line)
+            for row in range(_LINES)
+        ]
+
+    def at(self, x: float, y: float, scroll: float) -> int | None:
+        """Return the index of the cell at a place.
+
+        Parameters
+        ----------
+        x, y : float
+        scroll : float
+
+        Returns
+        -------
+        index : int or None
+        """
+        if not self.box.holds(x, y):
+            return None
+        column = int((x - self.box.left) // self.cell_width)
+        row = int((self.box.top - y + scroll) // self.cell_height)
+        for index in (row * self.columns + column, (row - 1) * self.columns + column):
+            there = 0 <= column < self.columns and 0 <= index < self.count
+            if there and self.cell(index, scroll).holds(x, y):
+                return index
+        return None
+
+    def visible(self, scroll: float) -> range:
+        """Return the indices of the cells that can be seen, in whole or in part."""
+        first = int((scroll - self.gap) // self.cell_height)
+        last = int((scroll + self.box.height) // self.cell_height)
+        return range(max(first, 0) * self.columns, min((last + 1) * self.columns, self.count))
+
+    def shown(self, index: int, scroll: float) -> float:
+        """Return the nearest scroll at which a cell can be seen as a whole."""
+        top = index // self.columns * self.cell_height
+        return self.clamped(min(max(scroll, top + self.cell_height + self.gap - self.box.height), top))
+
+    def step(self, index: int, key: str) -> int:
+        """Return the cell that a key leads to.
+
+        Parameters
+        ----------
+        index : int
+            Of the chosen cell; −1 for none.
+        key : str
+            Blender's name of the key.
+
+        Returns
+        -------
+        index : int
+            −1 if there are no cells.
+        """
+        page = max(1, int(self.box.height // self.cell_height)) * self.columns
+        steps = {
+            "LEFT_ARROW": -1,
+            "RIGHT_ARROW": 1,
+            "UP_ARROW": -self.columns,
+            "DOWN_ARROW": self.columns,
+            "PAGE_UP": -page,
+            "PAGE_DOWN": page,
+        }
+        if not self.count:
+            return -1
+        if key in ("HOME", "END"):
+            return 0 if key == "HOME" else self.count - 1
+        if index < 0:
+            return 0
+        target = index + steps[key]
+        if 0 <= target < self.count:
+            return target
+        # Beyond the ends: the last row may be shorter, else stay where it is.
+        if key in ("DOWN_ARROW", "PAGE_DOWN") and index // self.columns < self.rows - 1:
+            return self.count - 1
+        if key == "PAGE_UP":
+            return index % self.columns
+        return min(index, self.count - 1)
+
+    @property
+    def bar(self) -> Box:
+        """Where the scroll bar is."""
+        width = _SCROLLBAR * self.scale
+        return Box(self.box.right - width, self.box.bottom, self.box.right, self.box.top)
+
+    def handle(self, scroll: float) -> Box | None:
+        """Return the handle of the scroll bar; None if all can be seen."""
+        if not self.largest_scroll:
+            return None
+        bar = self.bar.shrunk(2 * self.scale)
+        whole = self.largest_scroll + self.box.height
+        height = min(max(bar.height * self.box.height / whole, _SHORTEST_HANDLE * self.scale), bar.height)
+        top = bar.top - (bar.height - height) * self.clamped(scroll) / self.largest_scroll
+        return Box(bar.left, top - height, bar.right, top)
+
+    def dragged(self, scroll: float, distance: float) -> float:
+        """Return the scroll after its handle was moved downwards by a distance."""
+        handle = self.handle(scroll)
+        bar = self.bar.shrunk(2 * self.scale)
+        if handle is None or bar.height <= handle.height:
+            return self.clamped(scroll)
+        return self.clamped(scroll + distance * self.largest_scroll / (bar.height - handle.height))
+
+
+def arrange(area: Box, scale: float) -> Bars:
+    """Divide an area into the bar at the top, the pictures, and the line at the bottom.
+
+    Parameters
+    ----------
+    area : Box
+    scale : float
+
+    Returns
+    -------
+    bars : Bars
+        In an area that is too small for them, what matters less is empty.
+    """
+    gap, button = _GAP / 2 * scale, _BUTTON * scale
+    top = area.top - (_BAR - _BUTTON) / 2 * scale
+    bottom = top - button
+    # In the corner Blender shows the arrow that brings a hidden header back.
+    right = area.right - _CORNER * scale
+    close = Box(right - button, bottom, right, top)
+    larger = Box(close.left - 2 * gap - button, bottom, close.left - 2 * gap, top)
+    smaller = Box(larger.left - button, bottom, larger.left, top)
+    room = smaller.left - 2 * gap - (area.left + gap)
+    width = min(room, _LONGEST_FIELD * scale)
+    search = Box(area.left + gap, bottom, area.left + gap + width, top)
+    clear = Box(search.right - button, bottom, search.right, top)
+    count = Box(search.right + 2 * gap, bottom, smaller.left - 2 * gap, top)
+    low = area.bottom + _STATUS * scale
+    # Little room is for pictures.
+    status = Box(area.left, area.bottom, area.right, low if area.height > 8 * _BAR * scale else area.bottom)
+    content = Box(area.left, status.top, area.right, area.top - _BAR * scale)
+    return Bars(search, clear, smaller, larger, close, count, content, status)
+
+
+def unobstructed(width: float, height: float, sides: Iterable[tuple[str, float]]) -> Box:
+    """Return what of a region no other region covers.
+
+    Parameters
+    ----------
+    width, height : float
+        Of the region.
+    sides : iterable of (str, float)
+        The side that a region on top of it is at, as Blender names alignments, and its width or height.
+
+    Returns
+    -------
+    box : Box
+    """
+    left, bottom, right, top = 0.0, 0.0, width, height
+    for side, size in sides:
+        if size <= 1:  # hidden
+            continue
+        if side == "LEFT":
+            left += size
+        elif side == "RIGHT":
+            right -= size
+        elif side == "BOTTOM":
+            bottom += size
+        elif side == "TOP":
+            top -= size
+    return Box(left, bottom, max(right, left), max(top, bottom))
+
+
+def shortened(text: str, width: float, measure: Callable[[str], float]) -> str:
+    """Cut a text so that it fits into a width, with an ellipsis in its middle: both ends may tell it apart.
+
+    Parameters
+    ----------
+    text : str
+    width : float
+    measure : callable
+        Returns the width of a text.
+
+    Returns
+    -------
+    text : str
+        Empty if not even the ellipsis fits.
+    """
+    if measure(text) <= width:
+        return text
+    fewest, most = -1, len(text) - 1
+    while fewest < most:  # the largest number of letters that fit
+        middle = math.ceil((fewest + most) / 2)
+        if measure(_cut(text, middle)) <= width:
+            fewest = middle
+        else:
+            most = middle - 1
+    return _cut(text, fewest) if fewest >= 0 else ""
+
+
+def _cut(text: str, letters: int) -> str:
+    end = letters // 3
+    return f"{text[: letters - end].rstrip()}…{text[len(text) - end :] if end else ''}"
+
+
+def fitted(box: Box, width: float, height: float) -> Box:
+    """Return the largest box of given proportions in the middle of a box."""
+    factor = min(box.width / width, box.height / height)
+    x, y = (box.left + box.right) / 2, (box.bottom + box.top) / 2
+    across, along = factor * width / 2, factor * height / 2
+    return Box(x - across, y - along, x + across, y + along)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of shapes on the graphics card: only those that were seen, the oldest dropped first."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import gpu
+
+from ... import state
+
+__all__ = ["clear", "texture_of"]
+
+# At 256 × 256 pixels these take 64 MB.
+_MOST = 256
+
+
+def texture_of(shape_id: int, *, make: bool = True) -> Any | None:
+    """Return the picture of a shape.
+
+    Parameters
+    ----------
+    shape_id : int
+    make : bool
+        Whether to make it if it is not there yet, which takes about a millisecond.
+
+    Returns
+    -------
+    texture : gpu.types.GPUTexture or None
+        None without a picture.
+    """
+    textures = state.current().gallery.view.textures
+    if shape_id in textures:
+        textures.move_to_end(shape_id)
+        return textures[shape_id]
+    if not make:
+        return None
+    png = _png(shape_id)
+    textures[shape_id] = None if png is None else _texture(png)
+    while len(textures) > _MOST:
+        textures.popitem(last=False)
+    return textures[shape_id]
+
+
+def is_made(shape_id: int) -> bool:
+    """Whether the picture of a shape is on the graphics card, or there is none."""
+    return shape_id in state.current().gallery.view.textures
+
+
+def clear() -> None:
+    """Drop all pictures."""
+    state.current().gallery.view.textures.clear()
+
+
+def _png(shape_id: int) -> bytes | None:
+    search = state.current().search
+    for answer in (search.versions, search.answer):
+        if answer is not None and shape_id in answer.thumbnails:
+            return answer.thumbnails[shape_id]
+    return None
+
+
+def _texture(png: bytes) -> Any:
+    import numpy as np
+    from PIL import Image
+
+    with Image.open(io.BytesIO(png)) as image:
+        # Rows from below. Transparent pixels have no colour, which smoothing would mix in: multiply it in.
+        pixels = np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
+    pixels = pixels.copy()
+    pixels[..., :3] *= pixels[..., 3:]
+    height, width = pixels.shape[:2]
+    content = gpu.types.Buffer("FLOAT", pixels.size, pixels.ravel())
+    return gpu.types.GPUTexture((width, height), format="RGBA8", data=content)
