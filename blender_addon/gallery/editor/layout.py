@@ -29,6 +29,8 @@ _BADGE = 34, 18
 _CORNER = 28
 _LINES = 2
 _LONGEST_FIELD = 480
+# Side of a picture in an area that is too low for a row.
+_SMALLEST = 16
 _SHORTEST_HANDLE = 24
 
 
@@ -119,8 +121,8 @@ class Grid:
         With the gap to the next cell.
     picture : float
         Width and height of a picture.
-    gap, line : float
-        Gap between cells, and height of a line of text.
+    gap, inset, line : float
+        Gap between cells, margin inside them, and height of a line of text.
     scale : float
     """
 
@@ -131,6 +133,7 @@ class Grid:
     cell_height: float
     picture: float
     gap: float
+    inset: float
     line: float
     scale: float
 
@@ -150,15 +153,16 @@ class Grid:
         -------
         grid : Grid
         """
-        gap, inset, room = _GAP * scale, _INSET * scale, box.width - _SCROLLBAR * scale
-        line = _LINE * scale
+        room = max(box.width - _SCROLLBAR * scale, box.width / 2, 1.0)
+        # In a narrow area gaps shrink too.
+        gap, inset, line = min(_GAP * scale, room / 8), min(_INSET * scale, room / 16), _LINE * scale
         texts = _LINES * line
         # A row has to be visible as a whole.
         side = min(picture * scale, room - 2 * inset - gap, box.height - texts - 2 * inset - gap)
-        side = max(side, 16 * scale)
+        side = max(side, min(_SMALLEST * scale, room - 2 * inset - gap))
         columns = max(1, int(room // (side + 2 * inset + gap)))
         return cls(
-            box, count, columns, room / columns, side + texts + 2 * inset + gap, side, gap, line, scale
+            box, count, columns, room / columns, side + texts + 2 * inset + gap, side, gap, inset, line, scale
         )
 
     @property
@@ -197,7 +201,7 @@ class Grid:
     def picture_in(self, cell: Box) -> Box:
         """Return where in a cell its picture is."""
         left = (cell.left + cell.right - self.picture) / 2
-        top = cell.top - _INSET * self.scale
+        top = cell.top - self.inset
         return Box(left, top - self.picture, left + self.picture, top)
 
     def badge_in(self, cell: Box) -> Box:
@@ -208,11 +212,8 @@ class Grid:
 
     def lines_in(self, cell: Box) -> list[Box]:
         """Return where in a cell its lines of text are, from the top."""
-        top, inset = self.picture_in(cell).bottom, _INSET * self.scale
-        return [
-            Box(cell.left + inset, top - (row + 1) * self.line, cell.right - inset, top - row * self.line)
-            for row in range(_LINES)
-        ]
+        top, left, right = self.picture_in(cell).bottom, cell.left + self.inset, cell.right - self.inset
+        return [Box(left, top - (row + 1) * self.line, right, top - row * self.line) for row in range(_LINES)]
 
     def at(self, x: float, y: float, scroll: float) -> int | None:
         """Return the index of the cell at a place.
