@@ -5,10 +5,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...state import session_of
 from ...translation import tr
+from .. import labels
 from ..editor.area import bars_in
 from ..editor.layout import Box
 from ..editor.painting import Painter
+from ..on_match import shown_lines
 from .operators import length_text
 from .shown import Shown
 from .surfaces import distance_colors, prepare, render
@@ -38,7 +41,7 @@ def draw_comparison(context: Any, painter: Painter, shown: Shown) -> None:
     # The right end of the bar above belongs to the button that closes.
     whole = Box(bars.status.left, bars.status.bottom, bars.status.right, bars.content.top)
     title = Box(whole.left + gap, bars.content.top, bars.close.left - gap, bars.close.top + gap / 2)
-    painter.text(title, _title(shown), painter.theme.text)
+    painter.text(title, _title(context, shown), painter.theme.text)
     painter.box(bars.close, painter.theme.button)
     painter.text(bars.close, "×", painter.theme.text, "CENTER")
     legend = Box(whole.left + gap, whole.bottom + gap, whole.right - gap, whole.bottom + gap + 4 * line)
@@ -68,9 +71,12 @@ def draw_comparison(context: Any, painter: Painter, shown: Shown) -> None:
     _draw_legend(context, painter, shown, legend, most)
 
 
-def _title(shown: Shown) -> str:
-    what = shown.relation
-    if shown.surfaces is not None and abs(shown.surfaces.factor - 1) > 5e-4:
+def _title(context: Any, shown: Shown) -> str:
+    lines, _ = shown_lines(session_of(context))
+    # The search may find the kind later than the comparison is shown.
+    match = next((line for line in lines if line.shape_id == shown.shape_id), None)
+    what = "" if match is None else labels.evidence_text(match, with_size=False)
+    if shown.surfaces is not None and f"{shown.surfaces.factor:.3g}" != "1":
         size = tr("the match is ×{factor:.3g} as large, shown at the size of the query")
         what = f"{what}  ·  {size.format(factor=shown.surfaces.factor)}" if what else size
     return what

@@ -61,7 +61,7 @@ class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
             )
             return {"CANCELLED"}
         match = active_match(context)
-        shown = Shown(session_of(context).query, labels.title(match), _relation(match))
+        shown = Shown(session_of(context).query, labels.title(match), match.shape_id)
         view = state.current().gallery.view
         view.comparison = shown
 
@@ -117,11 +117,6 @@ def _asked(context: Any) -> tuple[Answer, Match] | None:
         return None
     found = [match for match in answer.matches if match.shape_id == line.shape_id]
     return (answer, search.explained.get(line.shape_id, found[0])) if found else None
-
-
-def _relation(match: Any) -> str:
-    """Kind of a match, without its size, which is measured here."""
-    return labels.evidence_text(match, with_size=False)
 
 
 def _mesh_here(context: Any, match: Any) -> Any | None:

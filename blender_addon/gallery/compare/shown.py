@@ -22,8 +22,8 @@ class Shown:
     ----------
     query, match : str
         Their names.
-    relation : str
-        Kind of the match, in words.
+    shape_id : int
+        Of the match.
     surfaces : SurfaceComparison or None
         None until they have been compared.
     problem : str
@@ -39,7 +39,7 @@ class Shown:
 
     query: str
     match: str
-    relation: str
+    shape_id: int
     surfaces: SurfaceComparison | None = None
     problem: str = ""
     direction: Direction = field(default_factory=Direction)
