@@ -39,8 +39,8 @@ from shapegoogle_core.library.search.verify import verify_pair
 from shapegoogle_core.mesh import Mesh, read_mesh
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, bend, transform
-from shapegoogle_core.model.background_learning import KnownPairs, learn_background
 from shapegoogle_core.model.signature import ShapeSignature
+from shapegoogle_core.model.training.background_learning import KnownPairs, learn_background
 from shapegoogle_core.registration import PreparedSample
 
 __all__ = ["add_options", "run"]

@@ -222,6 +222,8 @@ def calibrate(
     regression.fit(np.stack(features, axis=1), similar[usable])
     slope = -float(regression.coef_[0, 0])
     if not slope > 0:
+        if agreements is not None:  # they alone tell the pairs apart, so nothing is learnt about distances
+            return calibrate(distances, similar)
         raise ModelError("the training shapes cannot be distinguished: give more varied ones")
     gain = 0.0 if agreements is None else float(regression.coef_[0, 1]) / slope
     if gain < 0:  # these agreements are no evidence

@@ -12,7 +12,7 @@ import pytest
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.background import NEIGHBOUR, Background
-from shapegoogle_core.model.background_learning import KnownPairs, learn_background
+from shapegoogle_core.model.training.background_learning import KnownPairs, learn_background
 from tests.core.tiny_model import build_model
 
 METRICS = ("cosine", "l1")

@@ -109,3 +109,16 @@ def test_calibration_refuses_what_cannot_be_told_apart() -> None:
     distances = np.random.default_rng(0).uniform(0.1, 1.0, 1000)
     with pytest.raises(ModelError, match="more varied"):
         calibrate(distances, distances > 0.5)
+
+
+def test_agreements_that_tell_all_pairs_apart() -> None:
+    """As those of few shapes may: then distances are calibrated on their own."""
+    random = np.random.default_rng(4)
+    similar = np.arange(400) < 200
+    distances = np.exp(random.normal(np.where(similar, -1.0, 0.0), 0.8))
+    # Among surfaces that agree less, those of one shape are farther apart.
+    agreements = np.where(similar, 0.3, 0.0) + 0.05 * np.log(distances)
+    found = calibrate(distances, similar, agreements)
+    assert found.slope > 0
+    assert found.gain >= 0
+    assert np.isfinite([found.half, found.slope, found.gain]).all()

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -14,7 +15,13 @@ from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ChannelSettings, ModelSettings, ShapeModel
 from shapegoogle_core.model.training import TrainingShape, train_model
+from shapegoogle_core.model.training.fitting import _agreements
+from shapegoogle_core.registration import PreparedSample, SampleSettings, align, sample_surface
+from shapegoogle_core.spectral import compute_spectrum
 from tests.core.conftest import Shapes
+
+A = TypeVar("A")
+T = TypeVar("T")
 
 SMALL = ModelSettings(
     name="small",
@@ -29,9 +36,33 @@ def training_shapes(shapes: type[Shapes]) -> list[TrainingShape]:
     return [TrainingShape(f"bumpy-{seed}", (shapes.bumpy(3, seed),)) for seed in range(8)]
 
 
+class Steps(dict[str, tuple[int, int]]):
+    """Progress of a training: for each step the numbers of done and of all items."""
+
+    def __call__(self, items: Iterable[T], description: str, total: int, /) -> Iterator[T]:
+        self[description] = 0, total
+        for done, item in enumerate(items, start=1):
+            yield item
+            self[description] = done, total
+
+
 @pytest.fixture(scope="module")
-def trained(training_shapes: list[TrainingShape]) -> ShapeModel:
-    return train_model(training_shapes, SMALL, versions=2, jobs=2, seed=3, trained_on="eight bumpy spheres")
+def steps() -> Steps:
+    """Progress of the training of `trained`."""
+    return Steps()
+
+
+@pytest.fixture(scope="module")
+def trained(training_shapes: list[TrainingShape], steps: Steps) -> ShapeModel:
+    return train_model(
+        training_shapes,
+        SMALL,
+        versions=2,
+        jobs=2,
+        seed=3,
+        trained_on="eight bumpy spheres",
+        progress=steps,
+    )
 
 
 def test_training_finds_shapes_it_was_not_trained_on(trained: ShapeModel, shapes: type[Shapes]) -> None:
@@ -43,6 +74,38 @@ def test_training_finds_shapes_it_was_not_trained_on(trained: ShapeModel, shapes
         noise = np.random.default_rng(index).normal(scale=0.004, size=mesh.vertices.shape)
         query = model.describe(Mesh(mesh.vertices + noise, mesh.faces)).bags
         assert model.distances(query, library).argmin() == index
+
+
+@pytest.mark.usefixtures("trained")
+def test_every_long_step_shows_its_progress(steps: Steps) -> None:
+    versions = 8 * 3
+    assert steps == {
+        "descriptors": (versions, versions),
+        "vocabularies": (1, 1),
+        "bags": (versions, versions),
+    }
+
+
+def test_each_pair_is_aligned_once(shapes: type[Shapes]) -> None:
+    """However often it was chosen, and with the result that it has alone."""
+    samples = []
+    for seed in range(3):
+        mesh = shapes.bumpy(3, seed)
+        samples.append(sample_surface(mesh, compute_spectrum(mesh, 30), SampleSettings(200, 64)))
+    first, second = np.array([0, 2, 0, 0, 0]), np.array([1, 1, 1, 2, 1])
+    tasks: list[object] = []
+
+    def run(function: Callable[[A], T], items: Sequence[A], /) -> Iterator[T]:
+        tasks.extend(items)
+        return map(function, items)
+
+    steps = Steps()
+    found = _agreements(samples, first, second, run, steps)
+    assert len(tasks) == 2
+    assert steps == {"alignments": (2, 2)}
+    pairs = zip(first.tolist(), second.tolist(), strict=True)
+    expected = [align(PreparedSample(samples[i]), PreparedSample(samples[j])).excess for i, j in pairs]
+    np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_training_is_reproducible(trained: ShapeModel, training_shapes: list[TrainingShape]) -> None:
