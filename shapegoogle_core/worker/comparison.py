@@ -192,7 +192,7 @@ def _distances(mesh: Mesh, other: Mesh) -> NDArray[np.float32]:
         away, _ = cKDTree(other.vertices).query(points)
         return np.asarray(away, np.float32)
     nearest, _ = TriangleTree(other.vertices[other.faces]).nearest(points)
-    return np.linalg.norm(points - nearest, axis=1).astype(np.float32)
+    return np.asarray(np.linalg.norm(points - nearest, axis=1), np.float32)
 
 
 def _compared(

@@ -116,7 +116,8 @@ class SHAPEGOOGLE_OT_gallery_press(InGallery, bpy.types.Operator):
         context.area.tag_redraw()
 
     def _hold(self, context: Any, what: str) -> set[str]:
-        self._what, self._dragged = what, None
+        self._what = what
+        self._dragged: dragging.Dragged | None = None
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
