@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import bpy
 
 from . import connections, state
+from .translation import tr
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -151,7 +152,8 @@ class BackgroundRun:
 
     def last_words(self) -> str:
         """Return why it ended: the error that the command reported, or how its process ended."""
-        return self._error or f"the process has ended unexpectedly ({self._program.ending(3)}); try it again"
+        text = tr("the process has ended unexpectedly ({ending}); try it again")
+        return self._error or text.format(ending=self._program.ending(3))
 
     def join(self) -> None:
         """Wait until it has ended; take its `events` then."""

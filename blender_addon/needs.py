@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from .translation import tr
 from .wrapped_text import split_lines
 
 __all__ = ["draw_sentence", "register", "sentence", "unregister"]
@@ -32,17 +33,17 @@ def sentence() -> str:
     """
     major, minor = sys.version_info[:2]
     if importlib.util.find_spec("numpy") is None:
-        return (
+        return tr(
             "Shape Google needs numpy, which this Blender does not have: use a Blender from blender.org, or "
-            f"install numpy for its Python {major}.{minor} (on Debian and Ubuntu the package python3-numpy), "
-            "and start Blender again"
-        )
+            "install numpy for its Python {python} (on Debian and Ubuntu the package python3-numpy), and "
+            "start Blender again"
+        ).format(python=f"{major}.{minor}")
     missing = [name for name in BUNDLED if importlib.util.find_spec(name) is None]
     if missing:
-        return (
-            f"Shape Google cannot find {' and '.join(missing)}, which its zip contains: install the zip "
-            f"whose name ends in cp{major}{minor}.zip again, and start Blender again"
-        )
+        return tr(
+            "Shape Google cannot find {packages}, which its zip contains: install the zip whose name ends in "
+            "{ending} again, and start Blender again"
+        ).format(packages=", ".join(missing), ending=f"cp{major}{minor}.zip")
     return ""
 
 
@@ -58,7 +59,7 @@ def draw_sentence(layout: Any, text: str, letters: int) -> None:
     """
     column = layout.column(align=True)
     for number, line in enumerate(split_lines(text, letters)):
-        column.label(text=line, icon="BLANK1" if number else "ERROR")
+        column.label(text=line, translate=False, icon="BLANK1" if number else "ERROR")
 
 
 class SHAPEGOOGLE_PT_needs(bpy.types.Panel):

@@ -38,7 +38,7 @@ def fixed_text(layout: Any, text: str, context: Any, lines: int = 2) -> None:
     column = row.column(align=True)
     column.scale_y = LINE_HEIGHT
     for line in [*shown, *[""] * (lines - len(shown))]:
-        column.label(text=line)
+        column.label(text=line, translate=False)
     side = row.column()
     side.enabled = len(whole) > lines
     side.operator("shape_google.show_text", text="", icon="INFO", emboss=False).text = text
@@ -97,7 +97,7 @@ class SHAPEGOOGLE_OT_show_text(bpy.types.Operator):
 
         def draw(menu: Any, _context: Any) -> None:
             for line in lines:
-                menu.layout.label(text=line)
+                menu.layout.label(text=line, translate=False)
 
         context.window_manager.popup_menu(draw)
         return {"FINISHED"}

@@ -10,6 +10,7 @@ import bpy
 
 from .. import jobs
 from ..library.model import model_source
+from ..translation import counted, error_text, tr
 from .properties import show_groups
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class BackgroundSearch:
 
     def fail(self, error: BaseException) -> None:
         """End the search with an error."""
-        self.end(str(error) or "Stopped; the groups found so far are listed")
+        self.end(error_text(error) or tr("Stopped; the groups found so far are listed"))
 
     def end(self, text: str) -> None:
         """Show that the search has ended, and how."""
@@ -55,7 +56,7 @@ class BackgroundSearch:
         """Cancel the task that waits; the groups found so far stay listed."""
         if self.future is not None:
             self.future.cancel()
-            self.end("Cancelled; the groups found so far are listed")
+            self.end(tr("Cancelled; the groups found so far are listed"))
 
 
 class SimilarSearch(BackgroundSearch):
@@ -72,7 +73,7 @@ class SimilarSearch(BackgroundSearch):
 
     def begin(self) -> None:
         """Start with the first meshes."""
-        self.start(f"Comparing shapes: 0 of {len(self._meshes)}")
+        self.start(self._progress())
         self.go_on()
 
     def go_on(self) -> None:
@@ -90,11 +91,16 @@ class SimilarSearch(BackgroundSearch):
         )
         self.end(summary(shown, self._hidden))
 
+    def _progress(self) -> str:
+        return tr("Comparing shapes: {done} of {count}").format(
+            done=len(self._signatures), count=len(self._meshes)
+        )
+
     def _take(self, signatures: list[ShapeSignature | str]) -> None:
         self._signatures += signatures
         shown = bpy.context.window_manager.shape_google_duplicates
         shown.progress = len(self._signatures) / len(self._meshes)
-        shown.status = f"Comparing shapes: {len(self._signatures)} of {len(self._meshes)}"
+        shown.status = self._progress()
         self.go_on()
 
 
@@ -159,6 +165,17 @@ def summary(shown: Any, hidden: int = 0) -> str:
     text : str
     """
     count = len(shown.groups)
-    where = "this scene" if shown.found_in == "SCENE" else "the library"
-    text = f"{count} group{'' if count == 1 else 's'} in {where}" if count else f"No duplicates in {where}"
-    return f"{text}; {hidden} hidden object{' was' if hidden == 1 else 's were'} left out" if hidden else text
+    if shown.found_in == "SCENE":
+        found = counted("{count} group in this scene", "{count} groups in this scene", count)
+        text = found if count else tr("No duplicates in this scene")
+    else:
+        found = counted("{count} group in the library", "{count} groups in the library", count)
+        text = found if count else tr("No duplicates in the library")
+    if not hidden:
+        return text
+    return counted(
+        "{summary}; {count} hidden object was left out",
+        "{summary}; {count} hidden objects were left out",
+        hidden,
+        summary=text,
+    )

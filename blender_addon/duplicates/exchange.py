@@ -12,6 +12,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..scene.mesh_arrays import vertex_positions
+from ..translation import tr
 from .congruence import TOLERANCE
 
 FloatArray = NDArray[np.float64]
@@ -93,11 +94,15 @@ def moved_reason(context: Any, exchange: Exchange, kept: Kept, seen: FloatArray 
     """Why an object that has got another mesh must get its own back, or an empty text."""
     item, allowed = exchange.item, exchange.allowed
     if _farthest(exchange.corners, np.array(item.matrix_world, np.float64), exchange.wanted) > allowed:
-        return "its rotation and scale cannot hold the mesh in place; apply its or its parents' scale first"
+        return tr(
+            "its rotation and scale cannot hold the mesh in place; apply its or its parents' scale first"
+        )
     if any(not np.allclose(child.matrix_world, was, atol=allowed) for child, _, was in kept.children):
-        return "its children would move"
+        return tr("its children would move")
     if seen is not None and not _same_points(seen, points_seen(context, item), allowed):
-        return f"its {'modifiers' if item.modifiers else 'parent'} would give another shape"
+        if item.modifiers:
+            return tr("its modifiers would give another shape")
+        return tr("its parent would give another shape")
     return ""
 
 

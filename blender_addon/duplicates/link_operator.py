@@ -12,6 +12,7 @@ from bpy.app.handlers import persistent
 
 from .. import state
 from ..time_slices import InSlices
+from ..translation import counted, tr
 from .members import is_in_object_mode, objects_by_name, objects_of
 
 __all__ = ["register", "unregister"]
@@ -39,10 +40,10 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         """Check that a group of the scene is chosen."""
         shown = context.window_manager.shape_google_duplicates
         if shown.running:
-            cls.poll_message_set("Wait until the search or the linking has ended, or cancel it")
+            cls.poll_message_set(tr("Wait until the search or the linking has ended, or cancel it"))
             return False
         if shown.found_in != "SCENE" or not any(group.chosen and group.linkable for group in shown.groups):
-            cls.poll_message_set("Choose at least one group of identical or scaled objects of this scene")
+            cls.poll_message_set(tr("Choose at least one group of identical or scaled objects of this scene"))
             return False
         return is_in_object_mode(cls, context)
 
@@ -66,7 +67,7 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         if self.lost:
             self.cancel(context)
             shown = context.window_manager.shape_google_duplicates
-            shown.status = "Linking ended, since the scene was changed meanwhile; find duplicates again"
+            shown.status = tr("Linking ended, since the scene was changed meanwhile; find duplicates again")
             self.report({"WARNING"}, shown.status)
             return {"CANCELLED"}
         return super().modal(context, event)
@@ -84,8 +85,11 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         shown.progress = (run.compared + run.done) / (2 * max(run.total, 1))
         exchanging = run.compared >= run.total
         count = run.done if exchanging else run.compared
-        shown.status = f"{'Linking' if exchanging else 'Comparing'}: {count:,} of {run.total:,}"
-        context.workspace.status_text_set(f"{shown.status} (Esc: cancel)")
+        template = (
+            tr("Linking: {done:,} of {count:,}") if exchanging else tr("Comparing: {done:,} of {count:,}")
+        )
+        shown.status = template.format(done=count, count=run.total)
+        context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=shown.status))
 
     def finish(self, context: Any, *, cancelled: bool) -> set[str]:
         """Report what was linked and what was not, and why."""
@@ -94,10 +98,16 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         for line in _refusals([*self._gone, *result.refused]):
             self.report({"WARNING"}, line)
         left = self._run.total - self._run.done
-        counts = f"{len(result.linked):,} linked, {len(result.refused) + len(self._gone):,} left as they are"
-        if cancelled:
-            counts = f"Cancelled: {counts}, {left:,} not reached; Link Data goes on with them"
-        shown.status = counts
+        template = (
+            tr(
+                "Cancelled: {linked:,} linked, {kept:,} left as they are, {left:,} not reached; Link Data "
+                "goes on with them"
+            )
+            if cancelled
+            else tr("{linked:,} linked, {kept:,} left as they are")
+        )
+        kept = len(result.refused) + len(self._gone)
+        shown.status = template.format(linked=len(result.linked), kept=kept, left=left)
         _refresh(context, shown, chosen=cancelled)
         self.report({"INFO"}, shown.status)
         # Also after a cancel, so that what was linked is one step of undo.
@@ -116,7 +126,8 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
                 if len(objects) > 1:
                     groups.append(objects)
                 else:
-                    self._gone.append((group.name, "its group is not there any more; find duplicates again"))
+                    reason = tr("its group is not there any more; find duplicates again")
+                    self._gone.append((group.name, reason))
         self._run = LinkRun(context, groups)
 
 
@@ -127,9 +138,18 @@ def _refusals(refused: Sequence[tuple[str, str]]) -> list[str]:
         names[reason].append(repr(name))
     lines = []
     for reason, which in names.items():
-        more = f" and {len(which) - MOST_NAMES} more" if len(which) > MOST_NAMES else ""
-        verb = "was left as it is" if len(which) == 1 else "were left as they are"
-        lines.append(f"{', '.join(which[:MOST_NAMES])}{more} {verb}: {reason}")
+        listed = ", ".join(which[:MOST_NAMES])
+        if len(which) > MOST_NAMES:
+            listed = tr("{names} and {count} more").format(names=listed, count=len(which) - MOST_NAMES)
+        lines.append(
+            counted(
+                "{names} was left as it is: {reason}",
+                "{names} were left as they are: {reason}",
+                len(which),
+                names=listed,
+                reason=reason,
+            )
+        )
     return lines
 
 

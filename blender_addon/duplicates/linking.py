@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.selection import split_evaluated
+from ..translation import marked, tr
 from .congruence import congruence
 from .exchange import Exchange, Kept, exchange_of, is_deformed, moved_reason, points_seen, put_in_place
 from .mesh_data import WorldMesh, differing_data, world_mesh
@@ -25,7 +26,9 @@ FloatArray = NDArray[np.float64]
 
 __all__ = ["LinkRun", "Linked", "link_data"]
 
-HIDDEN = "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
+HIDDEN = marked(
+    "it is disabled in viewports or in an excluded collection, so its place is not known; show it first"
+)
 # Objects are exchanged in about so many portions, so that a run can be cancelled in between.
 PORTIONS = 4
 # After a change of meshes Blender rebuilds the relations of all objects, however few have changed.
@@ -132,17 +135,18 @@ class LinkRun:
         others = [item for item in group[1:] if item.data != first.data]
         self.total -= len(group) - 1 - len(others)
         # The matrices of those that Blender does not evaluate are not to be trusted, nor checked afterwards.
-        reason = _mesh_reason(first.data) or ("it is being edited" if first.mode != "OBJECT" else "")
-        reason = HIDDEN if first in self._hidden else reason
+        reason = _mesh_reason(first.data) or (tr("it is being edited") if first.mode != "OBJECT" else "")
+        reason = tr(HIDDEN) if first in self._hidden else reason
         target = None if reason else world_mesh(first)
         corrections: dict[Any, tuple[FloatArray, bool] | str] = {}
         for item in others:
             self.compared += 1
             if target is None:
-                self._refuse(item, f"of {first.name!r}: {reason or 'it has no extent'}")
+                text = tr("of {name!r}: {reason}")
+                self._refuse(item, text.format(name=first.name, reason=reason or tr("it has no extent")))
                 yield None
                 continue
-            reason = HIDDEN if item in self._hidden else _object_reason(item) or _mesh_reason(item.data)
+            reason = tr(HIDDEN) if item in self._hidden else _object_reason(item) or _mesh_reason(item.data)
             exchange = None
             if not reason:
                 data = item.data
@@ -163,23 +167,23 @@ class LinkRun:
         children = self._children.get(item, [])
         if not same_order:
             if any(child.parent_type.startswith("VERTEX") for child in children):
-                return "children hang on its vertices, which are in another order"
+                return tr("children hang on its vertices, which are in another order")
             if item.modifiers:
-                return "it has modifiers, and its vertices are in another order"
+                return tr("it has modifiers, and its vertices are in another order")
         if stays:
             return ""
         if item.modifiers:
-            return "it has modifiers, and its mesh is placed otherwise in its object"
+            return tr("it has modifiers, and its mesh is placed otherwise in its object")
         if is_deformed(item):
-            return "its parent deforms it, and its mesh is placed otherwise in its object"
+            return tr("its parent deforms it, and its mesh is placed otherwise in its object")
         if _is_animated(item) or item.constraints:
-            return "it is animated or constrained, and its mesh is placed otherwise in its object"
+            return tr("it is animated or constrained, and its mesh is placed otherwise in its object")
         if item.rigid_body is not None:
-            return "it is a rigid body, and its mesh is placed otherwise in its object"
+            return tr("it is a rigid body, and its mesh is placed otherwise in its object")
         if any(child.library is not None or child.override_library is not None for child in children):
-            return "it has children from another file"
+            return tr("it has children from another file")
         if any(child in self._hidden for child in children):
-            return (
+            return tr(
                 "it has children that are disabled in viewports or in excluded collections; show them first"
             )
         return ""
@@ -197,9 +201,8 @@ class LinkRun:
                 if isinstance(user, bpy.types.Object) and user.parent != item and user != item
             ]
             if hangers:
-                self._refuse(
-                    item, f"{hangers[0]!r} refers to it, and its mesh is placed otherwise in its object"
-                )
+                text = tr("{name!r} refers to it, and its mesh is placed otherwise in its object")
+                self._refuse(item, text.format(name=hangers[0]))
             else:
                 kept.append(exchange)
         return kept
@@ -259,22 +262,22 @@ def _by_depth(exchanges: Sequence[Exchange]) -> list[list[Exchange]]:
 def _mesh_reason(data: Any) -> str:
     """Why a mesh must not be exchanged, or an empty text."""
     if data.library is not None or data.override_library is not None:
-        return "its mesh lies in another file"
+        return tr("its mesh lies in another file")
     if data.shape_keys is not None:
-        return "its mesh has shape keys"
+        return tr("its mesh has shape keys")
     if _is_animated(data):
-        return "its mesh is animated"
+        return tr("its mesh is animated")
     return ""
 
 
 def _object_reason(item: Any) -> str:
     """Why an object must not get another mesh, or an empty text."""
     if item.library is not None or item.override_library is not None:
-        return "it lies in another file"
+        return tr("it lies in another file")
     if item.mode != "OBJECT":
-        return "it is being edited"
+        return tr("it is being edited")
     if item.vertex_groups and (item.parent_type == "ARMATURE" or item.find_armature() is not None):
-        return "an armature deforms it by its vertex groups"
+        return tr("an armature deforms it by its vertex groups")
     return ""
 
 
@@ -289,9 +292,9 @@ def _correction(target: WorldMesh, own: WorldMesh | None) -> tuple[FloatArray, b
     """Matrix from the target's mesh to an object's own, and whether the vertices are in the same order."""
     found = None if own is None else congruence(target.polygons, own.polygons)
     if found is None or own is None:
-        return "its geometry is not the same any more; find duplicates again"
+        return tr("its geometry is not the same any more; find duplicates again")
     differences = differing_data(target, own, found)
     if differences:
-        return f"it has other {', '.join(differences)}"
+        return tr("it differs in: {data}").format(data=", ".join(differences))
     matrix = np.linalg.inv(own.matrix) @ found.matrix @ target.matrix
     return matrix, found.same_order

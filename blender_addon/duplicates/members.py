@@ -8,6 +8,7 @@ from typing import Any
 from .. import state
 from ..library.open_file import is_open_file, open_source
 from ..scene.finding import SceneObjects, Sought
+from ..translation import tr
 
 __all__ = ["is_in_object_mode", "objects_by_name", "objects_of"]
 
@@ -17,7 +18,7 @@ ObjectsByName = dict[tuple[str, str], Any]
 def is_in_object_mode(operator: Any, context: Any) -> bool:
     """Whether objects can be selected and changed; if not, the operator's button says why."""
     if context.mode != "OBJECT":
-        operator.poll_message_set("Switch to object mode")
+        operator.poll_message_set(tr("Switch to object mode"))
         return False
     return True
 

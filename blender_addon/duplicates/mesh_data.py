@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..scene.mesh_arrays import corner_vertices, read, vertex_positions
 from ..signature import attributes
+from ..translation import tr
 from .congruence import Congruence, PolygonMesh
 
 Indices = NDArray[np.int64]
@@ -121,11 +122,11 @@ def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) 
     }
     one, two = first.data, second.data
     checks: list[tuple[str, Callable[[], bool]]] = [
-        ("materials", lambda: list(one.materials) == list(two.materials)),
-        ("seams", lambda: _same_seams(one, two, orders["EDGE"])),
-        ("vertex groups", lambda: _same_groups(first, second, orders["POINT"])),
-        ("custom normals", lambda: _same_normals(first, second, congruence, corners)),
-        ("custom properties", lambda: _properties(one) == _properties(two)),
+        (tr("materials"), lambda: list(one.materials) == list(two.materials)),
+        (tr("seams"), lambda: _same_seams(one, two, orders["EDGE"])),
+        (tr("vertex groups"), lambda: _same_groups(first, second, orders["POINT"])),
+        (tr("custom normals"), lambda: _same_normals(first, second, congruence, corners)),
+        (tr("custom properties"), lambda: _properties(one) == _properties(two)),
     ]
     names = [name for name, same in checks if not same()]
     return names + _differing_attributes(one, two, orders)
@@ -196,7 +197,8 @@ def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> lis
             order = orders.get(first.domain)
             if order is not None and _close(_values(first), _values(second)[order]):
                 continue
-        names.append(f"UV map {name!r}" if name in uv_maps else f"attribute {name!r}")
+        text = tr("UV map {name!r}") if name in uv_maps else tr("attribute {name!r}")
+        names.append(text.format(name=name))
     return names
 
 

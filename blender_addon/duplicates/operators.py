@@ -15,6 +15,7 @@ from .. import state
 from ..library.model import current_model
 from ..library.present import is_there, when_it_goes
 from ..preferences import preferences
+from ..translation import counted, error_text, tr
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
 from .properties import show_groups
@@ -66,10 +67,10 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         """Check that there is something to search and no search runs."""
         shown = context.window_manager.shape_google_duplicates
         if shown.running:
-            cls.poll_message_set("A search for duplicates is running")
+            cls.poll_message_set(tr("A search for duplicates is running"))
             return False
         if shown.scope == "LIBRARY" and not is_there(context):
-            cls.poll_message_set("Index a library first")
+            cls.poll_message_set(tr("Index a library first"))
             return False
         return True
 
@@ -82,7 +83,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
 
             library = LibrarySearch()
             _begin(library)
-            library.start("Looking through the library …")
+            library.start(tr("Looking through the library …"))
             library.submit(library.take, library_duplicates, _library_path(context), shown.min_similarity)
             return {"FINISHED"}
         found = self._same(context)
@@ -112,7 +113,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
                 with Library.open(_library_path(context), read_only=True) as library:
                     groups = library.duplicates(shown.min_similarity)
             except ShapeGoogleError as error:
-                self.report({"ERROR"}, str(error))
+                self.report({"ERROR"}, error_text(error))
                 return {"CANCELLED"}
             show_groups(shown, library_groups(groups), "LIBRARY")
         else:
@@ -142,20 +143,26 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         try:
             found = collect_shapes(context, context.scene.objects)
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return None
         show_groups(shown, scene_groups(found), "SCENE")
         shown.status = summary(shown, len(found.hidden))
         if found.hidden:
             self.report(
                 {"WARNING"},
-                f"Disabled in viewports or in excluded collections, and so left out: {_some(found.hidden)}",
+                tr("Disabled in viewports or in excluded collections, and so left out: {names}").format(
+                    names=_some(found.hidden)
+                ),
             )
         if found.skipped:
             self.report(
                 {"WARNING"},
-                f"{len(found.skipped)} objects have no extent or broken coordinates and were left out: "
-                f"{_some(found.skipped)}",
+                counted(
+                    "{count} object has no extent or broken coordinates and was left out: {names}",
+                    "{count} objects have no extent or broken coordinates and were left out: {names}",
+                    len(found.skipped),
+                    names=_some(found.skipped),
+                ),
             )
         return found
 
@@ -165,7 +172,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         try:
             return current_model(context)
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return None
 
 
@@ -207,7 +214,7 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is a group and objects can be selected."""
         if not len(context.window_manager.shape_google_duplicates.groups):
-            cls.poll_message_set("Find duplicates first")
+            cls.poll_message_set(tr("Find duplicates first"))
             return False
         return is_in_object_mode(cls, context)
 
@@ -216,20 +223,23 @@ class SHAPEGOOGLE_OT_select_duplicates(bpy.types.Operator):
         shown = context.window_manager.shape_google_duplicates
         index = shown.index if self.index < 0 else self.index
         if not 0 <= index < len(shown.groups):
-            self.report({"ERROR"}, f"There is no group {index}; there are {len(shown.groups)}")
+            text = tr("There is no group {number}; there are {count}")
+            self.report({"ERROR"}, text.format(number=index, count=len(shown.groups)))
             return {"CANCELLED"}
         group = shown.groups[index]
         objects = objects_of(context, group, objects_by_name(context), shown.found_in)
         visible = [item for item in objects if item.visible_get(view_layer=context.view_layer)]
         if not visible:
-            self.report({"WARNING"}, f"No visible object of the group of {group.name!r} is in this scene")
+            text = tr("No visible object of the group of {name!r} is in this scene")
+            self.report({"WARNING"}, text.format(name=group.name))
             return {"CANCELLED"}
         for item in context.view_layer.objects.selected:
             item.select_set(False)
         for item in visible:
             item.select_set(True)
         context.view_layer.objects.active = visible[0]
-        self.report({"INFO"}, f"Selected {len(visible)} of {len(group.members)}")
+        text = tr("Selected {selected} of {count}")
+        self.report({"INFO"}, text.format(selected=len(visible), count=len(group.members)))
         return {"FINISHED"}
 
 

@@ -12,8 +12,9 @@ from typing import Any
 import bpy
 
 from ..library.present import follow
+from ..translation import tr
 from ..wrapped_text import fixed_text
-from .properties import KINDS
+from .properties import KINDS, saving_text
 
 __all__ = ["register", "unregister"]
 
@@ -39,7 +40,7 @@ class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
             row.label(text="", icon="BLANK1")
         # The sidebar is narrow: the icon tells the kind, and the words are below the list.
         split = row.split(factor=0.8)
-        split.label(text=item.name, icon=KINDS[item.kind][1])
+        split.label(text=item.name, translate=False, icon=KINDS[item.kind][1])
         numbers = split.row()
         numbers.alignment = "RIGHT"
         numbers.label(text=f"{item.meshes} ×")
@@ -93,8 +94,9 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
             column.label(text="")
         else:
             kind, icon = KINDS[group.kind]
-            column.label(text=f"{kind}: {group.meshes} × {group.name}", icon=icon)
-            column.label(text=f"{_saving(group)} {group.saving}")
+            text = f"{tr(kind)}: {group.meshes} × {group.name}"
+            column.label(text=text, translate=False, icon=icon)
+            column.label(text=_saving(group), translate=False)
         # A list of no group has to have some owner: an empty one takes that of the settings.
         owner = shown if group is None else group
         layout.template_list(
@@ -111,8 +113,12 @@ class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
 
 def _saving(group: Any) -> str:
     if group.linkable:
-        return "Linking saves"
-    return "Copies take" if group.kind == "COPIES" else "One instead of all saves"
+        template = tr("Linking saves {amount}")
+    elif group.kind == "COPIES":
+        template = tr("Copies take {amount}")
+    else:
+        template = tr("One instead of all saves {amount}")
+    return template.format(amount=saving_text(group))
 
 
 class SHAPEGOOGLE_UL_duplicate_members(bpy.types.UIList):
@@ -135,15 +141,15 @@ class SHAPEGOOGLE_UL_duplicate_members(bpy.types.UIList):
         if abs(item.scale - 1) > 1e-4:
             details.append(f"×{item.scale:.4g}")
         if item.note:
-            details.append(f"other {item.note}")
+            details.append(tr("differs in: {data}").format(data=item.note))
         if item.source:
             # The name of a file with one shape is that of the shape: show its folder instead.
             parts = PurePath(item.source).parts[-2:]
             details.append(parts[0] if parts[-1] == item.name else parts[-1])
         row = layout.row()
-        row.label(text=item.name, icon="OBJECT_DATA")
+        row.label(text=item.name, translate=False, icon="OBJECT_DATA")
         if details:
-            row.label(text=", ".join(details))
+            row.label(text=", ".join(details), translate=False)
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -17,28 +17,29 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..translation import counted, marked
 from .follow import remember
 
 if TYPE_CHECKING:
     from .groups import Group
 
-__all__ = ["KINDS", "register", "show_groups", "unregister"]
+__all__ = ["KINDS", "register", "saving_text", "show_groups", "unregister"]
 
 KINDS = {
-    "IDENTICAL": ("Identical", "LINKED"),
-    "SCALED": ("Scaled", "FULLSCREEN_ENTER"),
-    "OTHER_DATA": ("Other Data", "MATERIAL"),
-    "SIMILAR": ("Similar", "SHADERFX"),
-    "COPIES": ("Copied Files", "DUPLICATE"),
-    "NOT_COMPARED": ("Not Compared", "QUESTION"),
-    "NOT_COMPARED_EQUAL_SIZE": ("Not Compared (Equal Size)", "QUESTION"),
-    "MOVED": ("Moved", "EMPTY_ARROWS"),
-    "MIRRORED": ("Mirrored", "MOD_MIRROR"),
-    "RE_MESHED": ("Re-meshed", "MOD_REMESH"),
-    "VERSION": ("Version", "MOD_SUBSURF"),
-    "RE_POSED": ("Re-posed", "ARMATURE_DATA"),
-    "PART_OF": ("Whole of It", "SELECT_EXTEND"),
-    "CONTAINS": ("Part of It", "SELECT_INTERSECT"),
+    "IDENTICAL": (marked("Identical"), "LINKED"),
+    "SCALED": (marked("Scaled"), "FULLSCREEN_ENTER"),
+    "OTHER_DATA": (marked("Other Data"), "MATERIAL"),
+    "SIMILAR": (marked("Similar"), "SHADERFX"),
+    "COPIES": (marked("Copied Files"), "DUPLICATE"),
+    "NOT_COMPARED": (marked("Not Compared"), "QUESTION"),
+    "NOT_COMPARED_EQUAL_SIZE": (marked("Not Compared (Equal Size)"), "QUESTION"),
+    "MOVED": (marked("Moved"), "EMPTY_ARROWS"),
+    "MIRRORED": (marked("Mirrored"), "MOD_MIRROR"),
+    "RE_MESHED": (marked("Re-meshed"), "MOD_REMESH"),
+    "VERSION": (marked("Version"), "MOD_SUBSURF"),
+    "RE_POSED": (marked("Re-posed"), "ARMATURE_DATA"),
+    "PART_OF": (marked("Whole of It"), "SELECT_EXTEND"),
+    "CONTAINS": (marked("Part of It"), "SELECT_INTERSECT"),
 }
 """Name and icon of each kind of group."""
 
@@ -64,8 +65,9 @@ class SHAPEGOOGLE_PG_duplicate_group(bpy.types.PropertyGroup):
     )
     kind: StringProperty()
     meshes: IntProperty()
-    # Large libraries save more than 32 bits hold.
-    saving: StringProperty()
+    # In megabytes, since large libraries save more bytes than 32 bits count.
+    saved_megabytes: FloatProperty()
+    saved_faces: IntProperty()
     linkable: BoolProperty()
     members: CollectionProperty(type=SHAPEGOOGLE_PG_duplicate_member)
     active_member: IntProperty(name="Member")
@@ -143,7 +145,7 @@ def show_groups(
         entry.name = group.members[0].name
         entry.kind = group.kind
         entry.meshes = group.meshes
-        entry.saving = _saving(group)
+        entry.saved_megabytes, entry.saved_faces = group.saved_bytes / 2**20, group.saved_faces
         entry.linkable = group.linkable
         for member in group.members:
             line = entry.members.add()
@@ -152,10 +154,21 @@ def show_groups(
             line.shape_id = member.shape_id
 
 
-def _saving(group: Group) -> str:
-    if group.saved_bytes:
-        return f"{group.saved_bytes / 2**20:,.1f} MB"
-    return f"{group.saved_faces:,} faces"
+def saving_text(group: Any) -> str:
+    """Say how much a group takes more than one of its members would.
+
+    Parameters
+    ----------
+    group : SHAPEGOOGLE_PG_duplicate_group
+
+    Returns
+    -------
+    text : str
+        Such as "2.5 MB" or "1,280 faces".
+    """
+    if group.saved_megabytes:
+        return f"{group.saved_megabytes:,.1f} MB"
+    return counted("{count:,} face", "{count:,} faces", group.saved_faces)
 
 
 _register, _unregister = bpy.utils.register_classes_factory(

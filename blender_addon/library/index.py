@@ -14,9 +14,11 @@ from .. import jobs, state
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import counted, tr
 from .present import refresh
 from .properties import add_error
 from .scene_source import SceneIndexing
+from .sentences import progress_text, summary_text
 from .status_bar import redraw_status_bar
 
 __all__ = ["register", "unregister"]
@@ -46,11 +48,11 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         """Check that there is something to index and nothing is being indexed."""
         chosen = preferences(context)
         if session_of(context).indexing:
-            cls.poll_message_set("Indexing runs already")
+            cls.poll_message_set(tr("Indexing runs already"))
             return False
         if not chosen.has_sources() and not chosen.use_scene:
             cls.poll_message_set(
-                "Add a folder, or an asset library in Blender's preferences, or use this scene"
+                tr("Add a folder, or an asset library in Blender's preferences, or use this scene")
             )
             return False
         return True
@@ -81,11 +83,11 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         chosen, session = preferences(context), session_of(context)
         path, sources = chosen.library_path(), chosen.sources()
         if not sources and not chosen.use_scene:
-            self.report({"ERROR"}, "None of the chosen folders exists; add one, or connect its drive")
+            self.report({"ERROR"}, tr("None of the chosen folders exists; add one, or connect its drive"))
             return False
         session.errors.clear()
         session.summary, session.done, session.total, session.share = "", 0, 0, 0.0
-        session.progress = "Searching for files …"
+        session.progress = tr("Searching for files …")
         running = state.current().library.indexing
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -96,7 +98,8 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         except OSError as error:
             while running:
                 running.pop().cancel()
-            self.report({"ERROR"}, f"{path}: {error.strerror}; choose another library")
+            text = tr("{path}: {reason}; choose another library")
+            self.report({"ERROR"}, text.format(path=path, reason=error.strerror))
             return False
         state.current().library.indexed = path
         session.indexing = True
@@ -138,12 +141,12 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
             case IndexingProgress():
                 if not event.scene:
                     session.done, session.total = event.files_done, event.files_total
-                session.share, session.progress = event.share, event.sentence()
+                session.share, session.progress = event.share, progress_text(event)
             case FileOutcome(status="failed"):
                 add_error(session, str(event.path), _worded(event.reason), event.details)
             case IndexSummary():
                 run.reported = True
-                library, sentence = state.current().library.indexed, event.sentence()
+                library, sentence = state.current().library.indexed, summary_text(event)
                 if library == preferences().library_path():
                     session.shape_count = event.library_shapes
                 elif library is not None and not session.summary:
@@ -159,7 +162,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
     # 1: some files failed, and are listed; or Blender could not even start the run.
     if run.exit_code not in (0, 1) or not run.reported:
         add_error(session, str(state.current().library.indexed), run.last_words())
-        session.summary = session.summary or "Indexing stopped; Not Indexed says why"
+        session.summary = session.summary or tr("Indexing stopped; Not Indexed says why")
     if not running:
         session.indexing = False
         session.progress = ""
@@ -176,13 +179,20 @@ def _cancelled(running: Sequence[BackgroundRun | SceneIndexing], session: Any) -
     """Say what a cancelled run has done; each file is stored when it is done, a scene as a whole."""
     parts = [session.summary] if session.summary else []
     if isinstance(running[0], BackgroundRun):
-        total = f"{session.total:,} file{'' if session.total == 1 else 's'}"
-        after = f"after {session.done:,} of {total}" if session.total else "before any file was read"
-        parts.append(f"Cancelled {after}")
+        if session.total:
+            text = counted(
+                "Cancelled after {done:,} of {count:,} file",
+                "Cancelled after {done:,} of {count:,} files",
+                session.total,
+                done=session.done,
+            )
+        else:
+            text = tr("Cancelled before any file was read")
+        parts.append(text)
         if len(running) > 1:
-            parts.append("nothing of this scene was stored")
+            parts.append(tr("nothing of this scene was stored"))
     else:
-        parts.append("Cancelled; nothing of this scene was stored")
+        parts.append(tr("Cancelled; nothing of this scene was stored"))
     return "; ".join(parts)
 
 
@@ -230,7 +240,7 @@ class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there are errors."""
         if not len(session_of(context).errors):
-            cls.poll_message_set("Nothing has failed")
+            cls.poll_message_set(tr("Nothing has failed"))
             return False
         return True
 
@@ -238,7 +248,7 @@ class SHAPEGOOGLE_OT_copy_errors(bpy.types.Operator):
         """Copy them."""
         errors = session_of(context).errors
         context.window_manager.clipboard = _text_of(errors)
-        self.report({"INFO"}, f"{len(errors)} errors copied")
+        self.report({"INFO"}, counted("{count:,} error copied", "{count:,} errors copied", len(errors)))
         return {"FINISHED"}
 
 

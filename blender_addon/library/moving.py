@@ -13,6 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import counted, error_text, marked, tr
 from .open_file import is_unsaved, open_source
 from .present import is_there, refresh
 
@@ -26,8 +27,8 @@ __all__ = ["register", "unregister"]
 WIDTH = 560
 # Examples in a dialog; all would not fit the window.
 MOST_NAMES = 3
-_HERE = "This folder exists", "FILE_FOLDER"
-_AWAY = "This folder does not exist, or its drive is not connected", "ERROR"
+_HERE = marked("This folder exists"), "FILE_FOLDER"
+_AWAY = marked("This folder does not exist, or its drive is not connected"), "ERROR"
 
 
 class _Folders:
@@ -61,7 +62,7 @@ def _items(_operator: Any, _context: Any) -> list[tuple[str, str, str, str, int]
 
 
 def _counted(files: int, shapes: int) -> str:
-    return f"{files:,} file{'' if files == 1 else 's'}, {shapes:,} shape{'' if shapes == 1 else 's'}"
+    return f"{_files(files)}, {counted('{count:,} shape', '{count:,} shapes', shapes)}"
 
 
 class _OnLibrary:
@@ -71,10 +72,10 @@ class _OnLibrary:
     def poll(cls, context: Any) -> bool:
         """Check that there is a library and nothing is written to it."""
         if not is_there(context):
-            cls.poll_message_set("Index a library first")  # type: ignore[attr-defined]
+            cls.poll_message_set(tr("Index a library first"))  # type: ignore[attr-defined]
             return False
         if session_of(context).indexing:
-            cls.poll_message_set("Wait until indexing has ended, or cancel it")  # type: ignore[attr-defined]
+            cls.poll_message_set(tr("Wait until indexing has ended, or cancel it"))  # type: ignore[attr-defined]
             return False
         return True
 
@@ -86,7 +87,7 @@ class _OnLibrary:
             with Library.open(preferences(context).library_path(), read_only=read_only) as library:
                 return function(library)
         except LibraryError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            self.report({"ERROR"}, error_text(error))  # type: ignore[attr-defined]
             return None
 
     def dialog(self, context: Any, title: str, confirm: str) -> set[str]:
@@ -109,7 +110,7 @@ class _OnLibrary:
         if self.call(context, lambda library: _Folders.read(library) or True) is None:
             return {"CANCELLED"}
         if not _Folders.items:
-            self.report({"INFO"}, "The library has no folders yet")  # type: ignore[attr-defined]
+            self.report({"INFO"}, tr("The library has no folders yet"))  # type: ignore[attr-defined]
             return {"CANCELLED"}
         return self.dialog(context, title, confirm)
 
@@ -131,12 +132,14 @@ class SHAPEGOOGLE_OT_move_sources(_OnLibrary, bpy.types.Operator):
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Ask for the folder, or show what would be found in its new place."""
         if not self.old:
-            return self.choose_folder(context, "Move Sources: which folder was moved?", "Choose New Folder …")
+            return self.choose_folder(
+                context, tr("Move Sources: which folder was moved?"), tr("Choose New Folder …")
+            )
         report = self.call(context, lambda library: library.move(self.old, self.new, dry_run=True))
         if report is None:
             return {"CANCELLED"}
         self._lines = _move_lines(report)
-        return self.dialog(context, "Move Sources", "Move")
+        return self.dialog(context, tr("Move Sources"), tr("Move"))
 
     def draw(self, _context: Any) -> None:
         """Lay the dialog out."""
@@ -144,17 +147,17 @@ class SHAPEGOOGLE_OT_move_sources(_OnLibrary, bpy.types.Operator):
             self.layout.column(align=True).prop(self, "root", expand=True)
             return
         column = self.layout.column(align=True)
-        column.label(text=f"From {self.old}", icon="FILE_FOLDER")
-        column.label(text=f"To {self.new}", icon="FORWARD")
+        column.label(text=tr("From {folder}").format(folder=self.old), translate=False, icon="FILE_FOLDER")
+        column.label(text=tr("To {folder}").format(folder=self.new), translate=False, icon="FORWARD")
         for line in self._lines:
-            column.label(text=line)
+            column.label(text=line, translate=False)
 
     def execute(self, context: Any) -> set[str]:
         """Go on to the new folder, or move."""
         if not self.new:
             old = self.old or self.root
             if bpy.app.background:
-                self.report({"ERROR"}, "Name both folders: old, and new")
+                self.report({"ERROR"}, tr("Name both folders: old, and new"))
                 return {"CANCELLED"}
             bpy.ops.shape_google.choose_new_folder("INVOKE_DEFAULT", old=old)
             return {"FINISHED"}
@@ -163,7 +166,13 @@ class SHAPEGOOGLE_OT_move_sources(_OnLibrary, bpy.types.Operator):
         if report is None:
             return {"CANCELLED"}
         _follow(context, old, new)
-        self.end(context, f"{_files(len(report.sources))} moved to '{new}'")
+        text = counted(
+            "{count:,} file moved to '{folder}'",
+            "{count:,} files moved to '{folder}'",
+            len(report.sources),
+            folder=new,
+        )
+        self.end(context, text)
         return {"FINISHED"}
 
 
@@ -207,13 +216,14 @@ class SHAPEGOOGLE_OT_forget_folder(_OnLibrary, bpy.types.Operator):
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Ask for the folder."""
-        return self.choose_folder(context, "Forget Folder", "Forget")
+        return self.choose_folder(context, tr("Forget Folder"), tr("Forget"))
 
     def draw(self, _context: Any) -> None:
         """Lay the dialog out."""
         self.layout.column(align=True).prop(self, "root", expand=True)
         column = self.layout.column(align=True)
-        column.label(text=f"To forget: {_counted(*_Folders.counts[self.root])}", icon="INFO")
+        text = tr("To forget: {content}").format(content=_counted(*_Folders.counts[self.root]))
+        column.label(text=text, translate=False, icon="INFO")
         column.label(text="The files stay as they are. This cannot be undone;")
         column.label(text="Index Library reads the folder again.")
 
@@ -227,8 +237,13 @@ class SHAPEGOOGLE_OT_forget_folder(_OnLibrary, bpy.types.Operator):
         off = [item for item in folders if item.use and _below(item.path, folder) is not None]
         for item in off:
             item.use = False  # or the next indexing would bring it back
-        text = f"{_counted(len(report.forgotten), report.shape_count)} of '{folder}' forgotten"
-        self.end(context, text + ("; it is switched off below Sources" if off else ""))
+        template = (
+            tr("{content} of '{folder}' forgotten; it is switched off below Sources")
+            if off
+            else tr("{content} of '{folder}' forgotten")
+        )
+        content = _counted(len(report.forgotten), report.shape_count)
+        self.end(context, template.format(content=content, folder=folder))
         return {"FINISHED"}
 
 
@@ -248,20 +263,28 @@ class SHAPEGOOGLE_OT_forget_missing(_OnLibrary, bpy.types.Operator):
         if report is None:
             return {"CANCELLED"}
         if not report.forgotten and not report.kept:
-            self.report({"INFO"}, "No file of the library is missing")
+            self.report({"INFO"}, tr("No file of the library is missing"))
             return {"CANCELLED"}
         self._report = report
-        return self.dialog(context, "Forget Missing Files", "Forget")
+        return self.dialog(context, tr("Forget Missing Files"), tr("Forget"))
 
     def draw(self, _context: Any) -> None:
         """Lay the dialog out."""
         column, report = self.layout.column(align=True), self._report
         count = _counted(len(report.forgotten), report.shape_count)
-        column.label(text=f"To forget, since the files do not exist any more: {count}", icon="INFO")
+        text = tr("To forget, since the files do not exist any more: {content}").format(content=count)
+        column.label(text=text, translate=False, icon="INFO")
         if report.forgotten:
-            column.label(text=_listed([PurePath(path).name for path in report.forgotten]))
+            names = _listed([PurePath(path).name for path in report.forgotten])
+            column.label(text=names, translate=False)
         for folder, files in report.kept:
-            column.label(text=f"{_files(files)} stay: {folder} is not here, or empty", icon="ERROR")
+            text = counted(
+                "{count:,} file stays: {folder} is not here, or empty",
+                "{count:,} files stay: {folder} is not here, or empty",
+                files,
+                folder=folder,
+            )
+            column.label(text=text, translate=False, icon="ERROR")
         if report.kept:
             column.label(text="If that folder was moved, use Move Sources; if it is gone, Forget Folder.")
 
@@ -270,9 +293,17 @@ class SHAPEGOOGLE_OT_forget_missing(_OnLibrary, bpy.types.Operator):
         report = self.call(context, lambda library: _missing(library, dry_run=False), read_only=False)
         if report is None:
             return {"CANCELLED"}
-        text = f"{_counted(len(report.forgotten), report.shape_count)} forgotten"
+        content = _counted(len(report.forgotten), report.shape_count)
         stay = sum(files for _, files in report.kept)
-        self.end(context, text + (f"; {_files(stay)} of folders that are not here stay" if stay else ""))
+        text = tr("{content} forgotten").format(content=content)
+        if stay:
+            text = counted(
+                "{content} forgotten; {count:,} file of folders that are not here stays",
+                "{content} forgotten; {count:,} files of folders that are not here stay",
+                stay,
+                content=content,
+            )
+        self.end(context, text)
         return {"FINISHED"}
 
 
@@ -292,21 +323,32 @@ def _missing(library: Library, *, dry_run: bool = True) -> ForgetReport:
 
 def _move_lines(report: MoveReport) -> list[str]:
     """Sentences about what is found in the new place."""
-    lines = [f"{report.found:,} of {_files(len(report.sources))} are there."]
+    lines = [
+        tr("Found there: {found:,} of {files}").format(found=report.found, files=_files(len(report.sources)))
+    ]
     if report.missing:
-        lines.append(f"Not there: {_listed([PurePath(path).name for path in report.missing])}")
+        names = _listed([PurePath(path).name for path in report.missing])
+        lines.append(tr("Not there: {names}").format(names=names))
     if report.merged:
-        lines.append(f"{_files(len(report.merged))} are in the library at both places and become one.")
+        lines.append(
+            counted(
+                "{count:,} file is in the library at both places; its two entries become one.",
+                "{count:,} files are in the library at both places; their two entries become one.",
+                len(report.merged),
+            )
+        )
     return lines
 
 
 def _files(count: int) -> str:
-    return f"{count:,} file{'' if count == 1 else 's'}"
+    return counted("{count:,} file", "{count:,} files", count)
 
 
 def _listed(names: Sequence[str]) -> str:
-    more = f" and {len(names) - MOST_NAMES:,} more" if len(names) > MOST_NAMES else ""
-    return ", ".join(names[:MOST_NAMES]) + more
+    listed = ", ".join(names[:MOST_NAMES])
+    if len(names) <= MOST_NAMES:
+        return listed
+    return tr("{names} and {count} more").format(names=listed, count=len(names) - MOST_NAMES)
 
 
 def _nearest(folder: Path) -> Path:

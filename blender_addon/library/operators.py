@@ -11,6 +11,7 @@ from bpy.props import StringProperty
 
 from ..preferences import LIBRARY_SUFFIX, preferences
 from ..state import session_of
+from ..translation import error_text, tr
 
 __all__ = ["register", "unregister"]
 
@@ -35,7 +36,8 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
         """Take it."""
         path = Path(bpy.path.abspath(self.filepath))
         if path.is_dir() or not path.name:
-            self.report({"ERROR"}, f"'{path}' is a folder; name a file in it, such as shapes{LIBRARY_SUFFIX}")
+            text = tr("'{path}' is a folder; name a file in it, such as {example}")
+            self.report({"ERROR"}, text.format(path=path, example=f"shapes{LIBRARY_SUFFIX}"))
             return {"CANCELLED"}
         path = path if path.suffix else path.with_suffix(LIBRARY_SUFFIX)
         preferences(context).library = str(path)
@@ -52,7 +54,7 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
             with Library.open(path, read_only=True) as library:
                 session.shape_count, session.model = len(library), library.model.name
         except LibraryError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -76,7 +78,7 @@ class SHAPEGOOGLE_OT_add_folder(bpy.types.Operator):
         chosen = preferences(context)
         path = Path(bpy.path.abspath(self.directory))
         if not path.is_dir():
-            self.report({"ERROR"}, f"'{path}' is not a folder")
+            self.report({"ERROR"}, tr("'{path}' is not a folder").format(path=path))
             return {"CANCELLED"}
         if all(Path(item.path) != path for item in chosen.folders):
             item = chosen.folders.add()

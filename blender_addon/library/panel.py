@@ -15,6 +15,7 @@ import bpy
 from .. import connections
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import counted, tr
 from ..wrapped_text import fixed_text
 from .present import follow, is_there
 
@@ -38,7 +39,7 @@ class SHAPEGOOGLE_UL_folders(bpy.types.UIList):
         row = layout.row(align=True)
         row.prop(item, "use", text="")
         # The sidebar is too narrow for a path; that of the active folder is below the list.
-        row.label(text=PurePath(item.path.rstrip("/\\")).name or item.path)
+        row.label(text=PurePath(item.path.rstrip("/\\")).name or item.path, translate=False)
 
 
 class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
@@ -55,7 +56,7 @@ class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """Lay an error out."""
-        layout.label(text=item.name, icon="FILE")
+        layout.label(text=item.name, translate=False, icon="FILE")
 
 
 class SHAPEGOOGLE_PT_library(bpy.types.Panel):
@@ -71,7 +72,8 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
         """Show the number of shapes at the right of the title, and the button of the manual."""
         count = session_of(context).shape_count
         if count:
-            self.layout.label(text=f"{count:,} shape{'' if count == 1 else 's'}")
+            text = counted("{count:,} shape", "{count:,} shapes", count)
+            self.layout.label(text=text, translate=False)
         self.layout.operator("shape_google.open_manual", text="", icon="HELP", emboss=False)
 
     def draw(self, context: Any) -> None:
@@ -79,7 +81,8 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
         layout = self.layout
         follow(context)
         chosen, session = preferences(context), session_of(context)
-        layout.operator("shape_google.choose_library", text=chosen.library_path().name, icon="FILE_FOLDER")
+        name = chosen.library_path().name
+        layout.operator("shape_google.choose_library", text=name, translate=False, icon="FILE_FOLDER")
         _draw_sources(layout, chosen, context)
         _draw_indexing(layout, session, context)
         _draw_model(layout, session, context)
@@ -95,7 +98,8 @@ def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
     libraries = len(connections.asset_libraries())
     row = column.row()
     row.enabled = libraries > 0
-    row.prop(chosen, "use_asset_libraries", text=f"Asset Libraries ({libraries})")
+    text = tr("Asset Libraries ({count})").format(count=libraries)
+    row.prop(chosen, "use_asset_libraries", text=text, translate=False)
     column.prop(chosen, "use_scene")
     row = body.row()
     row.template_list(
@@ -130,17 +134,25 @@ def _advice(session: Any) -> str:
     """Say what a library of an earlier version lacks."""
     if not session.without_views:
         return ""
-    number = "All" if session.without_views >= session.shape_count else f"{session.without_views:,}"
-    return (
-        f"{number} shapes were described by an earlier version: more of the same kind is found among them "
-        "only after Index Library has read their files again"
+    if session.without_views >= session.shape_count:
+        return tr(
+            "All shapes were described by an earlier version: more of the same kind is found among them only "
+            "after Index Library has read their files again"
+        )
+    return counted(
+        "{count:,} shape was described by an earlier version: Find Similar finds it for others of its kind "
+        "only after Index Library has read its file again",
+        "{count:,} shapes were described by an earlier version: more of the same kind is found among them "
+        "only after Index Library has read their files again",
+        session.without_views,
     )
 
 
 def _draw_model(layout: Any, session: Any, context: Any) -> None:
     header, body = layout.panel_prop(session, "show_model")
     model = session.model or _model_of_new(preferences(context), context)
-    header.label(text=f"Training: {session.training}" if session.training else f"Model: {model}")
+    template = tr("Training: {progress}") if session.training else tr("Model: {model}")
+    header.label(text=template.format(progress=session.training, model=model), translate=False)
     header.operator("shape_google.cancel_training", text="", icon="X", emboss=False)
     if body is None:
         return
@@ -153,13 +165,14 @@ def _model_of_new(chosen: Any, context: Any) -> str:
     if is_there(context):
         return "…"  # the worker process has not opened it yet
     name = PurePath(chosen.model_file).stem if chosen.model == "FILE" else chosen.model.lower()
-    return f"{name}, for the new library"
+    return tr("{model}, for the new library").format(model=name)
 
 
 def _draw_errors(layout: Any, session: Any, context: Any) -> None:
     header, body = layout.panel_prop(session, "show_errors")
     count = len(session.errors)
-    header.label(text=f"Not Indexed: {count:,}", icon="ERROR" if count else "NONE")
+    text = tr("Not Indexed: {count:,}").format(count=count)
+    header.label(text=text, translate=False, icon="ERROR" if count else "NONE")
     header.operator("shape_google.copy_errors", text="", icon="COPYDOWN")
     if body is None:
         return

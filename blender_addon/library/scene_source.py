@@ -25,6 +25,7 @@ from ..reading.entries import SHAPE_TYPES, Assembly, Entry, State, group_of, ite
 from ..reading.instancers import Instance, collect_instances
 from ..reading.sharing import SharedMeshes
 from ..scene.selection import split_evaluated
+from ..translation import error_text, tr
 from .open_file import is_unsaved, open_source, take_over
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ class SceneIndexing:
 
     def last_words(self) -> str:
         """Return why it ended."""
-        return self._error or f"exit code {self.exit_code}"
+        return self._error or tr("exit code {code}").format(code=self.exit_code)
 
     def join(self) -> None:
         """Wait until the next object is described."""
@@ -161,7 +162,7 @@ class SceneIndexing:
                 self.exit_code = DONE
         except ShapeGoogleError as error:
             self.cancel()
-            self._error = str(error)
+            self._error = error_text(error)
             self.exit_code = UNUSABLE
             return []
         return events
@@ -207,8 +208,8 @@ class SceneIndexing:
             found = evaluated_state(item, depsgraph, self._meshes, self._writer, self._known)
         except RuntimeError as error:
             if kind != "metaball":
-                reason = f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers"
-                self._failed.append((item.name, reason))
+                text = tr("{name!r} has no mesh once evaluated ({reason}); check its modifiers")
+                self._failed.append((item.name, text.format(name=item.name, reason=error)))
             found = None
         if found is not None:
             self._states[item.session_uid] = found
@@ -248,7 +249,7 @@ class SceneIndexing:
             try:
                 described = task.result()
             except ShapeGoogleError as error:  # the process died over it: the others go on
-                described = str(error)
+                described = error_text(error)
             if isinstance(described, str):
                 self._failed.append((name, described))
                 events.append(FileOutcome(Path(name), "failed", described))

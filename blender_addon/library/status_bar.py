@@ -17,12 +17,16 @@ __all__ = ["redraw_status_bar", "register", "unregister"]
 WIDTH = 18
 
 
+def _with_name(text: str) -> str:
+    return f"Shape Google: {text}"
+
+
 def _draw(self: Any, context: Any) -> None:
     session = session_of(context)
     if session.indexing:
         row = self.layout.row()
         row.ui_units_x = WIDTH
-        row.progress(factor=session.share, text=f"Shape Google: {session.progress or 'indexing'}")
+        row.progress(factor=session.share, text=_with_name(session.progress or tr("indexing")))
         row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
     elif session.checking:
         row = self.layout.row()
@@ -33,7 +37,7 @@ def _draw(self: Any, context: Any) -> None:
         )
         row.operator("shape_google.cancel_check", text="", icon="X", emboss=False)
     elif session.searching:
-        self.layout.label(text="Shape Google: searching …", icon="VIEWZOOM")
+        self.layout.label(text=_with_name(tr("searching …")), translate=False, icon="VIEWZOOM")
 
 
 def redraw_status_bar() -> None:

@@ -14,7 +14,9 @@ from .. import jobs, state
 from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..state import session_of
+from ..translation import tr
 from .properties import add_error
+from .sentences import step_text
 
 __all__ = ["register", "unregister"]
 
@@ -38,7 +40,7 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there are sources to train on."""
         if not preferences(context).has_sources():
-            cls.poll_message_set("Add a folder, or an asset library in Blender's preferences")
+            cls.poll_message_set(tr("Add a folder, or an asset library in Blender's preferences"))
             return False
         return not session_of(context).training
 
@@ -62,10 +64,11 @@ class SHAPEGOOGLE_OT_train_model(bpy.types.Operator):
             path.parent.mkdir(parents=True, exist_ok=True)
             run = BackgroundRun(arguments)
         except OSError as error:
-            self.report({"ERROR"}, f"{path}: {error.strerror}; choose another place")
+            text = tr("{path}: {reason}; choose another place")
+            self.report({"ERROR"}, text.format(path=path, reason=error.strerror))
             return {"CANCELLED"}
         state.current().library.training = run
-        session_of(context).training = "Training …"
+        session_of(context).training = tr("Training …")
         if bpy.app.background:
             run.join()
             _take(run, path)
@@ -91,7 +94,7 @@ def _take(run: BackgroundRun, path: Path) -> None:
     session = session_of(bpy.context)
     for event in run.events():
         if isinstance(event, StepProgress):
-            session.training = event.sentence().capitalize()
+            session.training = step_text(event)
     if run.exit_code is None:
         return
     state.current().library.training = None
@@ -99,9 +102,9 @@ def _take(run: BackgroundRun, path: Path) -> None:
     if path.exists() and run.exit_code in (0, 1):
         chosen = preferences()
         chosen.model, chosen.model_file = "FILE", str(path)
-        session.trained = f"Trained {path.name}; it is used for new libraries"
+        session.trained = tr("Trained {name}; it is used for new libraries").format(name=path.name)
     else:
-        session.trained = "Training failed; see the list of what was not indexed"
+        session.trained = tr("Training failed; see the list of what was not indexed")
         add_error(session, str(path), run.last_words())
 
 
@@ -121,7 +124,7 @@ class SHAPEGOOGLE_OT_cancel_training(bpy.types.Operator):
         """Stop it."""
         _end_training()
         session = session_of(context)
-        session.training, session.trained = "", "Training cancelled"
+        session.training, session.trained = "", tr("Training cancelled")
         return {"FINISHED"}
 
 

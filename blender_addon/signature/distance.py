@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from .. import state
+from ..translation import tr
 from .choices import Painting
 
 __all__ = ["TimeRange", "distance_text", "scale_text"]
@@ -73,4 +74,7 @@ def distance_text(distance: float, size: float, units: Any) -> str:
         length = bpy.utils.units.to_string(
             units.system, "LENGTH", distance * units.scale_length, precision=3, compatible_unit=True
         )
-    return f"{length} · {100 * distance / size:.1f} % of its size" if size > 0 else length
+    if size <= 0:
+        return str(length)
+    text = tr("{length} · {share:.1f} % of its size")
+    return text.format(length=length, share=100 * distance / size)

@@ -10,6 +10,7 @@ import bpy
 from .. import state
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import SignatureState
+from ..translation import counted, tr
 from . import bag_chart, shading
 from .painter import MODES, Painter
 
@@ -18,10 +19,10 @@ __all__ = ["register", "unregister"]
 
 def _poll(operator: Any, context: Any) -> bool:
     if context.mode not in MODES:
-        operator.poll_message_set("Switch to object mode or to edit mode of a mesh")
+        operator.poll_message_set(tr("Switch to object mode or to edit mode of a mesh"))
         return False
     if not any(item.type in ("MESH", *CARRIERS) for item in context.selected_objects):
-        operator.poll_message_set("Select at least one mesh object")
+        operator.poll_message_set(tr("Select at least one mesh object"))
         return False
     return True
 
@@ -64,7 +65,8 @@ class SHAPEGOOGLE_OT_paint(Painter, bpy.types.Operator):
         """Find what to paint; none after a report."""
         meshes = _meshes(context)
         if not meshes:
-            self.report({"ERROR"}, f"{context.selected_objects[0].name!r} has no visible mesh; select a mesh")
+            text = tr("{name!r} has no visible mesh; select a mesh")
+            self.report({"ERROR"}, text.format(name=context.selected_objects[0].name))
         return meshes
 
 
@@ -95,11 +97,14 @@ class SHAPEGOOGLE_OT_clear_paint(bpy.types.Operator):
         shading.restore_unpainted(context)
         count, meshes = sum(map(len, removed)), sum(map(bool, removed))
         if not count:
-            self.report({"INFO"}, "Nothing to clear: the selected objects have no attributes of Shape Google")
+            self.report(
+                {"INFO"}, tr("Nothing to clear: the selected objects have no attributes of Shape Google")
+            )
             return {"CANCELLED"}
-        self.report(
-            {"INFO"}, f"Removed {count} attributes from {meshes} {'mesh' if meshes == 1 else 'meshes'}"
-        )
+        attributes_text = counted("{count} attribute", "{count} attributes", count)
+        meshes_text = counted("{count} mesh", "{count} meshes", meshes)
+        text = tr("Removed {attributes} from {meshes}")
+        self.report({"INFO"}, text.format(attributes=attributes_text, meshes=meshes_text))
         return {"FINISHED"}
 
 

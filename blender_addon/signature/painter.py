@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import jobs
 from ..library.model import current_model
+from ..translation import counted, error_text, tr
 from . import shading
 from .choices import TIMED, Painting
 from .distance import scale_text
@@ -46,7 +47,7 @@ class Painter:
         manager = context.window_manager
         self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
         manager.modal_handler_add(self)
-        context.workspace.status_text_set(f"Computing {tasks[0].name} … (Esc: cancel)")
+        context.workspace.status_text_set(_computing(tasks[0]))
         return {"RUNNING_MODAL"}
 
     def paint_at_once(self, context: Any, objects: Sequence[Any]) -> set[str]:
@@ -66,7 +67,7 @@ class Painter:
         """Wait for the worker; the window stays usable."""
         if event.type == "ESC" and event.value == "PRESS":
             self.cancel(context)
-            self.report({"INFO"}, "Painting cancelled")  # type: ignore[attr-defined]
+            self.report({"INFO"}, tr("Painting cancelled"))  # type: ignore[attr-defined]
             return self._give_up(context)
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
@@ -74,7 +75,7 @@ class Painter:
             task, future = self._waiting.pop(0)
             self._finish(task, future.result)
             if self._waiting:
-                context.workspace.status_text_set(f"Computing {self._waiting[0][0].name} … (Esc: cancel)")
+                context.workspace.status_text_set(_computing(self._waiting[0][0]))
         if self._waiting or context.mode not in MODES:  # painting waits while the user sculpts
             return {"PASS_THROUGH"}
         self.cancel(context)
@@ -107,15 +108,17 @@ class Painter:
         try:
             remember(task, result())
         except MeshError as error:
-            self._failed.append(str(error))
+            self._failed.append(error_text(error))
         except ShapeGoogleError as error:  # such as a worker process that ran out of memory and was killed
-            self._failed.append(f"{task.name!r} could not be computed: {error}")
+            text = tr("{name!r} could not be computed: {reason}")
+            self._failed.append(text.format(name=task.name, reason=error_text(error)))
         except Exception:
             traceback.print_exc()
-            self._failed.append(
-                f"{task.name!r} could not be computed because of a fault in Shape Google; report it with the "
-                "last lines of the console"
+            text = tr(
+                "{name!r} could not be computed because of a fault in Shape Google; report it with the last "
+                "lines of the console"
             )
+            self._failed.append(text.format(name=task.name))
 
     def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
         """Find the computations that are needed; None, after a report, if nothing can be computed."""
@@ -127,7 +130,7 @@ class Painter:
         try:
             model = current_model(context) if chosen.kind == "WORDS" else None
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            self.report({"ERROR"}, error_text(error))  # type: ignore[attr-defined]
             return None
         tasks = []
         for item in painting.targets(objects)[0]:
@@ -136,7 +139,7 @@ class Painter:
                 try:
                     tasks.append(results.task_of(item, chosen, model, key))
                 except MeshError as error:
-                    self._failed.append(str(error))
+                    self._failed.append(error_text(error))
         return tasks
 
     def _paint(self, context: Any, objects: Any) -> set[str]:
@@ -160,13 +163,13 @@ class Painter:
             try:
                 painting.apply(item, chosen, entry, color=color, keep=keep)
             except MeshError as error:
-                self._failed.append(str(error))
+                self._failed.append(error_text(error))
             else:
                 done.append((item, entry))
         for reason in self._failed if done or lacking else self._failed[:-1]:
             self.report({"WARNING"}, reason)  # type: ignore[attr-defined]
         if not done:
-            failed = self._failed[-1] if self._failed else "The objects were changed; paint again"
+            failed = self._failed[-1] if self._failed else tr("The objects were changed; paint again")
             return self._give_up(context, lacking or failed)
         if color:
             shading.show_colors(context)
@@ -175,23 +178,45 @@ class Painter:
         return {"FINISHED"}
 
 
+def _computing(task: Task) -> str:
+    return tr("Computing {name} … (Esc: cancel)").format(name=task.name)
+
+
 def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str:
     from shapegoogle_core import VertexKeypoints, VertexSpectrum, VertexWords
 
-    objects = repr(done[0][0].name) if len(done) == 1 else f"{len(done)} objects"
+    objects = repr(done[0][0].name)
+    if len(done) > 1:
+        objects = counted("{count:,} object", "{count:,} objects", len(done))
     results = [entry.result for _, entry in done]
     if isinstance(results[0], VertexWords):
-        return f"Painted {objects}: {len(results[0].bag)} words of {chosen.channel}"
-    simplified = any(
-        isinstance(result, (VertexSpectrum, VertexKeypoints)) and result.simplified for result in results
-    )
-    copy = f", computed on a copy of {chosen.budget:,} vertices" if simplified else ""
+        text = tr("Painted {objects}: {count} words of {channel}")
+        return text.format(objects=objects, count=len(results[0].bag), channel=chosen.channel)
+    text = _painted(chosen, done, objects, units)
+    if any(isinstance(result, (VertexSpectrum, VertexKeypoints)) and result.simplified for result in results):
+        copy = tr("{summary}, computed on a copy of {count:,} vertices")
+        return copy.format(summary=text, count=chosen.budget)
+    return text
+
+
+def _painted(chosen: Painting, done: list[tuple[Any, Known]], objects: str, units: Any) -> str:
+    from shapegoogle_core import VertexKeypoints
+
     if chosen.kind == "KEYPOINTS":
-        count = sum(len(result) for result in results if isinstance(result, VertexKeypoints))
-        points = "1 keypoint" if count == 1 else f"{count or 'no'} keypoints"
-        return f"Painted {objects}: {points} of {chosen.detector}{copy}"
+        count = sum(len(entry.result) for _, entry in done if isinstance(entry.result, VertexKeypoints))
+        return counted(
+            "Painted {objects}: {count} keypoint of {detector}",
+            "Painted {objects}: {count} keypoints of {detector}",
+            count,
+            objects=objects,
+            detector=chosen.detector,
+        )
     if len(done) == 1 and chosen.kind in TIMED:
-        vertex = picked(done[0][0]) if chosen.kind == "HEAT" else None
-        origin = "" if vertex is None else f" from {vertex},"
-        return f"Painted {objects}{origin} at {scale_text(done[0][0], chosen, units)}{copy}"
-    return f"Painted {objects}{copy}"
+        item = done[0][0]
+        place = scale_text(item, chosen, units)
+        vertex = picked(item) if chosen.kind == "HEAT" else None
+        if vertex is None:
+            return tr("Painted {objects} at {distance}").format(objects=objects, distance=place)
+        text = tr("Painted {objects} from {vertex}, at {distance}")
+        return text.format(objects=objects, vertex=vertex, distance=place)
+    return tr("Painted {objects}").format(objects=objects)

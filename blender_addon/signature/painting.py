@@ -10,6 +10,7 @@ import bpy
 
 from .. import state
 from ..scene.selection import mesh_objects, split_evaluated
+from ..translation import tr
 from . import attributes, bag_chart, results
 from .choices import SEVERAL, TIMED, Painting
 from .distance import TimeRange
@@ -38,12 +39,14 @@ def targets(objects: Sequence[Any]) -> tuple[list[Any], list[str]]:
     hidden = set(split_evaluated(meshes, bpy.context)[1])
     for item in meshes:
         if item in hidden:
-            refused.append(
-                f"{item.name!r} is disabled in viewports or in an excluded collection, so that its scale is "
-                "not known; show it first"
+            text = tr(
+                "{name!r} is disabled in viewports or in an excluded collection, so that its scale is not "
+                "known; show it first"
             )
+            refused.append(text.format(name=item.name))
         elif not item.data.is_editable:
-            refused.append(f"{item.name!r} has its mesh in another file; make it local first")
+            text = tr("{name!r} has its mesh in another file; make it local first")
+            refused.append(text.format(name=item.name))
         elif item.data not in seen:
             seen.add(item.data)
             items.append(item)

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import bpy
 
 from ..library.present import follow
+from ..translation import tr
 from . import bag_chart, distance
 from .picked import picked_text
 from .properties import settings_of
@@ -76,7 +77,7 @@ def _note(kind: str, item: Any, context: Any) -> dict[str, str]:
         return {"text": ""}
     chosen = settings_of(context.scene)
     text = "" if item is None else distance.scale_text(item, chosen, context.scene.unit_settings)
-    return {"text": text or "Paint to see how far it spreads", "icon": "DRIVER_DISTANCE"}
+    return {"text": text or tr("Paint to see how far it spreads"), "icon": "DRIVER_DISTANCE"}
 
 
 class SHAPEGOOGLE_PT_signature_bag(bpy.types.Panel):
@@ -96,7 +97,10 @@ class SHAPEGOOGLE_PT_signature_bag(bpy.types.Panel):
         # The chart outlives the words on the object, which may be cleared or undone.
         painted = item is not None and item.type == "MESH" and "sg_word" in item.data.attributes
         icon = bag_chart.icon_of(item) if painted else 0
-        layout.label(text=f"Bag of {item.name}" if icon else "Paint Geometric Words to see the bag")
+        text = (
+            tr("Bag of {name}").format(name=item.name) if icon else tr("Paint Geometric Words to see the bag")
+        )
+        layout.label(text=text, translate=False)
         units = context.region.width / (UNIT * context.preferences.system.ui_scale)
         layout.template_icon(icon, scale=min(max(units - CHART_MARGIN, 1.0), LARGEST_CHART))
 

@@ -8,6 +8,8 @@ from typing import Any
 
 import bmesh
 
+from ..translation import counted, tr
+
 __all__ = ["Picked", "picked", "picked_text"]
 
 
@@ -31,9 +33,13 @@ class Picked:
     def __str__(self) -> str:
         """Describe it in words, such as "vertex 12, the active one of 2 selected"."""
         if self.count == 1:
-            return f"vertex {self.index}"
-        which = "the active one" if self.is_active else "the first one"
-        return f"vertex {self.index}, {which} of {self.count:,} selected"
+            return tr("vertex {index}").format(index=self.index)
+        template = (
+            tr("vertex {index}, the active one of {count:,} selected")
+            if self.is_active
+            else tr("vertex {index}, the first one of {count:,} selected")
+        )
+        return template.format(index=self.index, count=self.count)
 
 
 def picked(item: Any) -> Picked | None:
@@ -84,15 +90,15 @@ def picked_text(item: Any) -> str:
     text : str
     """
     if item is None or item.type != "MESH" or item.mode != "EDIT":
-        return "From the vertex selected in edit mode"
+        return tr("From the vertex selected in edit mode")
     count = item.data.total_vert_sel
     if not count:
-        return "Select the vertex it spreads from"
+        return tr("Select the vertex it spreads from")
     active = _active(bmesh.from_edit_mesh(item.data))
     if active is not None:
-        return f"From {Picked(active, True, count)}"
+        return tr("From {vertex}").format(vertex=Picked(active, True, count))
     # Which one is first takes a look at every vertex, too long for a panel.
-    return "From the selected vertex" if count == 1 else f"From the first of {count:,} selected vertices"
+    return counted("From the selected vertex", "From the first of {count:,} selected vertices", count)
 
 
 def _active(mesh: Any) -> int | None:

@@ -134,7 +134,10 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
     descriptors = [channel.descriptor for channel in model.settings.channels]
     if chosen.channel not in descriptors:
         raise MeshError(
-            f"the model {model.name!r} has no words of {chosen.channel!r}; choose {' or '.join(descriptors)}"
+            "the model {model!r} has no words of {channel!r}; choose one of {channels}",
+            model=model.name,
+            channel=chosen.channel,
+            channels=", ".join(descriptors),
         )
     channel = descriptors.index(chosen.channel)
     return Task(key, item.name, vertex_words, (model, mesh, channel), size, 1.0 + 2e-5 * count)
@@ -190,4 +193,4 @@ def paint_layers(item: Any, chosen: Painting, entry: Known, source: int | None =
     try:
         return layers.paint_spectrum(chosen, entry.result, source)
     except MeshError as error:
-        raise MeshError(f"{item.name!r}: {error}") from error
+        raise MeshError("{name!r}: {reason}", name=item.name, reason=error) from error

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import bpy
 
 from ..scene.selection import mesh_objects
+from ..translation import counted, tr
 from .choices import KEYPOINT
 from .painter import MODES
 
@@ -36,10 +37,10 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there are keypoints."""
         if context.mode not in MODES:
-            cls.poll_message_set("Switch to object mode or to edit mode of a mesh")
+            cls.poll_message_set(tr("Switch to object mode or to edit mode of a mesh"))
             return False
         if not _painted(context):
-            cls.poll_message_set("Paint keypoints onto the selected objects first")
+            cls.poll_message_set(tr("Paint keypoints onto the selected objects first"))
             return False
         return True
 
@@ -51,7 +52,7 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
         points = {item.data: attributes.positive_vertices(item.data, KEYPOINT) for item in items}
         total = sum(map(len, points.values()))
         if not total:
-            self.report({"INFO"}, "The detector has found no keypoints on the selected objects")
+            self.report({"INFO"}, tr("The detector has found no keypoints on the selected objects"))
             return {"CANCELLED"}
         if context.mode == "OBJECT":
             # The active object decides which type of object is edited: all selected ones of its type are.
@@ -63,8 +64,15 @@ class SHAPEGOOGLE_OT_select_keypoints(bpy.types.Operator):
         context.scene.tool_settings.mesh_select_mode = (True, False, False)
         edited = {item.data for item in context.objects_in_mode}
         count = sum(attributes.select(data, points.get(data, ())) for data in edited)
-        hidden = f"; {total - count} more are hidden or not being edited" if count < total else ""
-        self.report({"INFO"}, f"Selected {count} {'keypoint' if count == 1 else 'keypoints'}{hidden}")
+        text = counted("Selected {count} keypoint", "Selected {count} keypoints", count)
+        if count < total:
+            text = counted(
+                "{selected}; {count} more is hidden or not being edited",
+                "{selected}; {count} more are hidden or not being edited",
+                total - count,
+                selected=text,
+            )
+        self.report({"INFO"}, text)
         return {"FINISHED"}
 
 

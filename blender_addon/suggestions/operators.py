@@ -15,6 +15,7 @@ from ..preferences import preferences
 from ..reading.assets import CATALOG_FILE, catalogs_for, tags_of
 from ..scene.selection import query_objects
 from ..state import session_of
+from ..translation import error_text, tr
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -44,16 +45,16 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         """Check that there is an object that can be an asset, and a library."""
         item = context.active_object
         if item is None or not query_objects([item]) or context.mode != "OBJECT":
-            cls.poll_message_set("Select an object, in object mode")
+            cls.poll_message_set(tr("Select an object, in object mode"))
             return False
         if item.library is not None:
-            cls.poll_message_set("The object belongs to another file; open that")
+            cls.poll_message_set(tr("The object belongs to another file; open that"))
             return False
         if session_of(context).suggesting:
-            cls.poll_message_set("Suggestions are being made already")
+            cls.poll_message_set(tr("Suggestions are being made already"))
             return False
         if not is_there(context):
-            cls.poll_message_set("Index a library first")
+            cls.poll_message_set(tr("Index a library first"))
             return False
         return True
 
@@ -76,7 +77,7 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         def failed(error: BaseException) -> None:
             session = session_of(bpy.context)
             session.suggesting = False
-            session.answer = f"{name}: {error}"
+            session.answer = f"{name}: {error_text(error)}"
 
         jobs.watch(future, done, failed)
         return {"FINISHED"}
@@ -91,7 +92,7 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         try:
             found = future.result()
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         _fill(context, context.active_object.session_uid, found)
         return {"FINISHED"}
@@ -106,7 +107,7 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         try:
             mesh = object_mesh(item, context)
         except MeshError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return None
         library = preferences(context).library_path()
         return jobs.worker().submit(suggest, library, mesh, open_source(), item.name)
@@ -180,12 +181,14 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
             column.label(text="The nearest shapes have no further tags or catalogs.")
             column.label(text="Tag some assets, index them, and try again.")
             return
-        column.label(text=f"{item.name}: what the nearest shapes have")
+        text = tr("{name}: what the nearest shapes have")
+        column.label(text=text.format(name=item.name), translate=False)
         for line in session.suggestions:
             split = column.split(factor=0.55)
             row = split.row()
-            row.prop(line, "use", text=line.text, icon="BOOKMARKS" if line.kind == "tag" else "ASSET_MANAGER")
-            split.label(text=f"{line.confidence:.0%}  {line.relatives}")
+            icon = "BOOKMARKS" if line.kind == "tag" else "ASSET_MANAGER"
+            row.prop(line, "use", text=line.text, translate=False, icon=icon)
+            split.label(text=f"{line.confidence:.0%}  {line.relatives}", translate=False)
         if item.asset_data is None:
             column.label(text="The object becomes an asset.", icon="INFO")
 
@@ -195,7 +198,7 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         item = _object_of(session.suggested_for)
         chosen = [line for line in session.suggestions if line.use]
         if item is None:
-            self.report({"ERROR"}, "The object is gone; select another one and suggest again")
+            self.report({"ERROR"}, tr("The object is gone; select another one and suggest again"))
             return {"CANCELLED"}
         if not chosen:
             return {"CANCELLED"}
@@ -207,9 +210,13 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         catalog = next((line.text for line in chosen if line.kind == "catalog"), "")
         if catalog:
             item.asset_data.catalog_id = known_catalogs()[catalog]
-        parts = [f"tags {', '.join(tags)}"] if tags else []
-        parts += [f"catalog {catalog}"] if catalog else []
-        self.report({"INFO"}, f"{item.name} has the {' and the '.join(parts)} now")
+        if tags and catalog:
+            text = tr("{name} has the tags {tags} and the catalog {catalog} now")
+        elif tags:
+            text = tr("{name} has the tags {tags} now")
+        else:
+            text = tr("{name} has the catalog {catalog} now")
+        self.report({"INFO"}, text.format(name=item.name, tags=", ".join(tags), catalog=catalog))
         return {"FINISHED"}
 
 

@@ -14,6 +14,7 @@ from ..gallery.finding import object_of, sought
 from ..gallery.on_match import OnMatch, active_match
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import TransferState, session_of
+from ..translation import counted, error_text, tr
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -48,18 +49,20 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if not super().poll(context):
             return False
         if state.current().transfer.operator is not None:
-            cls.poll_message_set("A transfer runs already")
+            cls.poll_message_set(tr("A transfer runs already"))
             return False
         session = session_of(context)
         item = context.active_object
         if item is None or item.type not in ("MESH", *CARRIERS):
-            cls.poll_message_set("Select the object that you searched with")
+            cls.poll_message_set(tr("Select the object that you searched with"))
             return False
         if item.library is not None or (item.data is not None and item.data.library is not None):
-            cls.poll_message_set("The active object is linked from another file and cannot be changed here")
+            cls.poll_message_set(
+                tr("The active object is linked from another file and cannot be changed here")
+            )
             return False
         if not (session.transfer_groups or session.transfer_colors or session.transfer_uvs):
-            cls.poll_message_set("Choose what to transfer: vertex groups, colors or UVs")
+            cls.poll_message_set(tr("Choose what to transfer: vertex groups, colors or UVs"))
             return False
         return True
 
@@ -73,19 +76,19 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
         manager.modal_handler_add(self)
         state.current().transfer.operator = self
-        self._say(context, f"Matching {self._target.mesh.name} …")
+        self._say(context, tr("Matching {name} …").format(name=self._target.mesh.name))
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Any, event: Any) -> set[str]:
         """Wait for the worker."""
         if self.stopped or (event.type == "ESC" and event.value == "PRESS"):
             self.cancel(context)
-            self.report({"INFO"}, "Transfer cancelled")
+            self.report({"INFO"}, tr("Transfer cancelled"))
             return {"CANCELLED"}
         if event.type != "TIMER" or not self._future.done():
             return {"PASS_THROUGH"}
         if context.mode != "OBJECT":  # writing waits while the user edits, paints or sculpts
-            self._say(context, "Waiting for object mode …")
+            self._say(context, tr("Waiting for object mode …"))
             return {"PASS_THROUGH"}
         self.cancel(context)
         return self._finish()
@@ -103,7 +106,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         """Show in the status bar and in the panel what the operator waits for."""
         if self.waits_for != what:
             self.waits_for = what
-            context.workspace.status_text_set(f"{what} (Esc: cancel)")
+            context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=what))
             jobs.redraw()
 
     def execute(self, context: Any) -> set[str]:
@@ -126,9 +129,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         item = _target(context)
         if item is None:
             name = context.active_object.name
-            self.report(
-                {"ERROR"}, f"{name!r} has no visible mesh of this file; select the mesh to transfer to"
-            )
+            text = tr("{name!r} has no visible mesh of this file; select the mesh to transfer to")
+            self.report({"ERROR"}, text.format(name=name))
             return None
         # By number, since references do not survive an undo while the worker computes.
         self._item, self._replace = item.session_uid, session.transfer_replace
@@ -136,10 +138,11 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             self._target: Target = carry_over.read_target(item)
             self._source: Source = self._read_match(context, item)
         except (MeshError, PlacingError) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return None
         if not self._source.layers:
-            self.report({"ERROR"}, f"{self._source.mesh.name!r} has none of the data to transfer")
+            text = tr("{name!r} has none of the data to transfer")
+            self.report({"ERROR"}, text.format(name=self._source.mesh.name))
             return None
         wanted, kept = carry_over.without_kept(item, self._source.layers, replace=self._replace)
         if not wanted:  # before the shapes are matched, which takes seconds
@@ -162,9 +165,11 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         }
         here = object_of(context, match)
         if here == item:
-            raise PlacingError(f"{item.name!r} is the match itself; select the object to transfer to")
+            raise PlacingError(
+                "{name!r} is the match itself; select the object to transfer to", name=item.name
+            )
         if here is not None and here.type == "POINTCLOUD":
-            raise PlacingError(f"{match.name!r} is a point cloud, which has nothing to transfer")
+            raise PlacingError("{name!r} is a point cloud, which has nothing to transfer", name=match.name)
         if here is not None and here.type == "MESH":
             return carry_over.read_source(here, **wanted)
         selected, active = list(context.view_layer.objects.selected), context.view_layer.objects.active
@@ -173,13 +178,16 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             found = mesh_objects(placing.bring_in(context, match.source, sought(match)))
             if not found:
                 raise PlacingError(
-                    f"{match.name!r} contains no mesh: a point cloud has nothing to transfer, and Index "
-                    "Library reads files that have changed"
+                    "{name!r} contains no mesh: a point cloud has nothing to transfer, and Index Library "
+                    "reads files that have changed",
+                    name=match.name,
                 )
             if len(found) > 1 and not match.source.lower().endswith(".blend"):
                 raise PlacingError(
-                    f"{match.name!r} is imported as {len(found)} objects; append it, join them, and index "
-                    "the scene to transfer from the whole"
+                    "{name!r} is imported as {count} objects; append it, join them, and index the scene to "
+                    "transfer from the whole",
+                    name=match.name,
+                    count=len(found),
                 )
             context.view_layer.update()
             return carry_over.read_source(found[0], **wanted)
@@ -197,59 +205,63 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         try:
             match, centers = self._future.result()
         except ShapeGoogleError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         item = next((each for each in bpy.data.objects if each.session_uid == self._item), None)
         count = len(self._target.mesh.vertices), len(self._target.corner_vertices)
         if item is None or not item.users_scene:  # other objects may still refer to one that was deleted
-            self.report(
-                {"ERROR"}, f"{self._target.mesh.name!r} was deleted meanwhile; nothing is transferred"
-            )
+            text = tr("{name!r} was deleted meanwhile; nothing is transferred")
+            self.report({"ERROR"}, text.format(name=self._target.mesh.name))
             return {"CANCELLED"}
         if (len(item.data.vertices), len(item.data.loops)) != count:
-            self.report({"ERROR"}, f"{self._target.mesh.name!r} has changed meanwhile; transfer again")
+            text = tr("{name!r} has changed meanwhile; transfer again")
+            self.report({"ERROR"}, text.format(name=self._target.mesh.name))
             return {"CANCELLED"}
         done = carry_over.transfer(item, self._source, self._target, match, centers, replace=self._replace)
         if done.kept:
             self._report_kept(done.kept)
         if done.refused:
-            self.report({"WARNING"}, f"No room for the UV maps {_listed(done.refused)}; remove others first")
+            text = tr("No room for the UV maps {names}; remove others first")
+            self.report({"WARNING"}, text.format(names=_listed(done.refused)))
         if not done.count:
             return {"CANCELLED"}
         self._report(item, done, match)
         return {"FINISHED"}
 
     def _report_kept(self, names: list[str]) -> None:
-        self.report(
-            {"WARNING"},
-            f"Kept unchanged: {_listed(names)}; enable Replace Existing to overwrite them, and unlock locked "
-            "groups",
+        text = tr(
+            "Kept unchanged: {names}; enable Replace Existing to overwrite them, and unlock locked groups"
         )
+        self.report({"WARNING"}, text.format(names=_listed(names)))
 
     def _report(self, item: Any, done: Transferred, match: Any) -> None:
         confidence = float(match.confidence[match.face >= 0].mean())
-        what = [
-            f"{len(names)} {word if len(names) == 1 else words}"
-            for names, word, words in (
-                (done.groups, "vertex group", "vertex groups"),
-                (done.colors, "color attribute", "color attributes"),
-                (done.uvs, "UV map", "UV maps"),
-            )
-            if names
-        ]
-        text = (
-            f"Transferred {' and '.join(what)} from {self._source.mesh.name!r} to {item.name!r}, "
-            f"mean confidence {confidence:.2f}"
+        what = []
+        if done.groups:
+            what.append(counted("{count} vertex group", "{count} vertex groups", len(done.groups)))
+        if done.colors:
+            what.append(counted("{count} color attribute", "{count} color attributes", len(done.colors)))
+        if done.uvs:
+            what.append(counted("{count} UV map", "{count} UV maps", len(done.uvs)))
+        text = tr(
+            "Transferred {layers} from {source!r} to {target!r}, mean confidence {confidence:.2f}"
+        ).format(
+            layers=", ".join(what),
+            source=self._source.mesh.name,
+            target=item.name,
+            confidence=confidence,
         )
         if confidence < POOR_CONFIDENCE or match.distortion > POOR_DISTORTION:
-            self.report({"WARNING"}, f"{text}: a poor fit, possibly not the same shape; check the result")
+            warning = tr("{summary}: a poor fit, possibly not the same shape; check the result")
         elif match.runner_up < CLOSE_CHOICE:
-            self.report(
-                {"WARNING"},
-                f"{text}; two alignments fit almost equally well: check whether left and right are exchanged",
+            warning = tr(
+                "{summary}; two alignments fit almost equally well: check whether left and right are "
+                "exchanged"
             )
         else:
             self.report({"INFO"}, text)
+            return
+        self.report({"WARNING"}, warning.format(summary=text))
 
 
 def _target(context: Any) -> Any | None:
@@ -272,7 +284,9 @@ def _area(item: Any) -> float:
 
 def _listed(names: list[str]) -> str:
     shown = ", ".join(repr(name) for name in names[:5])
-    return shown if len(names) <= 5 else f"{shown} and {len(names) - 5} more"
+    if len(names) <= 5:
+        return shown
+    return tr("{names} and {count} more").format(names=shown, count=len(names) - 5)
 
 
 class SHAPEGOOGLE_OT_cancel_transfer(bpy.types.Operator):

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from .. import state
+from ..translation import tr
 
 __all__ = ["draw_choices", "draw_transfer"]
 
@@ -18,8 +19,8 @@ def draw_transfer(row: Any) -> None:
     row : bpy.types.UILayout
     """
     running = state.current().transfer.operator
-    text = running.waits_for if running is not None else "Transfer"
-    row.operator("shape_google.transfer_match", text=text, icon="MOD_DATA_TRANSFER")
+    text = running.waits_for if running is not None else tr("Transfer")
+    row.operator("shape_google.transfer_match", text=text, translate=False, icon="MOD_DATA_TRANSFER")
     row.operator("shape_google.cancel_transfer", text="", icon="X")
 
 

@@ -23,7 +23,7 @@ from . import german
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["LANGUAGES", "counted", "error_text", "marked", "register", "tr", "unregister"]
+__all__ = ["LANGUAGES", "countable", "counted", "error_text", "marked", "register", "tr", "unregister"]
 
 
 class Language(Protocol):
@@ -84,6 +84,21 @@ def marked(text: str) -> str:
     text : str
     """
     return text
+
+
+def countable(one: str, many: str) -> tuple[str, str]:
+    """Return two texts as they are, for `counted`: it marks texts in constants.
+
+    Parameters
+    ----------
+    one, many : str
+        As for `counted`.
+
+    Returns
+    -------
+    one, many : str
+    """
+    return one, many
 
 
 def counted(one: str, many: str, count: int, **values: Any) -> str:

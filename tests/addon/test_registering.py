@@ -50,7 +50,7 @@ from blender_addon import commands, needs
 from types import SimpleNamespace
 class Layout(SimpleNamespace):
     def column(self, **options): return self
-    def label(self, text, icon): self.lines.append(text)
+    def label(self, text, icon, translate): self.lines.append(text)
 layout = Layout(lines=[])
 region = SimpleNamespace(width=300)
 context = SimpleNamespace(region=region, preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)))

@@ -32,7 +32,7 @@ def listed(shown: Any) -> dict[str, int]:
 
 def test_linking_is_undone_and_the_group_comes_back(shown: Any) -> None:
     assert listed(shown) == {"Ball 0": 3, "Ring": 2}
-    saving = {group.name: group.saving for group in shown.groups}
+    saving = {group.name: group.saved_megabytes for group in shown.groups}
     next(group for group in shown.groups if group.name == "Ball 0").chosen = True
     assert bpy.ops.shape_google.link_duplicates() == {"FINISHED"}
     bpy.ops.ed.undo_push(message="linked")
@@ -40,7 +40,7 @@ def test_linking_is_undone_and_the_group_comes_back(shown: Any) -> None:
     bpy.ops.ed.undo()
     shown = bpy.context.window_manager.shape_google_duplicates
     assert listed(shown) == {"Ball 0": 3, "Ring": 2}
-    assert {group.name: group.saving for group in shown.groups} == saving
+    assert {group.name: group.saved_megabytes for group in shown.groups} == saving
     bpy.ops.ed.redo()
     assert listed(bpy.context.window_manager.shape_google_duplicates) == {"Ring": 2}
 

@@ -35,7 +35,7 @@ def test_copies_are_identical_however_they_were_moved(shown: Any) -> None:
     assert set(kinds(shown)["IDENTICAL"]) == {"a", "copied", "applied", "reordered"}
     assert shown.groups[0].linkable
     assert shown.groups[0].meshes == 4
-    assert shown.groups[0].saving == f"{3 * len(data.polygons):,} faces"
+    assert shown.groups[0].saved_faces == 3 * len(data.polygons)
     assert not shown.groups[0].chosen
 
 

@@ -138,7 +138,7 @@ def test_points_without_faces_are_a_shape(scene: Any) -> None:
     assert len(scene.query_meshes(bpy.context, separate=True)) == 2
     bpy.context.view_layer.objects.active = other
     bpy.ops.object.mode_set(mode="EDIT")
-    with pytest.raises(MeshError, match=r"'Rest': .*leave edit mode to search with all points"):
+    with pytest.raises(MeshError, match=r"'Rest'.*leave edit mode to search with all points"):
         scene.query_meshes(bpy.context)
 
 
