@@ -20,7 +20,7 @@ from ..preferences import preferences
 from ..scene.selection import query_objects
 from ..state import session_of
 from ..transfer.panel import draw_choices
-from ..translation import tr
+from ..translation import OWN_CONTEXT, tr
 from ..wrapped_text import fixed_text
 from .properties import examples_of
 
@@ -31,6 +31,8 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
     """Find the selected shape again."""
 
     bl_label = "Search"
+    # Blender's own German for this word means an area to search.
+    bl_translation_context = OWN_CONTEXT
     bl_category = "Shape Google"
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"

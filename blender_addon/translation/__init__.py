@@ -23,7 +23,17 @@ from . import german
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-__all__ = ["LANGUAGES", "countable", "counted", "error_text", "marked", "register", "tr", "unregister"]
+__all__ = [
+    "LANGUAGES",
+    "OWN_CONTEXT",
+    "countable",
+    "counted",
+    "error_text",
+    "marked",
+    "register",
+    "tr",
+    "unregister",
+]
 
 
 class Language(Protocol):
@@ -51,6 +61,9 @@ class Language(Protocol):
 
 
 LANGUAGES: tuple[Any, ...] = (german,)
+
+OWN_CONTEXT = "Shape Google"
+"""Context for words that Blender itself translates in another sense: ``bl_translation_context``."""
 
 # Contexts of messages: of everything, of buttons, and of the forms for numbers.
 _ANYWHERE, _OPERATOR = "*", "Operator"
@@ -157,7 +170,8 @@ def _form_context(form: int) -> str:
 def _messages(language: Language) -> dict[tuple[str, str], str]:
     """Return the texts of a language in the order of Blender's: by context and English text."""
     messages = {(_ANYWHERE, text): translated for text, translated in language.TEXTS.items()}
-    messages |= {(_OPERATOR, text): translated for text, translated in language.TEXTS.items()}
+    for context in (_OPERATOR, OWN_CONTEXT):
+        messages |= {(context, text): translated for text, translated in language.TEXTS.items()}
     messages |= {(_OPERATOR, text): translated for text, translated in language.OPERATORS.items()}
     for text, forms in language.COUNTED.items():
         messages |= {(_form_context(number), text): form for number, form in enumerate(forms)}

@@ -57,7 +57,7 @@ class Layout:
         assert rows["rows"] == rows["maxrows"]  # else it grows with its contents
         self._drawn.append(Row(f"list of {rows['rows']}", list_type))
 
-    def label(self, *, text: str, icon: str = "NONE") -> None:
+    def label(self, *, text: str, icon: str = "NONE", **_options: Any) -> None:
         assert icon in ICONS
         self._drawn.append(Row("line", text))
 

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""German, in the words of Blender's own German translation."""
+"""German, in the words of Blender's own German translation: mesh is "Masche", vertex "Punkt".
+
+Where Blender itself has a text, its translation wins over the one here: both are to be the same.
+"""
 
 from __future__ import annotations
+
+from . import duplicates, gallery, library, signature
 
 __all__ = ["COUNTED", "LOCALE", "OPERATORS", "TEXTS", "form"]
 
 LOCALE = "de"
 
-TEXTS: dict[str, str] = {}
+_PARTS = (library, gallery, signature, duplicates)
 
+TEXTS = {text: translated for part in _PARTS for text, translated in part.TEXTS.items()}
 # On buttons, where a word means something else than in a label.
-OPERATORS: dict[str, str] = {}
-
-COUNTED: dict[str, tuple[str, ...]] = {}
+OPERATORS = {text: translated for part in _PARTS for text, translated in part.OPERATORS.items()}
+COUNTED = {text: forms for part in _PARTS for text, forms in part.COUNTED.items()}
 
 
 def form(count: int) -> int:
