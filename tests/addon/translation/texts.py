@@ -24,7 +24,10 @@ PROPERTY = re.compile(r"(Bool|Collection|Enum|Float|FloatVector|Int|IntVector|Po
 SENTENCE = re.compile(r"[A-Za-z]{2,}[,:;…]? +(\S* )?[A-Za-z(]")
 BESIDE_VALUE = re.compile(r"[A-Za-z]{3,}[,:;]? |[ (][A-Za-z]{3,}")
 # Names, and identifiers that have spaces.
-NO_TEXTS = ("Shape Google", "Unsaved file ", "same kind", "nothing in common")
+NO_TEXTS = (
+    *("Shape Google", "Unsaved file ", "same kind", "nothing in common"),
+    *("not a match", "keep both", "no tag", "Node Editor"),
+)
 
 
 @dataclass(frozen=True)
