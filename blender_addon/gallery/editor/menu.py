@@ -9,6 +9,7 @@ import bpy
 
 from ...library.present import follow
 from ...state import session_of
+from ...translation import OWN_CONTEXT
 from ...wrapped_text import fixed_text
 from .. import panel
 from ..on_match import active_match
@@ -41,6 +42,7 @@ class SHAPEGOOGLE_PT_gallery(bpy.types.Panel):
     """The search and the chosen match, beside the pictures."""
 
     bl_label = "Search"
+    bl_translation_context = OWN_CONTEXT
     bl_category = "Shape Google"
     bl_space_type = "NODE_EDITOR"
     bl_region_type = "UI"

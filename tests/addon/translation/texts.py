@@ -87,9 +87,11 @@ def _called(node: ast.Call) -> str:
 
 def _literal(node: ast.AST | None) -> str:
     """Return the text of a literal that has a letter in it; empty for anything else."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, str) and re.search("[A-Za-z]", node.value):
-        return node.value
-    return ""
+    if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
+        return ""
+    # The name of a class is an identifier.
+    is_text = re.search("[A-Za-z]", node.value) and not node.value.startswith("SHAPEGOOGLE_")
+    return node.value if is_text else ""
 
 
 def _branches(node: ast.AST) -> Iterator[ast.AST]:
@@ -105,9 +107,9 @@ def _texts_of(path: Path) -> Iterator[Text]:
     if _is_console(path):
         return
     tree = _tree(path)
-    for node in tree.body:
-        if isinstance(node, ast.Assign):
-            yield from _item_texts(node.value, path)
+    for line in tree.body:
+        if isinstance(line, ast.Assign):
+            yield from _item_texts(line.value, path)
     yield from _errors_of(path, with_values=False)
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef):

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Texts of the large gallery, the comparison, and the manual."""
+
+from __future__ import annotations
+
+TEXTS = {
+    "Open Manual": "Handbuch öffnen",
+    "Show the manual of Shape Google, which comes with it, in the web browser; needs no network": "Das mitgelieferte Handbuch von Shape Google im Webbrowser anzeigen; braucht kein Netzwerk",
+    "The manual is missing; install the zip of Shape Google again": "Das Handbuch fehlt; das Zip von Shape Google erneut installieren",
+    # Comparison
+    "the match is ×{factor:.3g} as large, shown at the size of the query": "der Treffer ist ×{factor:.3g} so groß, gezeigt in der Größe der Anfrage",
+    "From the preview in the library, which has about 1,000 faces": "Aus der Vorschau in der Bibliothek, die etwa 1,000 Flächen hat",
+    "Comparing the surfaces …": "Die Oberflächen werden verglichen …",
+    "Distance between the surfaces: median {median}, 95 % within {most}": "Abstand der Oberflächen: Median {median}, 95 % innerhalb {most}",
+    "From the sample of points in the library": "Aus der Punktstichprobe in der Bibliothek",
+    "From the meshes themselves": "Aus den Maschen selbst",
+    "Query: {name}": "Anfrage: {name}",
+    "Match: {name}": "Treffer: {name}",
+    "The graphics card has no room for this picture": "Die Grafikkarte hat keinen Platz für dieses Bild",
+    "{length} or more": "{length} oder mehr",
+    "Compare": "Vergleichen",
+    "Show the query and the match side by side in the gallery, turning together, with the distance between their surfaces in color": "Anfrage und Treffer nebeneinander in der Galerie zeigen, gemeinsam drehbar, mit dem Abstand ihrer Oberflächen in Farbe",
+    "Turn Shapes": "Formen drehen",
+    "Turn the query and the match together": "Anfrage und Treffer gemeinsam drehen",
+    "{name}: median distance {median}, 95 % of the surface within {most}, size ×{factor:.3g}": "{name}: mittlerer Abstand (Median) {median}, 95 % der Oberfläche innerhalb {most}, Größe ×{factor:.3g}",
+    "Find similar shapes first": "Erst ähnliche Formen finden",
+    "There is no 3D view with room for the gallery; choose Shape Gallery in the editor menu of an area": "Keine 3D-Ansicht hat Platz für die Galerie; Formen-Galerie im Editormenü eines Bereichs wählen",
+    # Gallery
+    "Shape Gallery": "Formen-Galerie",
+    "Open Gallery": "Galerie öffnen",
+    "Show the matches as large pictures in an area of their own: click to choose one, double-click to append it, drag it to where it should stand. Click again to close the area": "Die Treffer als große Bilder in einem eigenen Bereich zeigen: Klick wählt einen, Doppelklick fügt ihn an, Ziehen stellt ihn an seine Stelle. Erneuter Klick schließt den Bereich",
+    "The gallery needs a window": "Die Galerie braucht ein Fenster",
+    "Place Match": "Treffer platzieren",
+    "Place the match in the scene: append it, or copy it if it is in the scene already, with the middle of its underside at a location": "Den Treffer in der Szene platzieren: ihn anfügen, oder kopieren, wenn er schon in der Szene ist, mit der Mitte seiner Unterseite an einer Position",
+    "Location": "Position",
+    "Of the middle of its underside": "Der Mitte seiner Unterseite",
+    "Drop it in a 3D view to place it there  ·  Esc: cancel": "In einer 3D-Ansicht ablegen, um ihn dort zu platzieren  ·  Esc: abbrechen",
+    "Drop the match in a 3D view of this window to place it there": "Den Treffer in einer 3D-Ansicht dieses Fensters ablegen, um ihn dort zu platzieren",
+    "Placed {name}": "{name} platziert",
+    "No match has this text": "Kein Treffer hat diesen Text",
+    "Select an object and click Find Similar": "Ein Objekt auswählen und Ähnliche finden klicken",
+    "Search names, tags and paths": "Namen, Schlagwörter und Pfade durchsuchen",
+    "No picture": "Kein Bild",
+    "Use Gallery": "Galerie benutzen",
+    "Choose the match under the pointer, append it by a double click, or drag it to its place": "Den Treffer unter dem Zeiger wählen, ihn mit Doppelklick anfügen, oder an seine Stelle ziehen",
+    "Look at Match": "Treffer ansehen",
+    "Show what is known of the match under the pointer": "Zeigen, was über den Treffer unter dem Zeiger bekannt ist",
+    "Scroll Gallery": "Galerie rollen",
+    "Scroll the gallery, or change the size of its pictures": "Die Galerie rollen oder die Größe ihrer Bilder ändern",
+    "Use Gallery by Keys": "Galerie mit Tasten benutzen",
+    "Choose a match by the arrow keys, use it, or close the gallery": "Einen Treffer mit den Pfeiltasten wählen, ihn verwenden, oder die Galerie schließen",
+    "Match Menu": "Treffermenü",
+    "Show what can be done with the match under the pointer": "Zeigen, was mit dem Treffer unter dem Zeiger getan werden kann",
+    "Compare in Gallery": "In der Galerie vergleichen",
+    "Compare the chosen match with the query": "Den gewählten Treffer mit der Anfrage vergleichen",
+    "Up": "Hoch",
+    "Scroll up": "Nach oben rollen",
+    "Down": "Herunter",
+    "Scroll down": "Nach unten rollen",
+    "Larger": "Größer",
+    "Larger pictures": "Größere Bilder",
+    "Smaller": "Kleiner",
+    "Smaller pictures": "Kleinere Bilder",
+    "Pan": "Balance",
+    "As far as two fingers have moved": "So weit, wie zwei Finger sich bewegt haben",
+    "Search in Gallery": "In der Galerie suchen",
+    "Show only matches with a text in their name, tags, catalog or path": "Nur Treffer zeigen, die einen Text in Name, Schlagwörtern, Katalog oder Pfad haben",
+    "Enter: keep  ·  Esc: as before  ·  Ctrl V: paste": "Enter: behalten  ·  Esc: wie zuvor  ·  Strg V: einfügen",
+    "Picture Size": "Bildgröße",
+    "Width of the pictures in the large gallery, in pixels": "Breite der Bilder in der großen Galerie, in Pixeln",
+}
+
+OPERATORS: dict[str, str] = {}
+
+COUNTED = {
+    "{count:,} match": ("{count:,} Treffer", "{count:,} Treffer"),
+}
