@@ -35,6 +35,7 @@ from . import (
     preferences,
     replacing,
     search,
+    server,
     session,
     signature,
     state,
@@ -48,6 +49,7 @@ __all__ = ["register", "unregister"]
 
 _MODULES = (
     translation,
+    server,
     preferences,
     documentation,
     wrapped_text,
@@ -65,7 +67,7 @@ _MODULES = (
     commands,
 )
 # What a Blender without numpy gets: preferences, a panel and a command that say so.
-_WITHOUT_PACKAGES = (translation, preferences, needs, commands)
+_WITHOUT_PACKAGES = (translation, server, preferences, needs, commands)
 
 
 def register() -> None:

@@ -47,7 +47,7 @@ def sentence() -> str:
     return ""
 
 
-def draw_sentence(layout: Any, text: str, letters: int) -> None:
+def draw_sentence(layout: Any, text: str, letters: int, icon: str = "ERROR") -> None:
     """Lay a sentence out in as many lines as it takes.
 
     Parameters
@@ -56,10 +56,12 @@ def draw_sentence(layout: Any, text: str, letters: int) -> None:
     text : str
     letters : int
         Longest line.
+    icon : str, optional
+        Before the first line.
     """
     column = layout.column(align=True)
     for number, line in enumerate(split_lines(text, letters)):
-        column.label(text=line, translate=False, icon="BLANK1" if number else "ERROR")
+        column.label(text=line, translate=False, icon="BLANK1" if number else icon)
 
 
 class SHAPEGOOGLE_PT_needs(bpy.types.Panel):

@@ -15,6 +15,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
 from . import connections, needs
+from .server import ServerPreferences, is_database_address, is_server_address, user_folder
 
 __all__ = ["preferences", "register", "unregister"]
 
@@ -40,7 +41,10 @@ def _absolute(name: str, *, of_library: bool = False) -> Callable[[Any, Any], No
 
     def update(group: Any, context: Any) -> None:
         path = getattr(group, name)
-        absolute = os.path.abspath(bpy.path.abspath(path)) if path else ""  # noqa: PTH100 - keeps links
+        absolute = path.strip()
+        is_path = not (of_library and (is_server_address(absolute) or is_database_address(absolute)))
+        if path and is_path:
+            absolute = os.path.abspath(bpy.path.abspath(path))  # noqa: PTH100 - keeps links
         if path != absolute:
             setattr(group, name, absolute)  # which calls this again
         elif of_library and hasattr(context.window_manager, "shape_google"):
@@ -90,14 +94,17 @@ class SHAPEGOOGLE_PG_folder(bpy.types.PropertyGroup):
     )
 
 
-class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
+class SHAPEGOOGLE_preferences(ServerPreferences, bpy.types.AddonPreferences):
     """Preferences of the add-on."""
 
     bl_idname = __package__
 
     library: StringProperty(
         name="Library",
-        description="File that stores the signatures of all shapes; created when you first index into it",
+        description=(
+            "File that stores the signatures of all shapes, created when you first index into it; or the "
+            "address of a server, such as https://shapes.studio"
+        ),
         subtype="FILE_PATH",
         maxlen=1024,
         update=_absolute("library", of_library=True),
@@ -185,6 +192,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         column = layout.column(heading="Library")
         column.prop(self, "library", placeholder=self.library_path().name)
         column.prop(self, "folder", placeholder="Blender's own folder for extensions")
+        self.draw_server(layout)
         column = layout.column(heading="Decisions")
         column.prop(self, "author", placeholder=login_name())
         column = layout.column(heading="Indexing")
@@ -216,11 +224,7 @@ class SHAPEGOOGLE_preferences(bpy.types.AddonPreferences):
         """Return the folder for new libraries, which need not exist yet."""
         if self.folder:
             return Path(self.folder)
-        try:
-            # Its own folder among Blender's user files, and nowhere beside its code.
-            return Path(bpy.utils.extension_path_user(__package__, path="libraries"))
-        except ValueError:  # this package is no extension, but a folder on Python's path
-            return Path(bpy.utils.user_resource("DATAFILES", path="shape_google"))
+        return user_folder("libraries")
 
     def model_name(self) -> str:
         """Return the name or path of the chosen model, as `shapegoogle_core.load_model` takes it."""

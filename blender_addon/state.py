@@ -71,8 +71,8 @@ class LibraryState:
     ----------
     followed : bool
         Whether the library is looked at every now and then.
-    shown : Path or None
-        The library that what is shown belongs to.
+    shown : str or None
+        The library that what is shown belongs to: its path, or the address of its server.
     indexed : Path or None
         The library that the present or last run of indexing fills.
     file : tuple of int or None
@@ -98,12 +98,16 @@ class LibraryState:
         Libraries in which a source still has the first name, though its file was saved under the second.
     opened : int
         How many files were opened.
+    tokens : dict of str to str
+        Tokens by the addresses of servers, as far as they were read.
+    service_model : (str, str) or None
+        Address of a server, and the file that its model was downloaded to.
     objects : dict of (str, str) to int
         Session numbers of indexed objects of the open file, by source and the name they had then.
     """
 
     followed: bool = False
-    shown: Path | None = None
+    shown: str | None = None
     indexed: Path | None = None
     file: tuple[int, ...] | None = None
     look: Future[tuple[int, ...] | None] | None = None
@@ -116,6 +120,8 @@ class LibraryState:
     unsaved_in: set[Path] = field(default_factory=set)
     renamed: list[tuple[Path, str, str]] = field(default_factory=list)
     opened: int = 0
+    tokens: dict[str, str] = field(default_factory=dict)
+    service_model: tuple[str, str] | None = None
     objects: dict[tuple[str, str], int] = field(default_factory=dict)
 
 

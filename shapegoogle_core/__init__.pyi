@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: MIT
+from shapegoogle_core.client import ServiceLibrary as ServiceLibrary
+from shapegoogle_core.client import open_library as open_library
 from shapegoogle_core.correspondence import VertexMatch as VertexMatch
 from shapegoogle_core.correspondence import match_vertices as match_vertices
 from shapegoogle_core.descriptors import default_times as default_times

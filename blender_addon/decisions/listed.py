@@ -10,8 +10,8 @@ import bpy
 from bpy.props import IntProperty
 
 from .. import jobs
-from ..library.present import is_there, when_it_changes, when_it_goes
-from ..preferences import preferences
+from ..library.address import library_address, library_missing
+from ..library.present import when_it_changes, when_it_goes
 from ..search.operators import refine, refine_and_wait
 from ..state import session_of
 from ..translation import counted, error_text, tr
@@ -29,16 +29,16 @@ def _list_again(context: Any) -> None:
     """List the decisions as they are now; other programs decide too."""
     from shapegoogle_core.worker.decisions import decisions
 
-    path = preferences(context).library_path()
+    address = library_address(context)
 
     def done(made: list[Decision]) -> None:
-        if preferences(bpy.context).library_path() == path:
+        if library_address(bpy.context) == address:
             show_decisions(bpy.context, made)
 
     def failed(error: BaseException) -> None:
         session_of(bpy.context).decided = error_text(error)
 
-    jobs.watch(jobs.worker().submit(decisions, path), done, failed)
+    jobs.watch(jobs.worker().submit(decisions, address), done, failed)
 
 
 def _forget(context: Any, _reason: str) -> None:
@@ -57,8 +57,9 @@ class SHAPEGOOGLE_OT_list_decisions(bpy.types.Operator):
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there is a library."""
-        if not is_there(context):
-            cls.poll_message_set(tr("Index a library first"))
+        missing = library_missing(context)
+        if missing:
+            cls.poll_message_set(missing)
             return False
         return True
 
@@ -73,7 +74,7 @@ class SHAPEGOOGLE_OT_list_decisions(bpy.types.Operator):
         from shapegoogle_core.worker.decisions import decisions
 
         try:
-            made = jobs.worker().submit(decisions, preferences(context).library_path()).result()
+            made = jobs.worker().submit(decisions, library_address(context)).result()
         except ShapeGoogleError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
@@ -150,7 +151,7 @@ class SHAPEGOOGLE_OT_undo_decisions(bpy.types.Operator):
             chosen = [lines[index].number]
         if not chosen:
             return [], None
-        return chosen, jobs.worker().submit(undo, preferences(context).library_path(), chosen)
+        return chosen, jobs.worker().submit(undo, library_address(context), chosen)
 
 
 def _show_rest(context: Any, numbers: Sequence[int], made: Sequence[Decision]) -> None:

@@ -12,6 +12,7 @@ from bpy.props import EnumProperty
 from .. import jobs, state
 from ..gallery.labels import title
 from ..gallery.on_match import OnMatch, active_match
+from ..library.address import library_address
 from ..library.open_file import open_source
 from ..preferences import preferences
 from ..search.operators import refine, refine_and_wait
@@ -81,7 +82,7 @@ def submit(
 
     chosen = preferences(context)
     return jobs.worker().submit(
-        decide, chosen.library_path(), KINDS[kind][0], shapes, others, chosen.author_name()
+        decide, library_address(context), KINDS[kind][0], shapes, others, chosen.author_name()
     )
 
 

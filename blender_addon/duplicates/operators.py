@@ -4,17 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import bpy
 from bpy.app.handlers import persistent
 from bpy.props import IntProperty
 
-from .. import state
+from .. import jobs, state
+from ..library.address import library_address, library_missing
 from ..library.model import current_model
-from ..library.present import is_there, when_it_goes
-from ..preferences import preferences
+from ..library.present import when_it_goes
 from ..translation import counted, error_text, tr
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
@@ -46,11 +45,6 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
 
 
-def _library_path(context: Any) -> Path:
-    path: Path = preferences(context).library_path()
-    return path
-
-
 class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
     """Find groups of the same and of similar shapes; nothing is changed."""
 
@@ -69,8 +63,9 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         if shown.running:
             cls.poll_message_set(tr("A search for duplicates is running"))
             return False
-        if shown.scope == "LIBRARY" and not is_there(context):
-            cls.poll_message_set(tr("Index a library first"))
+        missing = library_missing(context) if shown.scope == "LIBRARY" else ""
+        if missing:
+            cls.poll_message_set(missing)
             return False
         return True
 
@@ -84,7 +79,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             library = LibrarySearch()
             _begin(library)
             library.start(tr("Looking through the library …"))
-            library.submit(library.take, library_duplicates, _library_path(context), shown.min_similarity)
+            library.submit(library.take, library_duplicates, library_address(context), shown.min_similarity)
             return {"FINISHED"}
         found = self._same(context)
         if found is None:
@@ -100,8 +95,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Find all groups before returning."""
-        from shapegoogle_core import Library, ShapeGoogleError
-        from shapegoogle_core.worker.requests import describe_meshes
+        from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core.worker.requests import describe_meshes, library_duplicates
 
         from .groups import library_groups, solid_shapes
 
@@ -110,8 +105,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         hidden = 0
         if shown.scope == "LIBRARY":
             try:
-                with Library.open(_library_path(context), read_only=True) as library:
-                    groups = library.duplicates(shown.min_similarity)
+                asked = library_address(context), shown.min_similarity
+                groups = jobs.worker().submit(library_duplicates, *asked).result()
             except ShapeGoogleError as error:
                 self.report({"ERROR"}, error_text(error))
                 return {"CANCELLED"}

@@ -87,11 +87,7 @@ def placements_here(context: Any, match: Any) -> list[Any]:
     ------
     PlacingError
         If the best one is gone or excluded.
-    LibraryError
-        If the library cannot be read.
     """
-    from shapegoogle_core import Library
-
     objects = SceneObjects(context)
     wanted = sought(match)
     if wanted.is_collection:
@@ -100,9 +96,14 @@ def placements_here(context: Any, match: Any) -> list[Any]:
         return items or [_usable(context, objects, wanted)]
     found = [_usable(context, objects, wanted)]
     if match.placement_count > 1:
-        session, numbers, source = session_of(context), state.current().library.objects, open_source()
-        with Library.open(session.library, read_only=True) as library:
-            names = [placement.object_name for placement in library.placements(match.shape_id)]
+        numbers, source = state.current().library.objects, open_source()
+        search = state.current().search
+        names = [
+            name
+            for answer in (search.answer, search.versions)
+            if answer is not None
+            for name in answer.object_names.get(match.shape_id, ())
+        ]
         here = set(context.view_layer.objects)
         for name in dict.fromkeys(names):
             item = objects.find(Sought(name, numbers.get((source, name), 0)))

@@ -10,6 +10,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from .. import state
+from ..library.address import is_service
 from ..library.open_file import is_open_file
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
@@ -134,6 +135,12 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
         source = active_match(context).source
         state.current().search.file_wanted = source  # whose objects the matches stay for
         try:
+            if is_service(context):
+                placing.check_place(source)
+        except PlacingError as error:
+            self.report({"ERROR"}, error_text(error))
+            return {"CANCELLED"}
+        try:
             # Scripts in it stay off regardless of the preferences, since the file comes from a search.
             bpy.ops.wm.open_mainfile(how, filepath=source, display_file_selector=False, use_scripts=False)
         except RuntimeError as error:
@@ -173,12 +180,10 @@ class SHAPEGOOGLE_OT_select_match(OnMatch, bpy.types.Operator):
 
     def execute(self, context: Any) -> set[str]:
         """Select it, or the next object with its mesh if it is the selected one."""
-        from shapegoogle_core import LibraryError
-
         match = active_match(context)
         try:
             items = finding.placements_here(context, match)
-        except (PlacingError, LibraryError) as error:
+        except PlacingError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         index = 0

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
+from ..library.address import is_service
 from ..library.open_file import is_open_file, is_unsaved
 from ..reading.importers import importer_of, is_importable
 from ..scene.finding import Sought
@@ -20,6 +22,7 @@ __all__ = [
     "PlacingError",
     "bounds",
     "bring_in",
+    "check_place",
     "find_linked",
     "move_to",
     "remove",
@@ -70,6 +73,8 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
             "removes such shapes from the library",
             name=object_name,
         )
+    if is_service(context):
+        check_place(source)
     if not path.is_file():
         raise PlacingError(
             "'{path}' does not exist any more; Move Sources tells the library where its folder is now, "
@@ -98,6 +103,32 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
     new.sort(key=lambda item: (item.type != "MESH", item.name != object_name, item.name))
     select_only(context, new)
     return new
+
+
+def check_place(source: str) -> None:
+    """Refuse a file of a library on a server that this computer does not reach.
+
+    Parameters
+    ----------
+    source : str
+        Path of the file, or the name of its root and the path below it.
+
+    Raises
+    ------
+    PlacingError
+    """
+    if not os.path.isabs(source):  # noqa: PTH117 - the folder of its root is not known
+        raise PlacingError(
+            "The folder of '{path}' is not known on this computer; choose that of its root, the first part "
+            "of this path, under Folders of Roots in the panel Library",
+            path=source,
+        )
+    if not Path(source).is_file():
+        raise PlacingError(
+            "'{path}' does not exist on this computer; check the folder of its root under Folders of Roots "
+            "in the panel Library",
+            path=source,
+        )
 
 
 def remove(context: Any, blocks: Sequence[Any]) -> None:

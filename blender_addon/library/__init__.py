@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The library that is searched: its sources, indexing, and training a model on it."""
 
-from . import index, moving, open_file, operators, panel, properties, status_bar, train
+from . import index, moving, open_file, operators, panel, properties, service, status_bar, train
 
 __all__ = ["register", "unregister"]
 
-_MODULES = (properties, open_file, operators, index, moving, train, panel, status_bar)
+_MODULES = (properties, open_file, operators, service, index, moving, train, panel, status_bar)
 
 
 def register() -> None:

@@ -15,6 +15,7 @@ from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, tr
+from .address import NEEDS_FILE, is_service
 from .present import refresh
 from .properties import add_error
 from .scene_source import SceneIndexing
@@ -47,6 +48,9 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is something to index and nothing is being indexed."""
         chosen = preferences(context)
+        if is_service(context):
+            cls.poll_message_set(tr(NEEDS_FILE))
+            return False
         if session_of(context).indexing:
             cls.poll_message_set(tr("Indexing runs already"))
             return False

@@ -14,6 +14,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, error_text, marked, tr
+from .address import NEEDS_FILE, is_service
 from .open_file import is_unsaved, open_source
 from .present import is_there, refresh
 
@@ -71,6 +72,9 @@ class _OnLibrary:
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there is a library and nothing is written to it."""
+        if is_service(context):
+            cls.poll_message_set(tr(NEEDS_FILE))  # type: ignore[attr-defined]
+            return False
         if not is_there(context):
             cls.poll_message_set(tr("Index a library first"))  # type: ignore[attr-defined]
             return False

@@ -17,7 +17,9 @@ from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, tr
 from ..wrapped_text import fixed_text
+from .address import is_service
 from .present import follow, is_there
+from .service import draw_roots, draw_service
 
 __all__ = ["register", "unregister"]
 
@@ -81,9 +83,15 @@ class SHAPEGOOGLE_PT_library(bpy.types.Panel):
         layout = self.layout
         follow(context)
         chosen, session = preferences(context), session_of(context)
-        name = chosen.library_path().name
-        layout.operator("shape_google.choose_library", text=name, translate=False, icon="FILE_FOLDER")
+        row = layout.row(align=True)
+        name = chosen.library if is_service(context) else chosen.library_path().name
+        row.operator("shape_google.choose_library", text=name, icon="FILE_FOLDER", translate=False)
+        row.operator("shape_google.connect_service", text="", icon="URL")
+        if is_service(context):
+            draw_service(layout, context)
+            return
         _draw_sources(layout, chosen, context)
+        draw_roots(layout, context)
         _draw_indexing(layout, session, context)
         _draw_model(layout, session, context)
         _draw_errors(layout, session, context)

@@ -24,14 +24,23 @@ import bpy
 from .. import jobs, state
 from ..preferences import preferences
 from ..state import session_of
-from ..translation import marked, tr
+from ..translation import error_text, marked, tr
+from .address import is_service, is_there, library_address, library_key
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from shapegoogle_core.worker.library_state import LibraryState
 
-__all__ = ["follow", "is_there", "library_changed", "refresh", "when_it_changes", "when_it_goes"]
+__all__ = [
+    "follow",
+    "is_there",
+    "library_changed",
+    "look_again",
+    "refresh",
+    "when_it_changes",
+    "when_it_goes",
+]
 
 T = TypeVar("T")
 
@@ -56,7 +65,7 @@ def follow(context: Any) -> None:
     if library.followed or bpy.app.background:
         return
     library.followed = True
-    library.shown = preferences(context).library_path()
+    library.shown = library_key(context)
 
     def begin(tasks: ModuleType) -> None:
         jobs.worker().submit(tasks.warm_up)
@@ -74,11 +83,13 @@ def library_changed(context: Any) -> None:
     ----------
     context : bpy.types.Context
     """
-    path = preferences(context).library_path()
+    key = library_key(context)
     library, session = state.current().library, session_of(context)
-    if library.shown == path:
+    if library.shown == key:
         return
-    library.shown, library.file, library.look = path, None, None
+    library.shown, library.file, library.look = key, None, None
+    session.connection = ""
+    session.roots.clear()
     session.shape_count, session.without_views, session.model = 0, 0, ""
     if not session.indexing:
         session.summary = ""
@@ -86,6 +97,18 @@ def library_changed(context: Any) -> None:
     for forget in library.forget:
         forget(context, "")
     if library.followed:
+        refresh(context)
+
+
+def look_again(context: Any) -> None:
+    """Look at the library again: it may be reachable now, or no longer, or other folders are its roots.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    """
+    session_of(context).connection = ""
+    if state.current().library.followed:
         refresh(context)
 
 
@@ -101,24 +124,33 @@ def refresh(context: Any) -> None:
     from shapegoogle_core.worker.library_state import ShownShape
     from shapegoogle_core.worker.requests import library_state
 
-    path, session = preferences(context).library_path(), session_of(context)
+    address, session = library_address(context), session_of(context)
+    if address.refusal:
+        return
     lines = (*session.matches, *session.versions)
     shown = [(line.shape_id, line.source, line.name) for line in lines]
     shown += [
         (example.shape_id, example.source, example.shape_name)
         for example in session.examples
-        if example.library == str(path)
+        if example.library == str(address.place)
     ]
     shapes = [ShownShape(*shape) for shape in dict.fromkeys(shown)]
-    jobs.watch(jobs.worker().submit(library_state, path, shapes), _show, _leave_to_query)
+    jobs.watch(jobs.worker().submit(library_state, address, shapes), _show, _failed)
 
 
 def _show(found: LibraryState) -> None:
     """Show what the worker has found, unless another library has been chosen meanwhile."""
     context = bpy.context
-    if preferences(context).library_path() != found.path:
+    if library_address(context) != found.library:
         return
     session = session_of(context)
+    session.connection = ""
+    session.roots.clear()
+    for root in found.roots:
+        line = session.roots.add()
+        line.name, line.path = root.name, root.path
+    if found.model_file:
+        state.current().library.service_model = str(found.library.place), found.model_file
     session.shape_count, session.model = found.shape_count, found.model
     session.without_views = found.without_views
     for match in (*session.matches, *session.versions):
@@ -126,29 +158,12 @@ def _show(found: LibraryState) -> None:
         same = today == match.shape_id
         match.since = "" if same else NO_LONGER_INDEXED if today is None else INDEXED_AGAIN
     for example in session.examples:
-        if example.library == str(found.path):
+        if example.library == str(found.library.place):
             today = found.today.get(example.shape_id, example.shape_id)
             example.is_gone = today is None
             example.shape_id = example.shape_id if today is None else today
     for notice in state.current().library.notice:
         notice(context)
-
-
-def is_there(context: Any) -> bool:
-    """Whether the file of the library exists; cheap enough for an operator's poll.
-
-    Parameters
-    ----------
-    context : bpy.types.Context
-
-    Returns
-    -------
-    is_there : bool
-        As it was at the last look, where there is a window. Before the first one, that it is: whoever opens
-        it says if it is not.
-    """
-    library = state.current().library
-    return library.file != () if library.followed else preferences(context).library_path().is_file()
 
 
 def _look() -> float | None:
@@ -157,9 +172,11 @@ def _look() -> float | None:
         return None
     context = bpy.context
     library = state.current().library
-    path = preferences(context).library_path()
-    if library.shown != path:
+    if library.shown != library_key(context):
         library_changed(context)
+    if is_service(context):
+        return SECONDS_BETWEEN_LOOKS
+    path = preferences(context).library_path()
     if library.look is None:
         library.look = _in_thread(lambda: _file(path))
     elif library.look.done():
@@ -201,6 +218,12 @@ def _file(path: Path) -> tuple[int, ...] | None:
     except OSError:
         return None
     return status.st_dev, status.st_ino, status.st_mtime_ns, written
+
+
+def _failed(error: BaseException) -> None:
+    """Show what is wrong with a server; the error of a file is left to the next query."""
+    if is_service(bpy.context):
+        session_of(bpy.context).connection = error_text(error)
 
 
 def _leave_to_query(_error: BaseException) -> None:

@@ -20,6 +20,13 @@ class SHAPEGOOGLE_PG_error(bpy.types.PropertyGroup):
     details: StringProperty(name="Details", description="For a report of a fault of this program")
 
 
+class SHAPEGOOGLE_PG_library_root(bpy.types.PropertyGroup):
+    """A root of the library that is shown."""
+
+    name: StringProperty(name="Root")
+    path: StringProperty(name="Folder", description="Where it is; empty if that is not known")
+
+
 class IndexingProperties:
     """Part of the session: indexing and training."""
 
@@ -33,6 +40,8 @@ class IndexingProperties:
     without_views: IntProperty(
         description="Number of shapes that an earlier version has described without views"
     )
+    connection: StringProperty(description="What is wrong with the connection to a server; empty for nothing")
+    roots: CollectionProperty(type=SHAPEGOOGLE_PG_library_root)
     errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
     active_error: IntProperty(name="Error")
     model: StringProperty(name="Model", description="Model of the library, or of a new one")
@@ -61,4 +70,4 @@ def add_error(session: Any, path: str, reason: str, details: str = "") -> None:
     error.name, error.path, error.reason, error.details = Path(path).name, path, reason, details
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_error,))
+register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_error, SHAPEGOOGLE_PG_library_root))

@@ -10,10 +10,9 @@ import bpy
 
 from .. import jobs, state
 from ..gallery.labels import set_evidence
+from ..library.address import library_address, library_missing
 from ..library.open_file import open_source
-from ..library.present import is_there
 from ..library.status_bar import redraw_status_bar
-from ..preferences import preferences
 from ..search.answer import describe_match
 from ..state import session_of
 from ..translation import counted, error_text, tr
@@ -50,7 +49,7 @@ class Check:
         self._next = 0
         self._left_out = 0
         self.count = len(self._groups)
-        self._library = preferences(context).library_path()
+        self._library = library_address(context)
         self._least = session_of(context).check_similarity
 
     def read(self, context: Any) -> tuple[list[list[int]], list[Mesh]]:
@@ -144,8 +143,9 @@ class SHAPEGOOGLE_OT_check_new_objects(bpy.types.Operator):
         if session_of(context).checking:
             cls.poll_message_set(tr("Objects are being checked already"))
             return False
-        if not is_there(context):
-            cls.poll_message_set(tr("Index a library first"))
+        missing = library_missing(context)
+        if missing:
+            cls.poll_message_set(missing)
             return False
         return True
 
@@ -223,7 +223,7 @@ class SHAPEGOOGLE_OT_check_new_objects(bpy.types.Operator):
 
         if session_of(context).check_which != "NOT_INDEXED":
             return None
-        return jobs.worker().submit(names_of, preferences(context).library_path(), open_source())
+        return jobs.worker().submit(names_of, library_address(context), open_source())
 
 
 def _end(context: Any, check: Check) -> None:

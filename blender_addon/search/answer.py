@@ -11,8 +11,8 @@ from .. import jobs, state
 from ..gallery import labels, pictures
 from ..gallery.filters import is_filtered
 from ..gallery.finding import find_objects
+from ..library.address import library_key
 from ..library.present import refresh
-from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, error_text, tr
 
@@ -32,6 +32,7 @@ __all__ = [
 
 # Matches whose surfaces are compared in one task; a new query has to wait for it.
 EXPLAINED_AT_ONCE = 6
+EXPLAINED_BY_SERVICE = 25
 
 
 def show_answer(context: Any, answer: Answer, seconds: float) -> None:
@@ -69,7 +70,7 @@ def show_matches(context: Any, answer: Answer, seconds: float) -> None:
     chosen = session.active_match
     chosen_id = session.matches[chosen].shape_id if 0 <= chosen < len(session.matches) else None
     # The library as it is chosen: the answer may spell its path in another way.
-    session.library = str(preferences(context).library_path())
+    session.library = library_key(context)
     session.opened = -1
     session.versions.clear()
     search.answer, search.versions = answer, None
@@ -201,14 +202,16 @@ def explain_matches(answer: Answer, first: int = 0) -> None:
     """
     from shapegoogle_core.worker.requests import explain
 
-    portion = answer.matches[first : first + EXPLAINED_AT_ONCE]
+    # A service allows a number of requests in a minute.
+    count = EXPLAINED_BY_SERVICE if answer.library.is_service else EXPLAINED_AT_ONCE
+    portion = answer.matches[first : first + count]
     if not portion or not _is_shown(answer):
         return
 
     def done(explained: dict[int, Match]) -> None:
         if _is_shown(answer):
             show_evidence(bpy.context, explained)
-            explain_matches(answer, first + EXPLAINED_AT_ONCE)
+            explain_matches(answer, first + count)
 
     def failed(error: BaseException) -> None:
         if _is_shown(answer):

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty, IntProperty
 
 from ..gallery.on_match import OnMatch, active_match
-from ..preferences import preferences
+from ..library.address import library_key
 from ..state import session_of
 from ..translation import tr
 from .properties import examples_of
@@ -60,7 +60,7 @@ class SHAPEGOOGLE_OT_mark_example(OnMatch, bpy.types.Operator):
 
 
 def _has_examples(operator: Any, context: Any) -> bool:
-    if not examples_of(session_of(context), preferences(context).library_path()):
+    if not examples_of(session_of(context), library_key(context)):
         operator.poll_message_set(tr("There are no examples from this library"))
         return False
     return True
@@ -86,7 +86,7 @@ class SHAPEGOOGLE_OT_remove_example(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Remove it, and choose the one after it."""
         session = session_of(context)
-        own = [index for index, _ in examples_of(session, preferences(context).library_path())]
+        own = [index for index, _ in examples_of(session, library_key(context))]
         index = session.active_example if self.index < 0 else self.index
         if index not in own:
             return {"CANCELLED"}
@@ -111,7 +111,7 @@ class SHAPEGOOGLE_OT_clear_examples(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Remove them."""
         session = session_of(context)
-        for index, _ in reversed(examples_of(session, preferences(context).library_path())):
+        for index, _ in reversed(examples_of(session, library_key(context))):
             session.examples.remove(index)
         return {"FINISHED"}
 

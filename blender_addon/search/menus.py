@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 
-from ..preferences import preferences
+from ..library.address import library_address
 from ..state import session_of
 from ..translation import error_text, tr
 from .operators import search_with
@@ -61,7 +61,7 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
 
         asset = context.asset
         source = asset.full_library_path or bpy.data.filepath
-        library = preferences(context).library_path()
+        library = library_address(context)
         find = partial(shape_of, is_collection=asset.id_type == "COLLECTION")
         try:
             found = jobs.worker().submit(find, library, source, asset.name).result()

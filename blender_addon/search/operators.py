@@ -12,8 +12,8 @@ import bpy
 
 from .. import jobs, state
 from ..gallery.filters import conditions, size_factor
-from ..library.present import is_there, when_it_goes
-from ..preferences import preferences
+from ..library.address import library_address, library_key, library_missing
+from ..library.present import when_it_goes
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import Asked, SearchState, session_of
 from ..translation import error_text, tr
@@ -50,8 +50,9 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         if not query_objects(chosen) and all(example.unlike for example in _examples(context)):
             cls.poll_message_set(tr("Select a mesh or a point cloud"))
             return False
-        if not is_there(context):
-            cls.poll_message_set(tr("Index a library first"))
+        missing = library_missing(context)
+        if missing:
+            cls.poll_message_set(missing)
             return False
         return True
 
@@ -176,7 +177,7 @@ def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]]
         rank=session.rank.lower(),
         size_factor=size_factor(session),
     )
-    library = preferences(context).library_path()
+    library = library_address(context)
     unlike = state.current().search.unlike
     return jobs.worker().submit(search, library, shapes, session.top, like, unlike)
 
@@ -236,7 +237,7 @@ def refine_and_wait(context: Any) -> None:
 
 def _examples(context: Any) -> list[Any]:
     """Examples that are shapes of the present library."""
-    return [example for _, example in examples_of(session_of(context), preferences(context).library_path())]
+    return [example for _, example in examples_of(session_of(context), library_key(context))]
 
 
 class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):

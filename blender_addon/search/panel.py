@@ -7,7 +7,6 @@ pointer.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -15,8 +14,8 @@ import bpy
 from ..gallery import panel as gallery
 from ..gallery.editor import area
 from ..gallery.on_match import active_match
+from ..library.address import library_key
 from ..library.present import follow
-from ..preferences import preferences
 from ..scene.selection import query_objects
 from ..state import session_of
 from ..transfer.panel import draw_choices
@@ -51,7 +50,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         row.enabled = context.mode == "OBJECT" and len(query_objects(context.selected_objects)) > 1
         row.prop(session, "several", expand=True)
         fixed_text(layout, session.answer, context)
-        _draw_examples(layout, session, preferences(context).library_path())
+        _draw_examples(layout, session, library_key(context))
         layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
         is_open = any(map(area.is_gallery, context.screen.areas))
@@ -62,7 +61,7 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         gallery.draw_gallery(layout, session, context)
 
 
-def _draw_examples(layout: Any, session: Any, library: Path) -> None:
+def _draw_examples(layout: Any, session: Any, library: str) -> None:
     examples = [example for _, example in examples_of(session, library)]
     unlike = sum(example.unlike for example in examples)
     header, body = layout.panel_prop(session, "show_examples")
@@ -103,7 +102,7 @@ class SHAPEGOOGLE_UL_examples(bpy.types.UIList):
 
     def filter_items(self, context: Any, data: Any, _name: str) -> tuple[list[int], list[int]]:
         """Show the examples of the present library."""
-        own = {index for index, _ in examples_of(data, preferences(context).library_path())}
+        own = {index for index, _ in examples_of(data, library_key(context))}
         return [self.bitflag_filter_item if index in own else 0 for index in range(len(data.examples))], []
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -60,19 +59,20 @@ class SearchProperties:
     )
 
 
-def examples_of(session: Any, library: Path) -> list[tuple[int, Any]]:
+def examples_of(session: Any, library: str) -> list[tuple[int, Any]]:
     """Return the examples that are shapes of a library, each with its index.
 
     Parameters
     ----------
     session : SHAPEGOOGLE_PG_session
-    library : Path
+    library : str
+        Its key, see `library.address.library_key`.
 
     Returns
     -------
     examples : list of (int, SHAPEGOOGLE_PG_example)
     """
-    return [entry for entry in enumerate(session.examples) if entry[1].library == str(library)]
+    return [entry for entry in enumerate(session.examples) if entry[1].library == library]
 
 
 register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_example,))

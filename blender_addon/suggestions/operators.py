@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import bpy
 
 from .. import connections, jobs
+from ..library.address import library_address, library_missing
 from ..library.open_file import open_source
-from ..library.present import is_there
-from ..preferences import preferences
 from ..reading.assets import CATALOG_FILE, catalogs_for, tags_of
 from ..scene.selection import query_objects
 from ..state import session_of
@@ -53,8 +52,9 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         if session_of(context).suggesting:
             cls.poll_message_set(tr("Suggestions are being made already"))
             return False
-        if not is_there(context):
-            cls.poll_message_set(tr("Index a library first"))
+        missing = library_missing(context)
+        if missing:
+            cls.poll_message_set(missing)
             return False
         return True
 
@@ -109,7 +109,7 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
         except MeshError as error:
             self.report({"ERROR"}, error_text(error))
             return None
-        library = preferences(context).library_path()
+        library = library_address(context)
         return jobs.worker().submit(suggest, library, mesh, open_source(), item.name)
 
 

@@ -18,9 +18,10 @@ from shapegoogle_core.library.storage.address import as_place
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing.shards import Shard
-    from shapegoogle_core.library.library import Library
+    from shapegoogle_core.library.searchable import SearchableLibrary
 
 __all__ = [
+    "SEARCHED",
     "add_filters",
     "add_flag",
     "add_inputs",
@@ -38,6 +39,9 @@ __all__ = [
     "shard_from",
     "share",
 ]
+
+SEARCHED = "library file, postgresql:// address, or https:// address of a service"
+"""Help of the option ``--library`` of commands that search."""
 
 
 def number_from(least: int) -> Callable[[str], int]:
@@ -241,12 +245,12 @@ def add_roots(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def map_roots(library: Library, options: argparse.Namespace) -> None:
+def map_roots(library: SearchableLibrary, options: argparse.Namespace) -> None:
     """Apply the option ``--root`` to an open library.
 
     Parameters
     ----------
-    library : Library
+    library : SearchableLibrary
     options : argparse.Namespace
 
     Raises

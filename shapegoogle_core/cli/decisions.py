@@ -15,7 +15,7 @@ import argparse
 import json
 from datetime import UTC, datetime
 
-from shapegoogle_core.cli.arguments import add_flag, add_library, add_value, number_from
+from shapegoogle_core.cli.arguments import SEARCHED, add_flag, add_library, add_value, number_from
 from shapegoogle_core.cli.command import DONE, Command
 from shapegoogle_core.cli.text import put, say, table
 
@@ -23,17 +23,17 @@ __all__ = ["COMMAND"]
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    add_library(parser)
+    add_library(parser, SEARCHED)
     add_value(parser, "--undo", "N", "take the decision with this number back", number_from(1))
     add_flag(parser, "--json", "print one JSON object for each decision")
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.library.library import Library
-    from shapegoogle_core.library.storage.opening import check_exists
+    from shapegoogle_core.client import LibraryAddress
+    from shapegoogle_core.client.opening import token_from_environment
 
-    check_exists(options.library)
-    with Library.open(options.library, read_only=options.undo is None) as library:
+    address = LibraryAddress(options.library, token=token_from_environment())
+    with address.open(read_only=options.undo is None) as library:
         made = library.decisions() if options.undo is None else [library.undo(options.undo)]
     if options.json:
         for decision in made:

@@ -28,6 +28,7 @@ import json
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.cli.arguments import (
+    SEARCHED,
     add_flag,
     add_library,
     add_roots,
@@ -50,7 +51,7 @@ _EXACT = {"copies", "identical", "moved", "scaled"}
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    add_library(parser)
+    add_library(parser, SEARCHED)
     add_roots(parser)
     similarity = "least similarity to the first of a group, above 0 and at most 1 (%(default)s)"
     add_value(parser, "--min-similarity", "S", similarity, positive_share, MIN_SIMILARITY)
@@ -63,10 +64,10 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from shapegoogle_core.library.library import Library
+    from shapegoogle_core.client import open_library
     from shapegoogle_core.processes.progress import progress_bar
 
-    with Library.open(options.library, read_only=True) as library:
+    with open_library(options.library) as library:
         map_roots(library, options)
         groups = library.duplicates(
             options.min_similarity,

@@ -17,16 +17,17 @@ from dataclasses import asdict
 from pathlib import Path
 
 from shapegoogle_core.api.text import counted, one_line
-from shapegoogle_core.cli.arguments import add_flag, add_library
+from shapegoogle_core.cli.arguments import SEARCHED, add_flag, add_library
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.text import put, say, table
+from shapegoogle_core.library.storage.address import is_service
 
 __all__ = ["COMMAND"]
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
-    add_library(which, required=False)
+    add_library(which, SEARCHED, required=False)
     which.add_argument("--plugins", action="store_true", help="list the plug-ins of installed packages")
     add_flag(parser, "--json", "print one JSON object")
 
@@ -34,13 +35,16 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> int:
     if options.plugins:
         return _list_plugins(as_json=options.json)
+    from shapegoogle_core.client import open_library
     from shapegoogle_core.library.library import Library
 
-    with Library.open(options.library, read_only=True) as library:
+    with open_library(options.library) as library:
         info = library.info()
         roots = library.roots()
         advice = library.reindexing_advice()
-        failures = {path: source.error for path, source in library.sources().items() if source.error}
+        # A service tells only how many files failed.
+        sources = library.sources() if isinstance(library, Library) else {}
+        failures = {path: source.error for path, source in sources.items() if source.error}
     if options.json:
         put(json.dumps({**info, "failures": failures}))
         return DONE
@@ -51,6 +55,9 @@ def _run(options: argparse.Namespace) -> int:
         shown = f"{value:,}" if isinstance(value, int) else value
         put(f"{key.replace('_', ' '):<{width}}  {one_line(str(shown))}")
     for root in roots:
+        if is_service(options.library):
+            put(f"{'root':<{width}}  {one_line(root.name)}")
+            continue
         there = "" if Path(root.path).is_dir() else "; not there"
         line = f"{root.name}: {root.path} ({counted(root.source_count, 'source')}{there})"
         put(f"{'root':<{width}}  {one_line(line)}")

@@ -30,6 +30,7 @@ for example:
   shapegoogle query horse.obj --library shapes.sglib
   shapegoogle query poses/*.off --library shapes.sglib --top 1 --json
   shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib
+  shapegoogle query horse.obj --library https://shapes.studio --root assets=/mnt/assets
   shapegoogle query bolt.stl --library shapes.sglib --kind scaled --folder D:\models --faces :5000
 """
 
@@ -45,6 +46,7 @@ from typing import TYPE_CHECKING
 
 from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.arguments import (
+    SEARCHED,
     add_filters,
     add_flag,
     add_library,
@@ -68,9 +70,9 @@ from shapegoogle_core.library.search.settings import (
 
 if TYPE_CHECKING:
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.library.library import Library
     from shapegoogle_core.library.match import Match
     from shapegoogle_core.library.search.query import QueryShapes
+    from shapegoogle_core.library.searchable import SearchableLibrary
     from shapegoogle_core.library.storage.records import NewShape
     from shapegoogle_core.mesh import Mesh
     from shapegoogle_core.model.signature import ShapeSignature
@@ -86,7 +88,7 @@ evidence:   result of comparing the surfaces; ×2 means twice the query's size""
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("meshes", nargs="+", metavar="MESH", help="file of a mesh or scan")
-    add_library(parser)
+    add_library(parser, SEARCHED)
     add_roots(parser)
     add_value(parser, "--top", "N", "number of matches (%(default)s)", number_from(1), 10)
     add_flag(parser, "--exact", "compare all shapes in full: slower in a large library, misses nothing")
@@ -110,13 +112,13 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from shapegoogle_core.client import open_library
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.library.library import Library
 
     failed: Failures = []
     search = _search_settings(options)
     with (
-        Library.open(options.library, read_only=True, search=search) as library,
+        open_library(options.library, search=search) as library,
         ShapeReader(options.reader) as reader,
     ):
         map_roots(library, options)
@@ -142,7 +144,7 @@ class _Queries:
     """The queries of one command line, in an open library."""
 
     options: argparse.Namespace
-    library: Library
+    library: SearchableLibrary
     reader: ShapeReader
     failed: Failures
 

@@ -52,7 +52,7 @@ def _run(options: argparse.Namespace) -> int:
         command = "pip install 'shapegoogle-core[serve]'"
         say(f"shapegoogle: the service needs more packages; install them with: {command}")
         return UNUSABLE
-    from shapegoogle_core.service.settings import is_loopback
+    from shapegoogle_core.api.hosts import is_loopback
 
     if options.token_file is None and not is_loopback(options.host):
         say(

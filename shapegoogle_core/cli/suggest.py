@@ -26,7 +26,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shapegoogle_core.api.text import one_line
-from shapegoogle_core.cli.arguments import add_flag, add_library, add_roots, add_value, map_roots, number_from
+from shapegoogle_core.cli.arguments import (
+    SEARCHED,
+    add_flag,
+    add_library,
+    add_roots,
+    add_value,
+    map_roots,
+    number_from,
+)
 from shapegoogle_core.cli.command import DONE, SOME_FAILED, Command
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import put, say, table
@@ -40,7 +48,7 @@ __all__ = ["COMMAND"]
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("meshes", nargs="+", metavar="MESH", help="file of a mesh or scan")
-    add_library(parser)
+    add_library(parser, SEARCHED)
     add_roots(parser)
     add_value(
         parser, "--top", "N", "largest number of suggestions for each mesh (%(default)s)", number_from(1), 10
@@ -50,11 +58,11 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from shapegoogle_core.client import open_library
     from shapegoogle_core.indexing import ShapeReader
-    from shapegoogle_core.library.library import Library
 
     failed: Failures = []
-    with Library.open(options.library, read_only=True) as library, ShapeReader(options.reader) as reader:
+    with open_library(options.library) as library, ShapeReader(options.reader) as reader:
         map_roots(library, options)
         for path in options.meshes:
             try:

@@ -328,6 +328,21 @@ class LibraryContents(LibrarySources):
             raise self._unknown(shape_id)
         return records[0]
 
+    def records(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
+        """Return the records of several shapes.
+
+        Parameters
+        ----------
+        shape_ids : sequence of int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        shapes : list of ShapeRecord
+            In the order of the numbers; without those that are no shapes of this library.
+        """
+        return self._store.shapes(list(shape_ids))
+
     def placements(self, shape_id: int) -> tuple[Placement, ...]:
         """Return the objects that show a shape, and where.
 
@@ -373,6 +388,22 @@ class LibraryContents(LibrarySources):
         if picture is None and not self._store.shapes([shape_id]):
             raise self._unknown(shape_id)
         return picture
+
+    def thumbnails(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
+        """Return the pictures of several shapes.
+
+        Parameters
+        ----------
+        shape_ids : sequence of int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        pictures : dict of int to bytes
+            As PNG, by number; without the shapes that have none, or are not in the library.
+        """
+        pictures = ((number, self._store.thumbnail(number)) for number in shape_ids)
+        return {number: picture for number, picture in pictures if picture is not None}
 
     def _unknown(self, shape_id: int) -> LibraryError:
         return LibraryError(

@@ -333,13 +333,63 @@ class LibrarySearch(LibraryContents):
         """
         check_type("match", match, Match, "a Match")
         check_count("explain", explain, 0)
+        return self.compare_with(shapes, (match.shape_id, *match.version_ids), explain=explain)
+
+    def compare_with(
+        self,
+        shapes: QueryShapes,
+        shape_ids: Sequence[int],
+        *,
+        explain: int = 10,
+        where: Filter | None = None,
+    ) -> list[Match]:
+        """Compare a query with certain shapes of the library, whether or not a search would find them.
+
+        Parameters
+        ----------
+        shapes : MeshLike, ShapeSignature, or sequence of them
+            As for `query`.
+        shape_ids : sequence of int
+            Numbers of shapes.
+        explain : int, optional
+            Number of best matches that get evidence, see `explain`.
+        where : Filter, optional
+            As for `explain`.
+
+        Returns
+        -------
+        matches : list of Match
+            As far as the shapes are still in the library; best first, by shape.
+
+        Raises
+        ------
+        MeshError, LibraryError
+            As for `query`.
+        ValueError
+            If there is no shape to compare with, or `explain` is below 0.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         for size in (1, 2, 3):
+        ...             _ = library.add(trimesh.creation.box((size, size, size)), name=f"box {size}")
+        ...         match, = library.compare_with(trimesh.creation.box(), [3])
+        >>> match.name, match.evidence.kind, match.evidence.factor
+        ('box 3', 'scaled', 3.0)
+        """
+        check_count("explain", explain, 0)
         examples = self._signatures(shapes, "shapes", keep_surface=explain > 0)
         if not examples:
             raise ValueError("there is nothing to compare with: give at least one mesh or signature")
-        family = np.array(sorted({match.shape_id, *match.version_ids}), np.int64)
-        found = self._search.among_all(Query(self.model, examples), len(family), family)
+        numbers = np.array(sorted(set(shape_ids)), np.int64)
+        found = (
+            self._search.among_all(Query(self.model, examples), len(numbers), numbers) if len(numbers) else []
+        )
         matches = copies_first(self._store, examples, found)
-        return self._shown(examples, matches, explain, None)
+        return self._shown(examples, matches, explain, where)
 
     def explain(
         self,

@@ -14,7 +14,8 @@ from fastapi import Depends, Request
 from fastapi.security import APIKeyCookie, HTTPAuthorizationCredentials, HTTPBearer
 from fastapi.security.utils import get_authorization_scheme_param
 
-from shapegoogle_core.service.settings import ServiceError, ServiceSettings, is_loopback
+from shapegoogle_core.api.hosts import is_loopback
+from shapegoogle_core.service.settings import ServiceError, ServiceSettings
 from shapegoogle_core.service.tokens import Scope, Token, TokenFile
 
 __all__ = ["COOKIE", "TOKENS_UNREADABLE", "Access", "Client", "reader", "searcher", "writer"]

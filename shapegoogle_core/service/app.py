@@ -27,7 +27,7 @@ from shapegoogle_core.service.library_lanes import LibraryLanes
 from shapegoogle_core.service.limits import Limits
 from shapegoogle_core.service.long_answers import LongAnswers
 from shapegoogle_core.service.queries import Queries
-from shapegoogle_core.service.routes import about, decisions, searching, shapes
+from shapegoogle_core.service.routes import about, decisions, programs, searching, shapes
 from shapegoogle_core.service.routes.shared import Parts
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings, short_name
 from shapegoogle_core.service.spool import Spool
@@ -85,7 +85,7 @@ def make_app(settings: ServiceSettings) -> FastAPI:
         redoc_url=None,
     )
     access = app.state.access = Access(settings)
-    for module in (about, searching, shapes, decisions):
+    for module in (about, searching, shapes, programs, decisions):
         app.include_router(module.router)
     app.mount("/", StaticFiles(directory=PAGE, html=True))
     app.add_exception_handler(RequestValidationError, _invalid)

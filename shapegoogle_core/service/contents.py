@@ -24,9 +24,12 @@ __all__ = [
     "MatchRecord",
     "NewDecision",
     "NewSession",
+    "Place",
     "QueryRequest",
+    "RequestContent",
     "SessionState",
     "ShapeDetails",
+    "ShapeId",
     "ShapeList",
     "UploadAnswer",
     "Where",
@@ -43,7 +46,9 @@ Range = Annotated[
 Rank = Literal["both", "shape", "kind"]
 
 
-class _Request(BaseModel):
+class RequestContent(BaseModel):
+    """What a client sends: nothing but the fields that are described."""
+
     model_config = ConfigDict(extra="forbid")
 
 
@@ -53,12 +58,22 @@ class ErrorAnswer(BaseModel):
     error: str
 
 
-class Example(_Request):
-    """An example of what is searched: a shape of the library, of an upload, or a signature."""
+class Place(BaseModel):
+    """Where a shape comes from: the name of a root and a path below it, or a label with an empty root."""
+
+    root: Annotated[str, Field(max_length=500)]
+    path: Annotated[str, Field(max_length=4_000)]
+
+
+class Example(RequestContent):
+    """An example: a shape of the library, of an upload or of an earlier search; or a signature."""
 
     shape_id: ShapeId | None = None
     upload: Annotated[str, Field(max_length=64)] | None = None
-    index: Annotated[int, Field(ge=0, le=99, description="Which shape of the upload.")] = 0
+    query: Annotated[str, Field(max_length=64, description="Name of an earlier search.")] | None = None
+    index: Annotated[
+        int, Field(ge=0, le=99, description="Which shape of the upload, or example of the search.")
+    ] = 0
     signature: (
         Annotated[
             str,
@@ -69,17 +84,20 @@ class Example(_Request):
 
     @model_validator(mode="after")
     def _one(self) -> Example:
-        if sum(value is not None for value in (self.shape_id, self.upload, self.signature)) != 1:
-            raise ValueError("an example is one of shape_id, upload and signature")
+        given = (self.shape_id, self.upload, self.query, self.signature)
+        if sum(value is not None for value in given) != 1:
+            raise ValueError("an example is one of shape_id, upload, query and signature")
         return self
 
 
-class Where(_Request):
+class Where(RequestContent):
     """Conditions that every match meets."""
 
     name: Text | None = None
     text: Text | None = None
     folder: Text | None = Field(None, description="Name of a root, and a folder below it: 'assets/props'.")
+    sources: Annotated[list[Place], Field(min_length=1, max_length=1_000)] | None = None
+    not_sources: Annotated[list[Place], Field(min_length=1, max_length=1_000)] | None = None
     tag: Text | None = None
     file_type: Text | None = None
     catalog: Text | None = None
@@ -91,7 +109,7 @@ class Where(_Request):
     min_similarity: Annotated[float, Field(ge=0, le=1)] | None = None
 
 
-class QueryRequest(_Request):
+class QueryRequest(RequestContent):
     """A search."""
 
     like: Annotated[list[Example], Field(min_length=1, max_length=20)]
@@ -99,15 +117,8 @@ class QueryRequest(_Request):
     where: Where | None = None
     rank: Rank = "both"
     families: bool = False
-    limit: Annotated[int, Field(ge=1, le=100, description="Matches of the first page.")] = 24
+    limit: Annotated[int, Field(ge=1, le=1_000, description="Matches of the first page.")] = 24
     evidence: Annotated[int, Field(ge=0, le=100, description="Matches whose surfaces are compared.")] = 10
-
-
-class Place(BaseModel):
-    """Where a shape comes from: the name of a root and a path below it, or a label with an empty root."""
-
-    root: str
-    path: str
 
 
 class MatchRecord(BaseModel):
@@ -124,6 +135,7 @@ class MatchRecord(BaseModel):
     placements: int
     placement: list[float] | None
     versions: int
+    version_ids: list[int] = Field(description="The other shapes of its family, as far as they were met.")
     vertices: int
     faces: int
     area: float
@@ -140,6 +152,7 @@ class AnswerPage(BaseModel):
     offset: int
     matches: list[MatchRecord]
     next: int | None = Field(description="Offset of the next page, null at the end.")
+    shapes: int = Field(description="Number of shapes in the library.")
 
 
 class UploadedRecord(BaseModel):
@@ -202,6 +215,7 @@ class DuplicateRecord(BaseModel):
     """Shapes of which one would be enough."""
 
     kind: str
+    title: str = Field(description="The kind in words.")
     similarity: float
     saving: dict[str, int]
     members: list[DuplicateMemberRecord]
@@ -224,6 +238,7 @@ class KeyRecord(BaseModel):
     path: str
     object_name: str
     name: str
+    fingerprint: str = Field(description="Of its mesh.")
 
 
 class DecisionRecord(BaseModel):
@@ -245,7 +260,7 @@ class DecisionList(BaseModel):
     decisions: list[DecisionRecord]
 
 
-class NewDecision(_Request):
+class NewDecision(RequestContent):
     """A decision to remember. The query of "not a match" may be an upload or a signature."""
 
     kind: DecisionKind
@@ -253,9 +268,11 @@ class NewDecision(_Request):
     other: ShapeId | None = None
     tag: Annotated[str, Field(max_length=100)] = ""
     author: Annotated[str, Field(max_length=100, description="Used where the service has no tokens.")] = ""
+    name: Annotated[str, Field(max_length=500, description="Of a shape from outside the library.")] = ""
+    source: Annotated[Place | None, Field(description="Of a shape from outside the library.")] = None
 
 
-class NewSession(_Request):
+class NewSession(RequestContent):
     """A token, which the service keeps in a cookie of the web page."""
 
     token: Annotated[str, Field(max_length=200)]
@@ -285,6 +302,7 @@ class Info(BaseModel):
     sources: int
     failed: int
     model: str
+    model_hash: str = Field(description="SHA-256 of the file that /api/model returns.")
     model_name: str
     without_views: int
     roots: list[str]

@@ -109,12 +109,14 @@ class Queries:
         ServiceError
             404 for an unknown shape or upload, 422 if the search cannot be run.
         """
-        answer = _Answer(request, [], [], complete=False)
-        matches = self._search(library, request, request.limit, request.evidence)
+        # It must not depend on what is kept of another search.
+        own = {name: [self._earlier(one) for one in getattr(request, name)] for name in ("like", "unlike")}
+        answer = _Answer(request.model_copy(update=own), [], [], complete=False)
+        matches = self._search(library, answer.request, request.limit, request.evidence)
         answer.append(matches)
         answer.complete = len(matches) < request.limit
         for position, match in enumerate(matches[: request.evidence]):
-            answer.shown[position] = self._shown(library, match)
+            answer.shown[position] = self.shown(library, match)
         return self._page(library, self._spool.new_name(), answer, 0, request.limit, 0)
 
     def page(self, library: Library, name: str, offset: int, limit: int, evidence: int) -> dict[str, Any]:
@@ -172,10 +174,16 @@ class Queries:
         answer = _Answer.read(self._spool.get(name, _PART))
         for record in answer.matches:
             if record["shape_id"] == shape_id:
-                examples = self._signatures(library, answer.request.like)
+                examples = self.signatures(library, answer.request.like)
                 found = library.versions(examples, _match(record), explain=len(record["version_ids"]) + 1)
-                matches = [self._shown(library, match) for match in found]
-                return {"query": name, "offset": 0, "matches": matches, "next": None}
+                matches = [self.shown(library, match) for match in found]
+                return {
+                    "query": name,
+                    "offset": 0,
+                    "matches": matches,
+                    "next": None,
+                    "shapes": len(library),
+                }
         raise ServiceError(404, f"this search has not found shape {shape_id}")
 
     def signature(self, library: Library, example: Example) -> ShapeSignature:
@@ -193,13 +201,15 @@ class Queries:
         Raises
         ------
         ServiceError
-            404 for an unknown shape or upload, 422 for a signature that cannot be used.
+            404 for an unknown shape, upload or search, 422 for a signature that cannot be used.
         """
         if example.shape_id is not None:
             known_shape(library, example.shape_id)
             return library.signature(example.shape_id)
         if example.upload is not None:
             return self._uploads.signature(library, example.upload, example.index)
+        if example.query is not None:
+            return self.signature(library, self._earlier(example))
         try:
             content = base64.b64decode(example.signature or "", validate=True)
             return signature_from_bytes(content, library.model, short_name(library.name))
@@ -208,18 +218,28 @@ class Queries:
         except (ValueError, LibraryError) as error:
             raise ServiceError(422, str(error)) from error
 
-    def _signatures(self, library: Library, examples: Sequence[Example]) -> list[ShapeSignature]:
+    def signatures(self, library: Library, examples: Sequence[Example]) -> list[ShapeSignature]:
+        """Return the signatures of several examples, see `signature`."""
         return [self.signature(library, example) for example in examples]
+
+    def _earlier(self, example: Example) -> Example:
+        """Return what an example of an earlier search was; others as they are."""
+        if example.query is None:
+            return example
+        earlier = _Answer.read(self._spool.get(example.query, _PART)).request.like
+        if example.index >= len(earlier):
+            raise ServiceError(404, f"this search has no example {example.index}; search again")
+        return earlier[example.index]
 
     def _search(self, library: Library, request: QueryRequest, top: int, evidence: int) -> list[Match]:
         where = filter_from(request.where, library)
         if where is not None and where.kind is not None and library.model.settings.sample is None:
             raise ServiceError(422, "this library keeps no samples to find a kind with; leave the kind out")
         return library.query(
-            self._signatures(library, request.like),
+            self.signatures(library, request.like),
             top=top,
             explain=min(evidence, top),
-            unlike=self._signatures(library, request.unlike),
+            unlike=self.signatures(library, request.unlike),
             where=where,
             families=request.families,
             rank=request.rank,
@@ -231,22 +251,29 @@ class Queries:
         positions = range(len(answer.matches))[offset : offset + limit]
         missing = [position for position in positions[:evidence] if answer.shown[position] is None]
         if missing:
-            examples = self._signatures(library, answer.request.like)
+            examples = self.signatures(library, answer.request.like)
             where = filter_from(answer.request.where, library)
             matches = [_match(answer.matches[position]) for position in missing]
             explained = library.explain(examples, matches, len(matches), where=where)
             for position, match in zip(missing, explained, strict=True):
-                answer.shown[position] = self._shown(library, match)
+                answer.shown[position] = self.shown(library, match)
         self._spool.put(name, _PART, answer.to_bytes())
         shown = [
-            answer.shown[position] or self._shown(library, _match(answer.matches[position]))
+            answer.shown[position] or self.shown(library, _match(answer.matches[position]))
             for position in positions
         ]
         end = offset + limit
         more = end < len(answer.matches) or (not answer.complete and end < MOST_MATCHES)
-        return {"query": name, "offset": offset, "matches": shown, "next": end if more else None}
+        return {
+            "query": name,
+            "offset": offset,
+            "matches": shown,
+            "next": end if more else None,
+            "shapes": len(library),
+        }
 
-    def _shown(self, library: Library, match: Match) -> dict[str, Any]:
+    def shown(self, library: Library, match: Match) -> dict[str, Any]:
+        """Return a match for `MatchRecord`, with the tags that its shape has now."""
         try:
             tags = library.shape(match.shape_id).tags
         except LibraryError:  # removed by another program since

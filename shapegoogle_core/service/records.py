@@ -14,10 +14,10 @@ from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.roots.paths import containing_root, is_windows
 from shapegoogle_core.library.storage.records import Root, ShapeRecord
-from shapegoogle_core.service.contents import Where
+from shapegoogle_core.service.contents import Place, Where
 from shapegoogle_core.service.settings import ServiceError
 
-__all__ = ["duplicate_record", "filter_from", "match_record", "place", "shape_record"]
+__all__ = ["duplicate_record", "filter_from", "match_record", "place", "shape_record", "source_from"]
 
 
 def place(source: str, roots: Sequence[Root]) -> dict[str, str]:
@@ -72,6 +72,7 @@ def match_record(match: Match, tags: Sequence[str], roots: Sequence[Root]) -> di
         **match.to_json(),
         "source": place(match.source, roots),
         "shape_id": match.shape_id,
+        "version_ids": list(match.version_ids),
         "vertices": match.vertex_count,
         "faces": match.face_count,
         "area": match.area,
@@ -82,7 +83,7 @@ def match_record(match: Match, tags: Sequence[str], roots: Sequence[Root]) -> di
 def duplicate_record(group: DuplicateGroup, roots: Sequence[Root]) -> dict[str, Any]:
     """Return a group of duplicates for `DuplicateRecord`."""
     members = [{**member.to_json(), "source": place(member.source, roots)} for member in group.members]
-    return {**group.to_json(), "kind": group.title, "members": members}
+    return {**group.to_json(), "title": group.title, "members": members}
 
 
 def filter_from(where: Where | None, library: Library) -> Filter | None:
@@ -106,13 +107,42 @@ def filter_from(where: Where | None, library: Library) -> Filter | None:
     if where is None:
         return None
     conditions = where.model_dump(exclude_none=True)
+    roots = library.roots()
     if where.folder is not None:
-        conditions["folder"] = _folder(where.folder, library.roots())
+        conditions["folder"] = _folder(where.folder, roots)
+    for field, places in (("sources", where.sources), ("not_sources", where.not_sources)):
+        if places is not None:
+            conditions[field] = tuple(source_from(given, roots) for given in places)
     try:
         made = Filter(**conditions)
     except ValueError as error:
         raise ServiceError(422, str(error)) from error
     return None if made == Filter() else made
+
+
+def source_from(given: Place, roots: Sequence[Root]) -> str:
+    """Return a source that is named by its root; a path of this machine is no name for it.
+
+    Parameters
+    ----------
+    given : Place
+    roots : sequence of Root
+        Of the library.
+
+    Returns
+    -------
+    source : str
+
+    Raises
+    ------
+    ServiceError
+        422 if there is no such root, or it is a path of this machine.
+    """
+    if not given.root:
+        if os.path.isabs(given.path) or is_windows(given.path):  # noqa: PTH117
+            raise ServiceError(422, "a source is the name of a root and a path below it, or a label")
+        return given.path
+    return _folder(f"{given.root}/{given.path}", roots)
 
 
 def _folder(text: str, roots: Sequence[Root]) -> str:

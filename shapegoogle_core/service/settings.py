@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import json
 import os
 from dataclasses import asdict, dataclass
@@ -13,7 +12,7 @@ from urllib.parse import urlsplit
 from shapegoogle_core.errors import ShapeGoogleError
 from shapegoogle_core.library.storage.address import is_database
 
-__all__ = ["VARIABLE", "ServiceError", "ServiceSettings", "is_loopback", "short_name"]
+__all__ = ["VARIABLE", "ServiceError", "ServiceSettings", "short_name"]
 
 VARIABLE = "SHAPEGOOGLE_SERVICE"
 """Environment variable by which the processes of a service get their settings."""
@@ -92,31 +91,6 @@ class ServiceSettings:
     def from_environment(cls) -> ServiceSettings:
         """Read the settings that `to_environment` wrote."""
         return cls(**json.loads(os.environ[VARIABLE]))
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only programs of this machine reach an address.
-
-    Parameters
-    ----------
-    host : str
-
-    Returns
-    -------
-    loopback : bool
-
-    Examples
-    --------
-    >>> from shapegoogle_core.service.settings import is_loopback
-    >>> [is_loopback(host) for host in ("127.0.0.1", "localhost", "::1", "0.0.0.0", "studio.example")]
-    [True, True, True, False, False]
-    """
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def short_name(library: str) -> str:

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
+from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.storage.address import Place
 from shapegoogle_core.library.suggestions import Suggestion
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.worker.requests import StoredExample, open_library
@@ -16,12 +16,14 @@ __all__ = ["shape_of", "suggest"]
 MOST_SHAPES = 100_000
 
 
-def shape_of(path: Path, source: str, name: str, *, is_collection: bool = False) -> StoredExample | None:
+def shape_of(
+    path: LibraryAddress | Place, source: str, name: str, *, is_collection: bool = False
+) -> StoredExample | None:
     """Find the shape of a library that an object or a collection of a file is.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     source : str
         Path of the file.
@@ -53,12 +55,12 @@ def shape_of(path: Path, source: str, name: str, *, is_collection: bool = False)
     return others[0] if others else None
 
 
-def suggest(path: Path, mesh: Mesh, source: str, name: str) -> list[Suggestion]:
+def suggest(path: LibraryAddress | Place, mesh: Mesh, source: str, name: str) -> list[Suggestion]:
     """Suggest tags and catalogs for an object; see `Library.suggest`.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     mesh : Mesh
         Used if the object is not in the library.

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
+from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.decisions.decision import Decision, ShapeKey
 from shapegoogle_core.library.decisions.fingerprint import fingerprint
 from shapegoogle_core.library.evidence import EvidenceKind
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.storage.address import Place
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature
 from shapegoogle_core.worker.requests import open_library
@@ -47,12 +48,14 @@ class Near:
     signature: ShapeSignature
 
 
-def check_meshes(path: Path, meshes: Sequence[Mesh], source: str, least: float) -> list[Near | str | None]:
+def check_meshes(
+    path: LibraryAddress | Place, meshes: Sequence[Mesh], source: str, least: float
+) -> list[Near | str | None]:
     """Look for shapes in a library that are nearly duplicates of others.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     meshes : sequence of Mesh
         Each named after its object.
@@ -129,12 +132,12 @@ def _is_one(key: ShapeKey, shape: ShapeKey) -> bool:
     return names and bool(key.path) and shape.path.replace("\\", "/").endswith(key.path)
 
 
-def names_of(path: Path, source: str) -> frozenset[str]:
+def names_of(path: LibraryAddress | Place, source: str) -> frozenset[str]:
     """List the names of all objects of a file that are in a library.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     source : str
         Path or label of the file.

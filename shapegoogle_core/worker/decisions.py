@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.library.decisions.decision import Decision, DecisionKind
-from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.storage.address import Place
 from shapegoogle_core.model import ShapeSignature
-from shapegoogle_core.worker.requests import open_library
+from shapegoogle_core.worker.requests import changing, open_library
+from shapegoogle_core.worker.session import as_address
 
 __all__ = ["Outside", "decide", "decisions", "undo"]
 
@@ -32,7 +34,7 @@ class Outside:
 
 
 def decide(
-    path: Path,
+    path: LibraryAddress | Place,
     kind: DecisionKind,
     shapes: Sequence[int | Outside],
     others: Sequence[int],
@@ -42,7 +44,7 @@ def decide(
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     kind : str
         See `Decision`.
@@ -62,7 +64,7 @@ def decide(
     LibraryError
         If the library cannot be written, or a shape is not in it any more.
     """
-    with Library.open(path) as library:
+    with changing(path) as library:
         for shape in shapes:
             for other in others or (None,):
                 if isinstance(shape, Outside):
@@ -73,12 +75,12 @@ def decide(
         return library.decisions()
 
 
-def decisions(path: Path) -> list[Decision]:
+def decisions(path: LibraryAddress | Place) -> list[Decision]:
     """List what was decided about shapes of a library; see `Library.decisions`.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library, which need not exist.
 
     Returns
@@ -91,15 +93,17 @@ def decisions(path: Path) -> list[Decision]:
     LibraryError
         If the library cannot be read.
     """
-    return open_library(path).decisions() if path.is_file() else []
+    address = as_address(path)
+    is_there = not isinstance(address.place, Path) or address.place.is_file()
+    return open_library(address).decisions() if is_there else []
 
 
-def undo(path: Path, numbers: Sequence[int]) -> list[Decision]:
+def undo(path: LibraryAddress | Place, numbers: Sequence[int]) -> list[Decision]:
     """Take decisions back, and list those that are left.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     numbers : sequence of int
         Those that another program has taken back meanwhile are passed over.
@@ -114,7 +118,7 @@ def undo(path: Path, numbers: Sequence[int]) -> list[Decision]:
     LibraryError
         If the library cannot be written.
     """
-    with Library.open(path) as library:
+    with changing(path) as library:
         known = {decision.number for decision in library.decisions()}
         for number in numbers:
             if number in known:

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.storage.records import ShapeRecord
+from shapegoogle_core.client import LibraryAddress, ServiceLibrary
+from shapegoogle_core.library.filter import Filter
+from shapegoogle_core.library.searchable import SearchableLibrary
+from shapegoogle_core.library.storage.records import Root, ShapeRecord
 
 __all__ = ["LibraryState", "ShownShape", "state_of"]
+
+# Shapes of one file among which those that are shown are searched.
+_MOST_OF_A_FILE = 100_000
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class LibraryState:
 
     Attributes
     ----------
-    path : Path
+    library : LibraryAddress
         As it was asked for.
     shape_count : int
     model : str
@@ -44,26 +47,34 @@ class LibraryState:
     today : dict of int to int or None
         For the number of each shape asked for its number now: another one if its file was indexed again, None
         if it is not in the library any more.
+    roots : tuple of Root
+        Of the library; those of a service that are not known here have no path.
+    model_file : str
+        File with the model of a service; empty for a library in a file or a database.
     without_views : int
         Number of shapes that an earlier version has described without views: the search for more of the same
         kind does not find them.
     """
 
-    path: Path
+    library: LibraryAddress
     shape_count: int
     model: str
     today: dict[int, int | None]
     without_views: int = 0
+    roots: tuple[Root, ...] = ()
+    model_file: str = ""
 
 
-def state_of(path: Path, library: Library | None, shown: Sequence[ShownShape]) -> LibraryState:
+def state_of(
+    address: LibraryAddress, library: SearchableLibrary | None, shown: Sequence[ShownShape]
+) -> LibraryState:
     """Look at a library.
 
     Parameters
     ----------
-    path : Path
-    library : Library or None
-        None if there is none at the path.
+    address : LibraryAddress
+    library : SearchableLibrary or None
+        None if there is none at the address.
     shown : sequence of ShownShape
 
     Returns
@@ -71,28 +82,30 @@ def state_of(path: Path, library: Library | None, shown: Sequence[ShownShape]) -
     state : LibraryState
     """
     if library is None:
-        return LibraryState(path, 0, "", {shape.shape_id: None for shape in shown})
+        return LibraryState(address, 0, "", {shape.shape_id: None for shape in shown})
+    records = {record.shape_id: record for record in library.records([shape.shape_id for shape in shown])}
     today: dict[int, int | None] = {}
     lost = {}
     for shape in shown:
-        if _is_same(_record(library, shape.shape_id), shape):
+        if _is_same(records.get(shape.shape_id), shape):
             today[shape.shape_id] = shape.shape_id
         else:
             today[shape.shape_id] = None
             lost[shape.source, shape.name] = shape.shape_id
-    if lost:
-        for record in library.shapes():
+    for source in sorted({source for source, _ in lost}):
+        for record in library.find(Filter(sources=(source,)), limit=_MOST_OF_A_FILE):
             before = lost.get((record.source, record.name))
             if before is not None:
                 today[before] = record.shape_id
-    return LibraryState(path, len(library), library.model.name, today, library.count_without_views())
-
-
-def _record(library: Library, shape_id: int) -> ShapeRecord | None:
-    try:
-        return library.shape(shape_id)
-    except LibraryError:
-        return None
+    return LibraryState(
+        address,
+        len(library),
+        library.model.name,
+        today,
+        library.count_without_views(),
+        tuple(library.roots()),
+        str(library.model_file) if isinstance(library, ServiceLibrary) else "",
+    )
 
 
 def _is_same(record: ShapeRecord | None, shape: ShownShape) -> bool:

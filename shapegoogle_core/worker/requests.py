@@ -6,26 +6,30 @@ The process that runs them keeps one `Session`, so that only the first request o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.errors import LibraryError, MeshError
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.filter import Filter
-from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.settings import Rank
+from shapegoogle_core.library.searchable import SearchableLibrary
+from shapegoogle_core.library.storage.address import Place
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, ShapeSignature, load_model
+from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.worker.library_state import LibraryState, ShownShape, state_of
+from shapegoogle_core.worker.session import Session, as_address
 
 __all__ = [
     "Answer",
-    "Session",
     "StoredExample",
+    "changing",
     "describe",
     "describe_meshes",
     "explain",
@@ -42,76 +46,6 @@ StoredExample = tuple[int, str]
 """Id and name of a shape of a library."""
 
 
-class Session:
-    """Open libraries and loaded models of one process.
-
-    Opening a library reads its codes; a session does so once. A file that was replaced is opened again.
-    """
-
-    def __init__(self) -> None:
-        # Each library with the device and number of its file, which tell it from another one in its place.
-        self._libraries: dict[Path, tuple[tuple[int, int], Library]] = {}
-        # The last model that is in no library, with the time of its file.
-        self._model: tuple[str, float, ShapeModel] | None = None
-
-    def library(self, path: Path) -> Library:
-        """Open a library to read, or return the open one.
-
-        Parameters
-        ----------
-        path : Path
-
-        Returns
-        -------
-        library : Library
-            Closed by the session.
-
-        Raises
-        ------
-        LibraryError
-            If it cannot be opened.
-        """
-        status = path.stat() if path.exists() else None
-        identity = (0, 0) if status is None else (status.st_dev, status.st_ino)
-        if path in self._libraries:
-            known, library = self._libraries[path]
-            if known == identity:
-                return library
-            del self._libraries[path]
-            library.close()
-        library = Library.open(path, read_only=True)
-        self._libraries[path] = identity, library
-        return library
-
-    def model(self, name: str) -> ShapeModel:
-        """Load a model, or return the loaded one.
-
-        Parameters
-        ----------
-        name : str
-            Name or path, as for `load_model`.
-
-        Returns
-        -------
-        model : ShapeModel
-
-        Raises
-        ------
-        ModelError
-            If it cannot be loaded.
-        """
-        changed = Path(name).stat().st_mtime if Path(name).is_file() else 0.0
-        if self._model is None or self._model[:2] != (name, changed):
-            self._model = name, changed, load_model(name)
-        return self._model[2]
-
-    def close(self) -> None:
-        """Close all libraries."""
-        while self._libraries:
-            _, (_, library) = self._libraries.popitem()
-            library.close()
-
-
 _SESSION = Session()
 """The session of this process, which starts empty in each."""
 
@@ -122,7 +56,7 @@ class Answer:
 
     Attributes
     ----------
-    library : Path
+    library : LibraryAddress
         The library that was searched.
     matches : list of Match
         Best first.
@@ -136,19 +70,22 @@ class Answer:
         Area of the query's first example, in squared units.
     examples : int
         Number of examples.
+    object_names : dict of int to tuple of str
+        Names of all objects that show a shape, by its id, for matches that several objects show.
     """
 
-    library: Path
+    library: LibraryAddress
     matches: list[Match]
     signatures: list[ShapeSignature]
     thumbnails: dict[int, bytes]
     shape_count: int
     area: float
     examples: int
+    object_names: dict[int, tuple[str, ...]] = field(default_factory=dict)
 
 
 def query(
-    path: Path,
+    path: LibraryAddress | Place,
     meshes: Sequence[Mesh | ShapeSignature],
     top: int,
     like: Sequence[StoredExample] = (),
@@ -163,7 +100,7 @@ def query(
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     meshes : sequence of Mesh or ShapeSignature
         Examples of the shape that is searched; signatures are those of an earlier `Answer`.
@@ -212,15 +149,15 @@ def query(
         where=where,
         rank=rank,
     )
-    return _answer(library, signatures, matches)
+    return _answer(as_address(path), library, signatures, matches)
 
 
-def versions(path: Path, signatures: Sequence[ShapeSignature], match: Match) -> Answer:
+def versions(path: LibraryAddress | Place, signatures: Sequence[ShapeSignature], match: Match) -> Answer:
     """List the family of a match of a query with ``families=True``; see `Library.versions`.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     signatures : sequence of ShapeSignature
         See `Answer`.
@@ -237,24 +174,34 @@ def versions(path: Path, signatures: Sequence[ShapeSignature], match: Match) -> 
         If the library cannot be opened or read.
     """
     library = _SESSION.library(path)
-    return _answer(library, list(signatures), library.versions(signatures, match, explain=0))
+    found = library.versions(signatures, match, explain=0)
+    return _answer(as_address(path), library, list(signatures), found)
 
 
-def _answer(library: Library, signatures: list[ShapeSignature], matches: list[Match]) -> Answer:
-    pictures = ((match.shape_id, library.thumbnail(match.shape_id)) for match in matches)
+def _answer(
+    address: LibraryAddress,
+    library: SearchableLibrary,
+    signatures: list[ShapeSignature],
+    matches: list[Match],
+) -> Answer:
     return Answer(
-        library=library.path,
+        library=address,
         matches=matches,
         signatures=signatures,
-        thumbnails={shape_id: png for shape_id, png in pictures if png is not None},
+        thumbnails=library.thumbnails([match.shape_id for match in matches]),
         shape_count=len(library),
         area=signatures[0].area,
         examples=len(signatures),
+        object_names={
+            match.shape_id: tuple(placement.object_name for placement in library.placements(match.shape_id))
+            for match in matches
+            if match.placement_count > 1
+        },
     )
 
 
 def explain(
-    path: Path,
+    path: LibraryAddress | Place,
     signatures: Sequence[ShapeSignature],
     matches: Sequence[Match],
     *,
@@ -264,7 +211,7 @@ def explain(
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     signatures : sequence of ShapeSignature
         See `Answer`.
@@ -288,7 +235,7 @@ def explain(
     return {match.shape_id: match for match in explained}
 
 
-def _stored_signature(library: Library, example: StoredExample) -> ShapeSignature:
+def _stored_signature(library: SearchableLibrary, example: StoredExample) -> ShapeSignature:
     shape_id, name = example
     try:
         return library.signature(shape_id)
@@ -298,12 +245,12 @@ def _stored_signature(library: Library, example: StoredExample) -> ShapeSignatur
         ) from error
 
 
-def describe(path: Path, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | str:
+def describe(path: LibraryAddress | Place, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | str:
     """Describe a shape with the model of a library.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     shape : NewShape
         With its mesh.
@@ -326,13 +273,16 @@ def describe(path: Path, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | st
         return str(error)
 
 
-def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> list[ShapeSignature | str]:
+def describe_meshes(
+    model: ShapeModel | LibraryAddress | Path | str, meshes: Sequence[Mesh]
+) -> list[ShapeSignature | str]:
     """Describe several meshes; one that cannot be described costs only itself.
 
     Parameters
     ----------
-    model : ShapeModel, Path or str
-        A path is that of a library with its model in it; a text is a name or path as for `load_model`.
+    model : ShapeModel, LibraryAddress, Path or str
+        An address or a path is that of a library with its model in it; a text is a name or path as for
+        `load_model`.
     meshes : sequence of Mesh
 
     Returns
@@ -357,19 +307,21 @@ def describe_meshes(model: ShapeModel | Path | str, meshes: Sequence[Mesh]) -> l
     return described
 
 
-def model_of(model: ShapeModel | Path | str) -> ShapeModel:
+def model_of(model: ShapeModel | LibraryAddress | Path | str) -> ShapeModel:
     """Return a model, that of a library, or one by its name; see `describe_meshes`."""
-    if isinstance(model, Path):
+    if isinstance(model, Path | LibraryAddress):
         return _SESSION.library(model).model
     return _SESSION.model(model) if isinstance(model, str) else model
 
 
-def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> list[DuplicateGroup]:
+def library_duplicates(
+    path: LibraryAddress | Place, min_similarity: float = MIN_SIMILARITY
+) -> list[DuplicateGroup]:
     """Find the duplicates in a library; see `Library.duplicates`.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library.
     min_similarity : float, optional
 
@@ -385,12 +337,12 @@ def library_duplicates(path: Path, min_similarity: float = MIN_SIMILARITY) -> li
     return _SESSION.library(path).duplicates(min_similarity)
 
 
-def library_state(path: Path, shown: Sequence[ShownShape] = ()) -> LibraryState:
+def library_state(path: LibraryAddress | Place, shown: Sequence[ShownShape] = ()) -> LibraryState:
     """Look at a library: its size and model, and which of the shapes shown are still in it.
 
     Parameters
     ----------
-    path : Path
+    path : LibraryAddress, Path or str
         The library, which need not exist.
     shown : sequence of ShownShape, optional
 
@@ -403,12 +355,40 @@ def library_state(path: Path, shown: Sequence[ShownShape] = ()) -> LibraryState:
     LibraryError
         If the library cannot be opened or read.
     """
-    return state_of(path, _SESSION.library(path) if path.is_file() else None, shown)
+    address = as_address(path)
+    is_there = not isinstance(address.place, Path) or address.place.is_file()
+    return state_of(address, _SESSION.library(address, look=True) if is_there else None, shown)
 
 
-def open_library(path: Path) -> Library:
+def open_library(library: LibraryAddress | Place) -> SearchableLibrary:
     """Open a library to read, or return the one that this process has open; see `Session.library`."""
-    return _SESSION.library(path)
+    return _SESSION.library(library)
+
+
+@contextmanager
+def changing(library: LibraryAddress | Place) -> Iterator[SearchableLibrary]:
+    """Open a library to decide in.
+
+    Parameters
+    ----------
+    library : LibraryAddress, Path or str
+
+    Returns
+    -------
+    context : context manager
+        With the library; a file is open for writing inside it, and a service writes itself.
+
+    Raises
+    ------
+    LibraryError
+        If it cannot be opened.
+    """
+    address = as_address(library)
+    if address.is_service:
+        yield _SESSION.library(address)
+        return
+    with address.open(read_only=False) as opened:
+        yield opened
 
 
 def warm_up() -> None:

@@ -33,6 +33,7 @@ LAYERS = (
     "plugins",
     "rendering",
     "indexing",
+    "client",
     "worker",
     "service",
     "cli",

@@ -27,7 +27,9 @@ def test_permissions_are_those_that_are_used() -> None:
     permissions = MANIFEST["permissions"]
     assert ("clipboard" in permissions) == bool(sources_with(r"\.clipboard\b"))
     assert "files" in permissions
-    assert set(permissions) <= {"files", "clipboard"}, "no network, camera or microphone"
+    # The network is used only where the user turned it on and Blender is online.
+    assert ("network" in permissions) == bool(sources_with(r"\bonline_access\b"))
+    assert set(permissions) <= {"files", "clipboard", "network"}, "no camera or microphone"
     assert all(len(reason) <= 64 and not reason.endswith(".") for reason in permissions.values())
 
 

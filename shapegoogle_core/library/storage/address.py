@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Addresses of libraries: the path of a file, or the URL of a database."""
+"""Addresses of libraries: the path of a file, or the URL of a database or a service."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 
 from shapegoogle_core.api.arguments import as_path, path_text
 
-__all__ = ["Place", "as_place", "is_database", "shown_place", "without_passwords"]
+__all__ = ["Place", "as_place", "is_database", "is_service", "shown_place", "without_passwords"]
 
 Place = Path | str
-"""Path of a library file, or URL of a database."""
+"""Path of a library file, or URL of a database or a service."""
 
 _SCHEMES = ("postgresql://", "postgres://")
+_SERVICES = ("https://", "http://")
 _ADDRESS = re.compile(r"postgres(?:ql)?://.*", re.DOTALL)
 # Options of an address that are shown; others may be secret.
 _SHOWN = ("service", "host", "port", "schema")
@@ -41,8 +42,28 @@ def is_database(place: str | os.PathLike[str]) -> bool:
     return isinstance(place, str) and place.startswith(_SCHEMES)
 
 
+def is_service(place: str | os.PathLike[str]) -> bool:
+    """Whether a library lies behind a service, see `shapegoogle_core.ServiceLibrary`.
+
+    Parameters
+    ----------
+    place : str or path-like
+
+    Returns
+    -------
+    service : bool
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.storage.address import is_service
+    >>> is_service("https://shapes.studio"), is_service("shapes.sglib")
+    (True, False)
+    """
+    return isinstance(place, str) and place.lower().startswith(_SERVICES)
+
+
 def as_place(place: str | os.PathLike[str]) -> Place:
-    """Convert to the place of a library: a path unless it is the URL of a database.
+    """Convert to the place of a library: a path unless it is the URL of a database or a service.
 
     Parameters
     ----------
@@ -57,7 +78,7 @@ def as_place(place: str | os.PathLike[str]) -> Place:
     ValueError
         If it is neither a str nor a path.
     """
-    return path_text(place) if is_database(place) else as_path(place)
+    return path_text(place) if is_database(place) or is_service(place) else as_path(place)
 
 
 def shown_place(place: str | os.PathLike[str]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shapegoogle_core.errors import LibraryError, ModelError
-from shapegoogle_core.library.storage.address import Place, as_place, shown_place
+from shapegoogle_core.library.storage.address import Place, as_place, is_service, shown_place
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -51,6 +51,7 @@ def open_store(
         See `Library.open`.
     """
     store: SqliteStore | PostgresqlStore
+    _refuse_service(place)
     if isinstance(place, Path):
         exists = _is_file(place)
         if not exists:
@@ -126,6 +127,7 @@ def library_exists(place: Place) -> bool:
         If a database cannot be reached.
     """
     place = as_place(place)
+    _refuse_service(place)
     if isinstance(place, Path):
         return place.exists()
     store = connect(place, read_only=True, timeout=30.0)
@@ -168,6 +170,15 @@ def _is_file(path: Path) -> bool:
             f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
         )
     return True
+
+
+def _refuse_service(place: Place) -> None:
+    """Refuse the address of a service where the file or the database itself is needed."""
+    if is_service(place):
+        raise LibraryError(
+            f"'{place}' is a service, which others can search and decide in; for all else name the library "
+            "that it serves, on the machine where it runs"
+        )
 
 
 def _check_place(path: Path, *, read_only: bool) -> None:

@@ -44,7 +44,7 @@ async function load(offset) {
 function group(found) {
   const [first] = found.members;
   const noun = found.kind === "copies" ? "file" : "shape";
-  const heading = `${found.kind}: ${counted(found.members.length, noun)}; ${counted(found.saving.faces, "face")} besides the first`;
+  const heading = `${found.title}: ${counted(found.members.length, noun)}; ${counted(found.saving.faces, "face")} besides the first`;
   const cards = found.members.map((member, index) => card(member, index ? first : null));
   return make("li", {}, make("h3", {}, heading), make("ol", { class: "gallery" }, ...cards));
 }

@@ -3,26 +3,29 @@
 
 from __future__ import annotations
 
+import hashlib
 from importlib import metadata
 from typing import Annotated
+from weakref import WeakKeyDictionary
 
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
+from shapegoogle_core.client.versions import API_VERSION
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.mesh import MESH_SUFFIXES
+from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.service.access import COOKIE, Access, reader
 from shapegoogle_core.service.contents import Health, Info, NewSession, SessionState
 from shapegoogle_core.service.routes.shared import ERRORS, parts_of
 from shapegoogle_core.service.settings import ServiceError, short_name
 
-__all__ = ["API_VERSION", "router"]
-
-API_VERSION = 1
-"""Version of the interface; it grows when something that a client uses changes its meaning or goes."""
+__all__ = ["router"]
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["service"])
 
+# Files of the models in use.
+_MODELS: WeakKeyDictionary[ShapeModel, tuple[str, bytes]] = WeakKeyDictionary()
 # Seconds that a browser keeps the token.
 _SESSION_SECONDS = 30 * 24 * 3600
 
@@ -47,6 +50,7 @@ async def info(request: Request) -> Info:
             {
                 **{name: known[name] for name in ("shapes", "sources", "failed", "model", "model_name")},
                 "without_views": known["without_views"],
+                "model_hash": _model_file(library)[0],
                 "library": short_name(library.name),
                 "version": metadata.version("shapegoogle-core"),
                 "api": API_VERSION,
@@ -63,12 +67,8 @@ async def info(request: Request) -> Info:
 @router.get("/model", dependencies=[Depends(reader)], response_class=Response)
 async def model(request: Request) -> Response:
     """Return the model of the library as a file, for clients that describe meshes themselves."""
-
-    def read(library: Library) -> tuple[str, bytes]:
-        return library.model.identifier, library.model.to_bytes()
-
-    identifier, content = await parts_of(request).lanes.run("read", read)
-    tag = f'"{identifier}"'
+    content_hash, content = await parts_of(request).lanes.run("read", _model_file)
+    tag = f'"{content_hash}"'
     if request.headers.get("if-none-match") == tag:
         return Response(status_code=304, headers={"ETag": tag})
     return Response(content, media_type="application/octet-stream", headers={"ETag": tag})
@@ -115,6 +115,14 @@ async def sign_out(request: Request, response: Response) -> SessionState:
     access.check_origin(request)
     response.delete_cookie(COOKIE, httponly=True, samesite="strict")
     return _state(access, None)
+
+
+def _model_file(library: Library) -> tuple[str, bytes]:
+    """Return the model as a file, with its hash; writing it takes a second, so it is kept."""
+    if library.model not in _MODELS:
+        content = library.model.to_bytes()
+        _MODELS[library.model] = hashlib.sha256(content).hexdigest(), content
+    return _MODELS[library.model]
 
 
 def _state(access: Access, text: str | None) -> SessionState:

@@ -7,12 +7,13 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Request
 
-from shapegoogle_core.library.decisions.decision import Decision
+from shapegoogle_core.library.decisions.decision import Decision, ShapeKey
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.service.access import Client, reader, writer
 from shapegoogle_core.service.contents import DecisionList, DecisionRecord, NewDecision
 from shapegoogle_core.service.queries import known_shape
+from shapegoogle_core.service.records import source_from
 from shapegoogle_core.service.routes.shared import ERRORS, parts_of
 from shapegoogle_core.service.settings import ServiceError
 
@@ -47,7 +48,9 @@ async def decide(
             known_shape(library, new.shape.shape_id)
             shape = new.shape.shape_id
         try:
-            return library.decide(new.kind, shape, new.other, tag=new.tag, author=author)
+            source = "" if new.source is None else source_from(new.source, library.roots())
+            about = {"name": new.name, "source": source} if new.shape.shape_id is None else {}
+            return library.decide(new.kind, shape, new.other, tag=new.tag, author=author, **about)
         except ValueError as error:
             raise ServiceError(422, str(error)) from error
 
@@ -67,4 +70,13 @@ async def undo(request: Request, number: Annotated[int, Path(ge=1, le=2**62)]) -
 
 
 def _record(decision: Decision) -> dict[str, Any]:
-    return {**decision.to_json(), "sentence": decision.sentence}
+    return {
+        **decision.to_json(),
+        "shape": _key(decision.shape),
+        "other": None if decision.other is None else _key(decision.other),
+        "sentence": decision.sentence,
+    }
+
+
+def _key(key: ShapeKey) -> dict[str, str]:
+    return {**key.to_json(), "fingerprint": key.fingerprint}

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import FileResponse
 
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
+from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.rendering import preview_of_points
@@ -25,6 +26,10 @@ from shapegoogle_core.service.settings import ServiceError
 __all__ = ["router"]
 
 router = APIRouter(prefix="/api", responses=ERRORS, tags=["shapes"], dependencies=[Depends(reader)])
+
+LeastSimilarity = Annotated[
+    float, Query(ge=0.5, le=1, description="Of a similar shape to the first of its group; rounded to 0.01.")
+]
 
 # A number never means another shape, so that a browser need not ask again for a while.
 _KEEP = {"Cache-Control": "private, max-age=600"}
@@ -120,11 +125,15 @@ async def download(request: Request, shape_id: ShapeNumber) -> Response:
 
 
 @router.get("/duplicates")
-async def list_duplicates(request: Request, offset: Offset = 0, limit: Limit = 20) -> DuplicateList:
+async def list_duplicates(
+    request: Request, offset: Offset = 0, limit: Limit = 20, min_similarity: LeastSimilarity = MIN_SIMILARITY
+) -> DuplicateList:
     """List groups of shapes of which one would be enough, the largest saving first."""
     parts = parts_of(request)
+    # Each is computed once, so that there are not too many.
+    least = round(min_similarity, 2)
     groups: list[DuplicateGroup] | None = await parts.long_answers.get(
-        "duplicates", lambda library: library.duplicates()
+        f"duplicates {least}", lambda library: library.duplicates(least)
     )
     if groups is None:
         return DuplicateList(ready=False, total=0, offset=0, groups=[], next=None)

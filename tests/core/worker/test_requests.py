@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.worker.requests import describe_meshes, library_duplicates
@@ -33,9 +34,9 @@ def test_a_library_by_its_path(
     opened: list[Path] = []
     original = Library.open
 
-    def counted(path: Path, *, read_only: bool) -> Library:
+    def counted(path: Path, *, read_only: bool, search: SearchSettings | None) -> Library:
         opened.append(path)
-        return original(path, read_only=read_only)
+        return original(path, read_only=read_only, search=search)
 
     monkeypatch.setattr(Library, "open", counted)
     assert [[member.name for member in group.members] for group in library_duplicates(path)] == [["a", "b"]]

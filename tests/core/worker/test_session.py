@@ -13,7 +13,7 @@ import pytest
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.worker.requests import Session
+from shapegoogle_core.worker.session import Session
 
 
 @pytest.fixture
