@@ -5,6 +5,9 @@ A scheduler is slow with a hundred thousand tasks, so one task is about a hundre
 for each worker. Workers read the files, which all of them must reach by the same paths, and store the shapes
 in transactions of their own; only counts come back. What a lost worker had stored stays, and its task runs
 again on another one.
+
+Whoever reaches the ports of a cluster can run programs with its rights. Every user of this machine reaches
+those of a local one, so its messages are encrypted with a key that only its processes have.
 """
 
 from __future__ import annotations
@@ -34,7 +37,7 @@ from shapegoogle_core.library.storage.records import SourceRecord
 from shapegoogle_core.processes.launching import default_jobs
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, LocalCluster
 
 __all__ = ["LOCAL", "check_address", "index_on_cluster"]
 
@@ -156,11 +159,14 @@ def index_on_cluster(
     LibraryError
         If the library cannot be written.
     """
-    if find_spec("distributed") is None:
-        raise ShapeGoogleError(
-            "a cluster needs the package distributed; install it with: "
-            'pip install "shapegoogle-core[cluster]"'
-        )
+    # The second makes the key of a cluster of this machine.
+    needed = ("distributed", "cryptography") if address == LOCAL else ("distributed",)
+    for package in needed:
+        if find_spec(package) is None:
+            raise ShapeGoogleError(
+                f"a cluster needs the package {package}; install it with: "
+                'pip install "shapegoogle-core[cluster]"'
+            )
     started = time.monotonic()
     library.add_roots(paths)
     known = library.sources()
@@ -298,8 +304,7 @@ def _index_task(task: _Task) -> _Done:
 @contextmanager
 def _client(address: str, workers: int) -> Iterator[Client]:
     """Connect to a cluster, or start one on this machine."""
-    import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
     if address != LOCAL:
         try:
@@ -316,14 +321,36 @@ def _client(address: str, workers: int) -> Iterator[Client]:
                 )
             yield client
         return
-    with (
-        dask.config.set({"distributed.worker.daemon": False, "distributed.logging.distributed": "error"}),
-        LocalCluster(
-            n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
-        ) as cluster,
-        Client(cluster) as client,
-    ):
+    with _local_cluster(workers) as cluster, Client(cluster) as client:
         yield client
+
+
+@contextmanager
+def _local_cluster(workers: int) -> Iterator[LocalCluster]:
+    """Start workers on this machine, whom only those can speak to who have a key made for this run."""
+    import dask
+    from distributed import LocalCluster
+    from distributed.security import Security
+
+    configuration = {
+        "distributed.worker.daemon": False,
+        "distributed.logging.distributed": "error",
+        # Pages for browsers, which would show files and tasks to everybody on this machine.
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
+    }
+    with (
+        dask.config.set(configuration),
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            protocol="tls",
+            security=Security.temporary(),
+            dashboard_address=None,
+        ) as cluster,
+    ):
+        yield cluster
 
 
 def _is_loopback(host: str) -> bool:
