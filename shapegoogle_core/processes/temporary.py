@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-__all__ = ["remove_abandoned_folders", "temporary_folder"]
+__all__ = ["locked", "remove_abandoned_folders", "temporary_folder"]
 
 PREFIX = "shapegoogle-"
 OWNER = "owner"
@@ -65,6 +65,39 @@ def temporary_folder() -> Iterator[Path]:
         finally:
             # Before the folder is removed: Windows removes no file that is open.
             os.close(descriptor)
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Lock a file during the block; other programs that want the same wait.
+
+    Where locks do not work, as on some network drives, the block runs without one.
+
+    Parameters
+    ----------
+    path : Path
+        Made if it is missing; it stays, since another program may be waiting for it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be made or opened.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from shapegoogle_core.processes.temporary import locked
+    >>> with tempfile.TemporaryDirectory() as folder, locked(Path(folder, "tokens.lock")):
+    ...     pass
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        with suppress(OSError):
+            _lock(descriptor, wait=True)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def remove_abandoned_folders() -> list[Path]:

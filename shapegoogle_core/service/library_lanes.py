@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
 """The library of a process of the service: a few threads, each with its own open library.
 
-An open library belongs to one thread. Searching, reading and writing have a thread each, so that a picture
-does not wait behind a search. A request waits for its turn, for a limited time, in a line of limited length.
+An open library belongs to one thread. Searching, reading and writing have a line each, so that a picture
+does not wait behind a search. A request waits for its turn and runs for a limited time, in a line of limited
+length.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Literal, TypeVar
 
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import as_place
 from shapegoogle_core.library.storage.opening import check_exists
+from shapegoogle_core.service.lines import LibraryThread, Line
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings
 
 __all__ = ["Lane", "LibraryLanes"]
@@ -38,12 +38,12 @@ class LibraryLanes:
     def __init__(self, settings: ServiceSettings) -> None:
         self._settings = settings
         most = settings.max_waiting
-        self._lanes: dict[str, _Thread] = {
-            "search": _Thread(settings.library, most),
-            "read": _Thread(settings.library, most * _READERS_PER_SEARCH),
-            "long": _Thread(settings.library, most),
+        self._lanes: dict[str, Line] = {
+            "search": Line(settings.library, most),
+            "read": Line(settings.library, most * _READERS_PER_SEARCH),
+            "long": Line(settings.library, most),
         }
-        self._writer = _Thread(settings.library, most)
+        self._writer = Line(settings.library, most)
 
     async def run(self, lane: Lane, function: Callable[[Library], T]) -> T:
         """Run a function with the library, which is open for reading only.
@@ -60,10 +60,9 @@ class LibraryLanes:
         Raises
         ------
         ServiceError
-            503 if too many requests wait, 504 if it takes too long.
+            503 if too many requests wait, or still run though they were given up; 504 if it takes too long.
         """
-        thread = self._lanes[lane]
-        return await self._finished(thread.submit(lambda: function(thread.library())))
+        return await self._finished(self._lanes[lane], lambda thread: function(thread.library()))
 
     def start_long(self, function: Callable[[Library], T]) -> asyncio.Future[T]:
         """Run a function with the library in the background, however long it takes.
@@ -81,8 +80,7 @@ class LibraryLanes:
         ServiceError
             503 if too many wait.
         """
-        thread = self._lanes["long"]
-        return thread.submit(lambda: function(thread.library()))
+        return self._lanes["long"].submit(lambda thread: function(thread.library()))
 
     async def write(self, function: Callable[[Library], T]) -> T:
         """Run a function with the library open for writing, as briefly as possible.
@@ -101,24 +99,24 @@ class LibraryLanes:
             See `run`.
         """
 
-        def changed() -> T:
+        def changed(_thread: LibraryThread) -> T:
             # A file that was moved away must not be made anew, empty.
             check_exists(as_place(self._settings.library))
             with Library.open(self._settings.library) as library:
                 return function(library)
 
-        return await self._finished(self._writer.submit(changed))
+        return await self._finished(self._writer, changed)
 
     def close(self) -> None:
-        """Wait for what is running, and close the library."""
-        for thread in (*self._lanes.values(), self._writer):
-            thread.close()
+        """Wait for what is running, but not for what was given up, and close the library."""
+        for line in (*self._lanes.values(), self._writer):
+            line.close()
 
-    async def _finished(self, future: asyncio.Future[T]) -> T:
+    async def _finished(self, line: Line, function: Callable[[LibraryThread], T]) -> T:
+        future = line.submit(function)
         done, _ = await asyncio.wait([future], timeout=self._settings.time_limit)
         if not done:
-            # What runs in a thread cannot be stopped; what still waits can.
-            future.cancel()
+            line.give_up(future)
             raise ServiceError(
                 504,
                 f"the library did not answer within {self._settings.time_limit:g} s; try again later, or ask "
@@ -126,54 +124,3 @@ class LibraryLanes:
                 retry_after=10,
             )
         return future.result()
-
-
-class _Thread:
-    """One thread, its open library, and the line of those who wait for it."""
-
-    def __init__(self, library: str, most: int) -> None:
-        self._address = library
-        self._most = most
-        self._waiting = 0
-        self._executor = ThreadPoolExecutor(1)
-        self._library: Library | None = None
-        self._identity: tuple[int, int] | None = None
-
-    def submit(self, function: Callable[[], T]) -> asyncio.Future[T]:
-        """Put a function into the line."""
-        if self._waiting >= self._most:
-            raise ServiceError(
-                503, "too many requests are waiting; try again in a few seconds", retry_after=5
-            )
-        self._waiting += 1
-        future = asyncio.get_running_loop().run_in_executor(self._executor, function)
-        future.add_done_callback(self._leave)
-        return future
-
-    def library(self) -> Library:
-        """Return the open library; a file that was replaced is opened again. Called in the thread."""
-        identity = _identity(self._address)
-        if self._library is None or self._identity != identity:
-            if self._library is not None:
-                self._library.close()
-                self._library = None
-            self._library, self._identity = Library.open(self._address, read_only=True), identity
-        return self._library
-
-    def close(self) -> None:
-        """Close the library in its thread, and end the thread."""
-        if self._library is not None:
-            self._executor.submit(self._library.close)
-        self._executor.shutdown(wait=True)
-
-    def _leave(self, _future: asyncio.Future[T]) -> None:
-        self._waiting -= 1
-
-
-def _identity(address: str) -> tuple[int, int] | None:
-    """Return what tells a file from another one in its place; None for a database."""
-    try:
-        status = Path(address).stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino

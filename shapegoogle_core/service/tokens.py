@@ -12,12 +12,15 @@ import json
 import os
 import secrets
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, get_args
 
 from shapegoogle_core.errors import ShapeGoogleError
+from shapegoogle_core.processes.temporary import locked
 
 __all__ = ["SCOPES", "Scope", "Token", "TokenError", "TokenFile"]
 
@@ -133,15 +136,16 @@ class TokenFile:
         TokenError
             If there is a token of this name, or the file cannot be written.
         """
-        tokens = self.tokens()
         if not name.strip():
             raise TokenError("a token needs a name, such as that of the person who will use it")
-        if any(token.name == name for token in tokens):
-            raise TokenError(
-                f"'{self.path}' has a token {name!r} already; revoke it first, or choose another name"
-            )
         text = _PREFIX + secrets.token_urlsafe(32)
-        self._write([*tokens, Token(name, scope, _hash(text), time.time())])
+        with self._changing():
+            tokens = self.tokens()
+            if any(token.name == name for token in tokens):
+                raise TokenError(
+                    f"'{self.path}' has a token {name!r} already; revoke it first, or choose another name"
+                )
+            self._write([*tokens, Token(name, scope, _hash(text), time.time())])
         return text
 
     def revoke(self, name: str) -> bool:
@@ -161,12 +165,25 @@ class TokenFile:
         TokenError
             If the file cannot be read or written.
         """
-        tokens = self.tokens()
-        others = [token for token in tokens if token.name != name]
-        if len(others) == len(tokens):
-            return False
-        self._write(others)
+        with self._changing():
+            tokens = self.tokens()
+            others = [token for token in tokens if token.name != name]
+            if len(others) == len(tokens):
+                return False
+            self._write(others)
         return True
+
+    @contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Let nobody else change the file between reading and writing it."""
+        # The file itself is replaced by each change, so another one is locked.
+        lock = self.path.with_name(f"{self.path.name}.lock")
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(locked(lock))
+            except OSError as error:
+                raise TokenError(f"'{self.path}' cannot be written: {error.strerror}") from error
+            yield
 
     def _by_hash(self) -> dict[str, Token]:
         try:

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import asyncio
 import json
-import time
+import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,7 @@ from shapegoogle_core.service.access import Access
 from shapegoogle_core.service.app import make_app
 from shapegoogle_core.service.library_lanes import LibraryLanes
 from shapegoogle_core.service.limits import Limits
+from shapegoogle_core.service.lines import LibraryThread, Line
 from shapegoogle_core.service.settings import ServiceError, ServiceSettings
 from shapegoogle_core.service.spool import Spool
 from shapegoogle_core.service.tokens import TokenError, TokenFile
@@ -202,22 +205,70 @@ def test_tokens_that_cannot_be_read(serve: Serve, tokens: TokenFile) -> None:
         assert "cannot read its tokens" in answer.json()["error"]
 
 
+def test_tokens_made_at_once_are_all_there(tmp_path: Path) -> None:
+    path = tmp_path / "tokens.json"
+    names = [f"client {number}" for number in range(24)]
+    with ThreadPoolExecutor(8) as pool:
+        # A file of its own for each, as other programs have.
+        texts = list(pool.map(lambda name: TokenFile(path).create(name, "read"), names))
+    assert [token.name for token in TokenFile(path).tokens()] == sorted(names)
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(lambda name: TokenFile(path).revoke(name), names[:-1]))
+    (left,) = TokenFile(path).tokens()
+    assert TokenFile(path).find(texts[-1]) == left
+
+
 def test_addresses_that_are_none(client: TestClient) -> None:
     assert client.get("/api/info", headers={"Host": "["}).status_code == 403
     assert client.post("/api/queries", json=QUERY, headers={"Origin": "http://["}).status_code == 403
 
 
 def test_a_busy_library(settings: ServiceSettings) -> None:
+    ended = threading.Event()
+
     async def ask() -> list[int]:
         lanes = LibraryLanes(replace(settings, time_limit=0.5, max_waiting=2))
-        waiting = [lanes.run("search", lambda library: time.sleep(1.0)) for _ in range(3)]
+        waiting = [lanes.run("search", lambda library: ended.wait()) for _ in range(3)]
         found = await asyncio.gather(*waiting, return_exceptions=True)
-        # What reads only does not wait for searches.
-        assert await lanes.run("read", len) == 7
+        ended.set()
         lanes.close()
         return [error.status for error in found if isinstance(error, ServiceError)]
 
     assert asyncio.run(ask()) == [504, 504, 503]
+
+
+def test_what_was_given_up_does_not_hold_up_the_others() -> None:
+    started, ended = threading.Semaphore(0), threading.Event()
+
+    def endless(_thread: LibraryThread) -> None:
+        started.release()
+        ended.wait()
+
+    def name_of(number: int, _thread: LibraryThread) -> str:
+        return f"search {number}"
+
+    async def ask() -> list[str]:
+        line = Line("unused.sglib", 2)
+        found = []
+        for number in range(3):
+            running = line.submit(endless)
+            await asyncio.to_thread(started.acquire)
+            waiting = line.submit(partial(name_of, number))
+            with pytest.raises(ServiceError, match="too many requests are waiting"):
+                line.submit(endless)
+            line.give_up(running)
+            if number < 2:
+                found.append(await waiting)
+        # Three threads are lost, so nobody is left; but one that has finished helps out.
+        with pytest.raises(ServiceError, match="took too long still occupy the service"):
+            line.submit(endless)
+        ended.set()
+        found.append(await waiting)
+        found.append(await line.submit(partial(name_of, 3)))
+        line.close()
+        return found
+
+    assert asyncio.run(ask()) == ["search 0", "search 1", "search 2", "search 3"]
 
 
 def test_an_upload_that_takes_too_long_or_too_much(serve: Serve) -> None:
