@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,7 +54,9 @@ class Shard:
         -------
         belongs : bool
         """
-        digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).digest()
+        # macOS may list "é" as two characters where other systems have one.
+        composed = unicodedata.normalize("NFC", name)
+        digest = hashlib.sha256(composed.encode("utf-8", "surrogatepass")).digest()
         return int.from_bytes(digest[:8], "big") % self.count == self.number - 1
 
 

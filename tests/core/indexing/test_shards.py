@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import unicodedata
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,15 @@ def test_each_file_is_in_one_shard() -> None:
 
 def test_all_machines_agree() -> None:
     assert shares(Path("/mnt/assets"), 3) == shares(Path("/Volumes/assets"), 3)
+
+
+def test_letters_with_accents_are_the_same_however_a_system_writes_them() -> None:
+    for name in ("chaise à bras.obj", "Möbel/Tür.obj", "がく.obj", "Ångström.obj"):
+        composed, decomposed = (unicodedata.normalize(form, name) for form in ("NFC", "NFD"))
+        assert composed != decomposed
+        assert [Shard(number, 16).has(composed) for number in range(1, 17)] == [
+            Shard(number, 16).has(decomposed) for number in range(1, 17)
+        ]
 
 
 def test_single_files_and_folders_in_each_other() -> None:
