@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
@@ -15,10 +16,12 @@ from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
+from shapegoogle_core.library.neighbours.pairs import distances_among
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.stages import check_stages
 from shapegoogle_core.library.storage.address import as_place
 from shapegoogle_core.library.storage.opening import open_store
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 
 __all__ = ["Library"]
@@ -128,6 +131,35 @@ class Library(LibraryDecisions):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}('{self.name}', model {self.model.identifier})"
+
+    def distances_among(self, shape_ids: Sequence[int]) -> tuple[list[int], FloatArray]:
+        """Compute the distances of all pairs of some shapes, by which lists of matches are sorted.
+
+        Parameters
+        ----------
+        shape_ids : sequence of int
+            A few thousand at most, since the result has a row and a column for each.
+
+        Returns
+        -------
+        shape_ids : list of n int
+            In the order of their numbers, without unknown ones.
+        distances : (n, n) array
+            Symmetric, with zeros on the diagonal; before surfaces are compared.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         for length in (1, 1.1, 9):
+        ...             _ = library.add(trimesh.creation.box((1, 1, length)), name=f"box {length}")
+        ...         numbers, distances = library.distances_among([1, 2, 3])
+        >>> numbers, bool(distances[0, 1] < distances[0, 2])
+        ([1, 2, 3], True)
+        """
+        return distances_among(self._store, self.model, shape_ids)
 
     def duplicates(
         self,

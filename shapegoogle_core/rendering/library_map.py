@@ -6,16 +6,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["MOST_SHAPES", "MapPoint", "lay_out"]
 
 MOST_SHAPES = 2_000
 """Shapes on a map; of a larger library evenly chosen ones."""
 
-_COMPONENTS = 50
+_FIRST_SPREAD = 1e-4
 _PERPLEXITY = 20.0
 # With fewer shapes there are too few neighbours for an embedding that looks at neighbours.
 _FEW = 8
@@ -42,9 +42,9 @@ class MapPoint:
 def lay_out(library: Library, most: int = MOST_SHAPES) -> tuple[int, list[MapPoint]]:
     """Lay the shapes of a library out in the plane.
 
-    The bags of the shapes, as the model compares them, are reduced by principal components, and then by t-SNE
-    (van der Maaten and Hinton 2008), which keeps neighbours together. Only which shapes are near each other
-    means something, not how far apart the others are.
+    The distances are those that lists of matches are sorted by. Classical scaling gives the first places, and
+    t-SNE (van der Maaten and Hinton 2008), which keeps neighbours together, the last ones. Only which shapes
+    are near each other means something, not how far apart the others are.
 
     Parameters
     ----------
@@ -77,26 +77,38 @@ def lay_out(library: Library, most: int = MOST_SHAPES) -> tuple[int, list[MapPoi
         shapes = [shapes[index] for index in np.linspace(0, total - 1, most).astype(int)]
     if not shapes:
         return 0, []
-    bags = np.stack([library.signature(shape_id).bags for shape_id, _ in shapes])
-    places = _places(library.model.comparable(bags).astype(np.float32))
+    names = dict(shapes)
+    numbers, distances = library.distances_among(list(names))
     return total, [
-        MapPoint(shape_id, name, round(float(x), 4), round(float(y), 4))
-        for (shape_id, name), (x, y) in zip(shapes, places, strict=True)
+        MapPoint(shape_id, names[shape_id], round(float(x), 4), round(float(y), 4))
+        for shape_id, (x, y) in zip(numbers, _places(distances), strict=True)
     ]
 
 
-def _places(vectors: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Reduce vectors to points of the unit square."""
-    from sklearn.decomposition import PCA
+def _places(distances: FloatArray) -> FloatArray:
+    """Find points of the unit square whose distances are similar."""
     from sklearn.manifold import TSNE
 
-    count = len(vectors)
-    components = min(_COMPONENTS, count, vectors.shape[1])
-    reduced = PCA(components, svd_solver="full" if count < 500 else "randomized", random_state=0)
-    plane = reduced.fit_transform(vectors) if count > 1 else np.zeros((1, 2))
-    if count >= _FEW:
+    count = len(distances)
+    plane = _scaled(distances) if count > 1 else np.zeros((count, 2))
+    if count >= _FEW and plane.any():
         perplexity = min(_PERPLEXITY, (count - 1) / 3)
-        plane = TSNE(perplexity=perplexity, init="pca", random_state=0).fit_transform(plane)
-    plane = np.pad(plane, ((0, 0), (0, max(0, 2 - plane.shape[1]))))[:, :2].astype(np.float64)
+        # As small as t-SNE wants its first places, so that they do not hold it back.
+        first = _FIRST_SPREAD * plane / plane.std()
+        embedding = TSNE(perplexity=perplexity, metric="precomputed", init=first, random_state=0)
+        plane = embedding.fit_transform(distances).astype(np.float64)
+    if not count:
+        return plane
     low, extent = plane.min(axis=0), np.ptp(plane, axis=0)
     return np.asarray((plane - low) / np.where(extent > 0, extent, 1))
+
+
+def _scaled(distances: FloatArray) -> FloatArray:
+    """Classical multidimensional scaling: the plane whose inner products are nearest to the distances."""
+    from scipy.linalg import eigh
+
+    squared = distances**2
+    centred = squared - squared.mean(axis=0) - squared.mean(axis=1)[:, None] + squared.mean()
+    count = len(distances)
+    values, vectors = eigh(-centred / 2, subset_by_index=[count - 2, count - 1])
+    return np.asarray(vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0)))

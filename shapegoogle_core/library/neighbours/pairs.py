@@ -16,7 +16,7 @@ from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 
-__all__ = ["BagPairs", "PairDistances", "TraitPairs"]
+__all__ = ["BagPairs", "PairDistances", "TraitPairs", "distances_among"]
 
 
 class PairDistances(Protocol):
@@ -35,6 +35,45 @@ class PairDistances(Protocol):
         distances : (n,) array
             ≥ 0; infinite for shapes that are gone.
         """
+
+
+def distances_among(
+    store: Store, model: ShapeModel, shape_ids: Sequence[int]
+) -> tuple[list[int], FloatArray]:
+    """Compute the distances of all pairs of some shapes, as `TraitPairs` and `BagPairs` do.
+
+    Parameters
+    ----------
+    store : Store
+    model : ShapeModel
+        Of the library.
+    shape_ids : sequence of int
+
+    Returns
+    -------
+    shape_ids : list of n int
+        In the order of their numbers, without those that are gone.
+    distances : (n, n) array
+        Symmetric, with zeros on the diagonal.
+    """
+    numbers, distances = np.sort(shape_ids).tolist(), np.zeros((len(shape_ids), len(shape_ids)))
+    if not numbers:
+        return [], distances
+    if StoredTraits.possible(model):
+        stored = StoredTraits(store, model)
+        traits = stored.read(numbers)
+        numbers = traits.ids.tolist()
+        rows = [stored.distances(traits, row, traits) for row in range(len(numbers))]
+    else:
+        numbers, bags = store.bags(numbers, model.bag_size)
+        vectors = model.comparable(bags)
+        metric = model.settings.metric
+        rows = [row_distances(metric, vectors[row : row + 1], vectors) for row in range(len(numbers))]
+    # Of a plain and a distinctive shape each sees the other at its own distance.
+    distances = np.array(rows, float).reshape(len(numbers), len(numbers))
+    distances = (distances + distances.T) / 2
+    np.fill_diagonal(distances, 0)
+    return numbers, distances
 
 
 class BagPairs:
