@@ -151,6 +151,7 @@ class LibrarySearch(LibraryContents):
         if not examples:
             raise ValueError("there is nothing to search for: give at least one mesh or signature")
         negative = self._signatures(unlike, "unlike")
+        hidden = self._hidden(examples)
         query = Query(self.model, examples, negative, self._settings.rerank.unlike_weight)
         among = self._store.filtered_ids(where) if where is not None and where.selects_shapes else None
         search = self._search.among_all if exact else self._search.among_nearest_codes
@@ -160,7 +161,7 @@ class LibrarySearch(LibraryContents):
         graph = None if query.has_unlike or rank == "shape" else self._graph
         walk = None if graph is None else WalkReranker(graph)
         rerankers = [reranker for reranker in (walk, self._reranker) if reranker is not None]
-        searched = max(kept, self._settings.walk.walked) if rerankers else kept
+        searched = len(hidden) + (max(kept, self._settings.walk.walked) if rerankers else kept)
 
         def ordered(matches: Sequence[Match], count: int) -> list[Match]:
             fused = self._fusion.order(
@@ -169,7 +170,10 @@ class LibrarySearch(LibraryContents):
             listed = copies_first(self._store, examples, fused)
             for reranker in rerankers:
                 listed = reorder(reranker, query, listed)
-            return listed
+            return [match for match in listed if match.shape_id not in hidden]
+
+        def more(count: int) -> list[Match]:
+            return ordered(self._search.among_more(query, count, found, among, exact=exact), count)
 
         found = search(query, searched, among)
         matches = ordered(found, searched)
@@ -178,9 +182,7 @@ class LibrarySearch(LibraryContents):
                 Families(self._store, self.model, self._settings.families),
                 kept,
                 matches,
-                lambda count: ordered(
-                    self._search.among_more(query, count, found, among, exact=exact), count
-                ),
+                lambda count: more(count + len(hidden)),
                 len(self) if among is None else len(among),
             )
             if where is None or (kind is None and least is None):
@@ -196,6 +198,11 @@ class LibrarySearch(LibraryContents):
         if where is not None and (kind is not None or least is not None):
             return self._accepted(examples, matches[:kept], top, explain, where)
         return self._shown(examples, matches[:top], explain, where)
+
+    def _hidden(self, examples: Sequence[ShapeSignature]) -> frozenset[int]:
+        """Return the numbers of shapes that are left out of the answer to some examples."""
+        del examples
+        return frozenset()
 
     def suggest(
         self, shape: QueryShape | int, *, relatives: int = RELATIVES, where: Filter | None = None

@@ -152,6 +152,31 @@ class LibrarySources(LibraryFolders):
         """
         return {source.path: source for source in self._store.sources()}
 
+    def source_of(self, shape_id: int) -> SourceRecord | None:
+        """Return the file, or the label, that a shape comes from.
+
+        Parameters
+        ----------
+        shape_id : int
+            See `ShapeRecord`.
+
+        Returns
+        -------
+        source : SourceRecord or None
+            None for a shape without a source, or if there is no such shape.
+
+        Examples
+        --------
+        >>> import tempfile, trimesh
+        >>> import shapegoogle_core as sg
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with sg.Library.open(f"{folder}/shapes.sglib") as library:
+        ...         box = library.add(trimesh.creation.box(), name="box", source="boxes")
+        ...         library.source_of(box).path
+        'boxes'
+        """
+        return self._store.source_of(shape_id)
+
     def sources_without_views(self) -> frozenset[str]:
         """Return the sources of shapes without views, which an earlier version of Shape Google described.
 

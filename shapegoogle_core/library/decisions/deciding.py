@@ -18,10 +18,6 @@ from shapegoogle_core.library.decisions.decision import (
     ShapeKey,
 )
 from shapegoogle_core.library.decisions.fingerprint import fingerprint, fingerprint_of_measures
-from shapegoogle_core.library.filter import Filter
-from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.query import QueryShapes
-from shapegoogle_core.library.search.settings import Rank
 from shapegoogle_core.library.searching import LibrarySearch
 from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.model.signature import ShapeSignature
@@ -179,57 +175,12 @@ class LibraryDecisions(LibrarySearch):
             raise self._unknown(shape_id)
         return preview
 
-    def query(
-        self,
-        shapes: QueryShapes,
-        *,
-        top: int = 10,
-        explain: int = 10,
-        exact: bool = False,
-        unlike: QueryShapes = (),
-        where: Filter | None = None,
-        families: bool = False,
-        rank: Rank = "both",
-    ) -> list[Match]:
-        """Find the shapes most similar to a shape, without those that were decided not to match it."""
-
-        def search(asked: QueryShapes, more: int = 0) -> list[Match]:
-            return super(LibraryDecisions, self).query(
-                asked,
-                top=top + more,
-                explain=explain + more if explain else 0,
-                exact=exact,
-                unlike=unlike,
-                where=where,
-                families=families,
-                rank=rank,
-            )
-
-        if not any(decision.kind == "not a match" for decision in self._store.decisions()):
-            return search(shapes)
-        kind_asked = where is not None and where.kind is not None
-        examples = self._signatures(shapes, "query", keep_surface=explain > 0 or kind_asked)
-        hidden = self._hidden(examples)
-        if not hidden:
-            return search(examples)
-        matches = [
-            replace(
-                match,
-                version_ids=tuple(number for number in match.version_ids if number not in hidden),
-                versions=match.versions - len(hidden.intersection(match.version_ids)),
-            )
-            for match in search(examples, len(hidden))
-            if match.shape_id not in hidden
-        ]
-        return matches[:top]
-
-    # Its parameters and its example are those of the search.
-    query.__doc__ = LibrarySearch.query.__doc__
-
     def _hidden(self, examples: Sequence[ShapeSignature]) -> frozenset[int]:
         """Return the numbers of shapes that were decided not to match one of the examples."""
-        asked = {fingerprint(example) for example in examples}
         pairs = [decision for decision in self._store.decisions() if decision.kind == "not a match"]
+        if not pairs:
+            return frozenset()
+        asked = {fingerprint(example) for example in examples}
         # The file of the query may have changed since: then its shape as it is now counts too.
         now = self._store.shapes_of([decision.shape for decision in pairs])
         prints = self._fingerprints([number for number in now if number is not None])

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
 
@@ -322,6 +322,11 @@ class CopyBatch:
     neighbours : mapping of int to (ids, distances)
         Nearest shapes, by number.
     decisions : tuple of Decision
+        New ones.
+    removed_decisions : tuple of int
+        Numbers.
+    tags : mapping of int to sequence of str
+        All tags of some shapes, by number.
     last_id : int
         No new shape may have a number up to this.
     """
@@ -333,4 +338,6 @@ class CopyBatch:
     shapes: tuple[tuple[int, SourceKey | None, NewShape[ShapeSignature]], ...] = ()
     neighbours: Mapping[int, tuple[NDArray[np.int64], NDArray[np.float32]]] = field(default_factory=dict)
     decisions: tuple[Decision, ...] = ()
+    removed_decisions: tuple[int, ...] = ()
+    tags: Mapping[int, Sequence[str]] = field(default_factory=dict)
     last_id: int = 0

@@ -181,6 +181,9 @@ class Store(Protocol):
     def sources(self) -> list[SourceRecord]:
         """Return all sources in the order of their full paths."""
 
+    def source_of(self, shape_id: int) -> SourceRecord | None:
+        """Return the source of a shape, None if it has none, or there is no such shape."""
+
     def shapes(self, shape_ids: Sequence[int]) -> list[ShapeRecord]:
         """Return the records of these shapes in the order of their ids, without unknown ones."""
 

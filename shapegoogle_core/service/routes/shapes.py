@@ -111,12 +111,11 @@ async def download(request: Request, shape_id: ShapeNumber) -> Response:
 
     def found(library: Library) -> str:
         known_shape(library, shape_id)
-        source = library.shape(shape_id).source
+        record = library.source_of(shape_id)
         # Only an indexed file: a label is any text, and could name any file.
-        record = library.sources().get(source)
         if record is None or record.size is None or not record.root:
             raise ServiceError(404, f"shape {shape_id} comes from no indexed file")
-        return source
+        return record.path
 
     path = Path(await parts.lanes.run("read", found))
     if not await asyncio.to_thread(path.is_file):

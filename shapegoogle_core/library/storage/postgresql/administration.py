@@ -76,10 +76,11 @@ def index_statements(store: PostgresqlStore) -> list[str]:
             "go on without an index: all codes are compared then"
         )
     lists = max(1, round(math.sqrt(store.count())))
+    schema = store.vector_schema() or "public"
     return [
-        "CREATE EXTENSION IF NOT EXISTS vector SCHEMA public",
+        f"CREATE EXTENSION IF NOT EXISTS vector SCHEMA {schema}",
         f"DROP INDEX IF EXISTS {CODE_INDEX}",
-        f"CREATE INDEX {CODE_INDEX} ON codes USING ivfflat (code public.bit_hamming_ops)"
+        f"CREATE INDEX {CODE_INDEX} ON codes USING ivfflat (code {schema}.bit_hamming_ops)"
         f" WITH (lists = {lists})",
         "ANALYZE codes",
     ]

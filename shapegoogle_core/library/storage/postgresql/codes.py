@@ -79,6 +79,14 @@ class CodeTables(ShapeTable):
         )
         return int(dict(option.split("=") for option in options)["lists"]) if options else 0
 
+    def vector_schema(self) -> str | None:
+        """Return the schema that pgvector is installed in, quoted; None if it is not."""
+        schema: str | None = self.value(
+            "SELECT quote_ident(nspname) FROM pg_extension"
+            " JOIN pg_namespace ON pg_namespace.oid = extnamespace WHERE extname = 'vector'"
+        )
+        return schema
+
     def nearest_codes(
         self, code: NDArray[np.uint8], count: int, among: NDArray[np.int64] | None = None
     ) -> NDArray[np.int64] | None:
@@ -88,10 +96,11 @@ class CodeTables(ShapeTable):
         bits = Bits(code.tobytes())
         lists = 0 if among is not None else self.index_lists()
         if lists:
+            hamming = f"OPERATOR({self.vector_schema()}.<~>)"
             with self.snapshot():
                 self.rows("SELECT set_config('ivfflat.probes', %s, TRUE)", str(max(1, lists // PROBED)))
                 rows = self.rows(
-                    "SELECT shape_id, code <~> %s FROM codes ORDER BY code <~> %s LIMIT %s",
+                    f"SELECT shape_id, code {hamming} %s FROM codes ORDER BY code {hamming} %s LIMIT %s",
                     *(bits, bits, count),
                 )
         elif among is not None:

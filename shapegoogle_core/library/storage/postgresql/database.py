@@ -107,8 +107,10 @@ class Database:
                 "createdb --template=template0 --encoding=UTF8 NAME"
             )
         register_adapters(connection)
+        # Nothing but the library's own schema: in "public" others may make objects, which would be taken for
+        # missing ones of the library.
         connection.execute(
-            sql.SQL("SET search_path TO {}, public").format(sql.Identifier(self.address.schema))
+            sql.SQL("SET search_path TO {}, pg_temp").format(sql.Identifier(self.address.schema))
         )
         connection.execute(f"SET lock_timeout TO {max(1, round(1000 * self.timeout))}")
         if self._requested_read_only:

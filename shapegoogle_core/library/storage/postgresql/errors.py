@@ -23,6 +23,7 @@ _DENIED = (
 _FULL = f"cannot grow: the disk of the server is full; make room and run the same again ({_SAFE})"
 _VALUE = "cannot store this value; give names as text and sizes as numbers"
 _RESOURCES = f"refused: the server is out of memory or connections; try again later ({_SAFE})"
+_CHANGED = f"was changed by another program at the same time; run the same again ({_SAFE})"
 # By SQLSTATE, or its class (two characters); each sentence goes on after the name of the library.
 _SENTENCES = {
     "55P03": _IN_USE,
@@ -34,9 +35,12 @@ _SENTENCES = {
     "57P": _LOST,
     "53": _RESOURCES,
     "22": _VALUE,
-    "23": _VALUE,
+    # Columns that must not be empty, and numbers that must be numbers; else a row that another one refers to.
+    "23502": _VALUE,
+    "23514": _VALUE,
+    "23": _CHANGED,
     "58": f"cannot be read or written: the disk of the server refused ({_SAFE})",
-    "40": f"was changed by another program at the same time; run the same again ({_SAFE})",
+    "40": _CHANGED,
 }
 
 

@@ -10,44 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
-from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.storage.filter_conditions import (
-    CATALOG,
-    NAME,
-    OBJECT_NAME,
-    PATH,
-    TAG,
-    Dialect,
-    filter_conditions,
-    kept_by_area,
-)
-from shapegoogle_core.library.storage.placement_rows import placements_from
+from shapegoogle_core.library.storage.filter_conditions import filter_conditions, kept_by_area
 from shapegoogle_core.library.storage.postgresql.sources import SourceTable
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.shape_records import origins_from, shape_records
 
 __all__ = ["ShapeTable"]
-
-_FOLDED = {
-    NAME: "coalesce(folded, lower(name))",
-    OBJECT_NAME: "coalesce(folded, lower(object_name))",
-    TAG: "lower(tag)",
-    CATALOG: "lower(catalog)",
-    PATH: (
-        "(coalesce(coalesce(roots.folded, lower(roots.path)) || '/', '')"
-        " || coalesce(sources.folded, lower(sources.path)))"
-    ),
-}
-# The columns have the collation "C", in which only ASCII letters have two cases.
-DIALECT = Dialect(
-    value="%s",
-    text="%s",
-    encoded=lambda text: text,
-    like="{} ILIKE %s",
-    exactly_like="{} LIKE %s",
-    folded=_FOLDED.__getitem__,
-    greatest="greatest",
-)
 
 SELECT_SHAPES = """
 SELECT shapes.id, shapes.name, roots.path, coalesce(sources.path, ''), object_name, vertex_count, face_count,
@@ -78,25 +46,6 @@ class ShapeTable(SourceTable):
 
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
-        condition, parameters = filter_conditions(where, self.roots(), DIALECT)
+        condition, parameters = filter_conditions(where, self.roots(), self.dialect)
         rows = self.rows(f"SELECT id, area FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.array(kept_by_area(where, rows, self.placements), np.int64)
-
-    def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
-        """Return the placements of some shapes, see `Store.placements`."""
-        columns = "shape_id, position, object_name, matrix, extent_x, extent_y, extent_z"
-        rows = self.rows_with_ids(f"SELECT {columns} FROM placements WHERE shape_id", shape_ids)
-        return placements_from(rows, self.damaged)
-
-    def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
-        """Return the surface samples of some shapes, see `Store.samples`."""
-        return dict(self.rows_with_ids("SELECT shape_id, content FROM samples WHERE shape_id", shape_ids))
-
-    def measures(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
-        """Return the measures of some shapes, see `Store.measures`."""
-        return dict(self.rows_with_ids("SELECT shape_id, content FROM measures WHERE shape_id", shape_ids))
-
-    def thumbnail(self, shape_id: int) -> bytes | None:
-        """Return the picture of a shape, see `Store.thumbnail`."""
-        picture: bytes | None = self.value("SELECT png FROM thumbnails WHERE shape_id = %s", shape_id)
-        return picture

@@ -6,10 +6,12 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 
-from shapegoogle_core.library.roots.paths import joined, path_key
+from shapegoogle_core.library.roots.paths import joined
 from shapegoogle_core.library.storage.filter_conditions import folded
 from shapegoogle_core.library.storage.postgresql.database import Database
-from shapegoogle_core.library.storage.records import Root, SourceKey, SourceRecord
+from shapegoogle_core.library.storage.postgresql.dialect import DIALECT
+from shapegoogle_core.library.storage.records import SourceKey, SourceRecord
+from shapegoogle_core.library.storage.stored_rows import StoredRows
 
 __all__ = ["IS_SOURCE", "SourceTable"]
 
@@ -19,27 +21,20 @@ Located = tuple[int, bytes]
 IS_SOURCE = "coalesce(root_id, 0) = %s AND key_hash = %s"
 
 
-class SourceTable(Database):
+class SourceTable(Database, StoredRows):
     """Roots and sources of a library in a database."""
+
+    dialect = DIALECT
 
     # -- roots ----------------------------------------------------------------------------------------------
 
-    def roots(self, *, counted: bool = False) -> list[Root]:
-        """Return all roots, see `Store.roots`."""
-        count = "(SELECT count(*) FROM sources WHERE coalesce(root_id, 0) = roots.id)" if counted else "0"
-        return [
-            self.local_folders.root(*row)
-            for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")
-        ]
-
-    def map_root(self, root: Root, path: str) -> None:
-        """Let a root lie elsewhere on this computer, see `Store.map_root`."""
-        self.local_folders.put(root, path)
-
     def located(self, source: SourceKey) -> Located:
         """Return the values of the columns that identify a source."""
-        root_id, key = self._place(source)
-        return root_id, _hash(key)
+        return self.located_all([source])[0]
+
+    def located_all(self, sources: Sequence[SourceKey]) -> list[Located]:
+        """Return the values of the columns that identify sources; no source lies below an unknown root."""
+        return [(number, _hash(key)) for number, key in self.places(sources)]
 
     def put_root(self, name: str, path: str) -> None:
         """Insert a root, or change its path, inside `writing`."""
@@ -57,28 +52,18 @@ class SourceTable(Database):
             "UPDATE sources SET root_id = NULL, key_hash = int8send(id) WHERE id = ANY(%s::bigint[])", numbers
         )
         for number, source in places:
-            root_id, key = self._place(source)
+            ((root_id, key),) = self.places([source])
             self.execute(
                 "UPDATE sources SET root_id = nullif(%s, 0), path = %s, key = %s, key_hash = %s, folded = %s"
                 " WHERE id = %s",
                 *(root_id, source.path, key, _hash(key), folded(source.path), number),
             )
 
-    def _place(self, source: SourceKey) -> tuple[int, str]:
-        """Return the number of the root of a source, and its key."""
-        if not source.root:
-            return 0, source.path
-        rows = self.rows("SELECT id, path FROM roots WHERE name = %s", source.root)
-        if not rows:
-            return -1, ""  # no source lies below an unknown root
-        root_id, folder = rows[0]
-        return root_id, path_key(folder, source.path)
-
     # -- sources --------------------------------------------------------------------------------------------
 
     def insert_source(self, source: SourceRecord) -> int:
         """Insert a source, inside `writing`; return its number."""
-        root_id, key = self._place(source.key)
+        ((root_id, key),) = self.places([source.key])
         path = source.key.path
         number: int = self.value(
             "INSERT INTO sources (root_id, path, key, key_hash, folded, size, mtime_ns, sha256, error)"
@@ -122,15 +107,7 @@ class SourceTable(Database):
 
     def known_sources(self, keys: Sequence[SourceKey]) -> list[SourceKey]:
         """Return those of some keys that are sources, see `Store.known_sources`."""
-        roots = {
-            "": (0, ""),
-            **{name: (i, path) for i, name, path in self.rows("SELECT id, name, path FROM roots")},
-        }
-        located = {
-            key: (roots[key.root][0], _hash(path_key(roots[key.root][1], key.path) if key.root else key.path))
-            for key in keys
-            if key.root in roots
-        }
+        located = dict(zip(keys, self.located_all(keys), strict=True))
         found = set(
             self.rows(
                 "SELECT coalesce(root_id, 0), key_hash FROM sources WHERE (coalesce(root_id, 0), key_hash) IN"
@@ -139,7 +116,7 @@ class SourceTable(Database):
                 [key for _, key in located.values()],
             )
         )
-        return [key for key in keys if located.get(key) in found]
+        return [key for key in keys if located[key] in found]
 
     def update_source(self, source: SourceKey, size: int, mtime_ns: int) -> bool:
         """Store the new size and time of change of a source, see `Store.update_source`."""

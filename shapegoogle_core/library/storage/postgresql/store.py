@@ -215,8 +215,7 @@ class PostgresqlStore(CodeTables, KindTables, DecisionTable):
                 ),
             )
             self.insert_neighbours(batch.neighbours)
-            for decision in batch.decisions:
-                self.insert_decision(decision, numbered=True)
+            self.put_decisions(batch)
             if batch.last_id > self.last_id():
                 self.value(f"SELECT setval({_SEQUENCE}, %s)", batch.last_id)
             self.execute("DELETE FROM meta WHERE key = 'copy'")

@@ -158,6 +158,10 @@ class Database:
         rows = self.rows(statement, *parameters)
         return rows[0][0] if rows else None
 
+    def execute(self, statement: str, *parameters: object) -> int:
+        """Run a change, inside `writing`; return how many rows it met."""
+        return self.connection.execute(statement, parameters).rowcount
+
     def matrix(self, blobs: Sequence[bytes], dtype: np.dtype[Any], width: int) -> NDArray[Any]:
         """Stack the contents of rows into an array (n, width); `LibraryError` if their lengths do not fit."""
         if any(len(blob) != width * dtype.itemsize for blob in blobs):

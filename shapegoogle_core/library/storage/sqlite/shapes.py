@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.library.filter import Filter
-from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.storage.filter_conditions import Dialect, filter_conditions, kept_by_area
-from shapegoogle_core.library.storage.placement_rows import placement_rows, placements_from
+from shapegoogle_core.library.storage.filter_conditions import filter_conditions, kept_by_area
+from shapegoogle_core.library.storage.placement_rows import placement_rows
 from shapegoogle_core.library.storage.records import NewShape, ShapeRecord
 from shapegoogle_core.library.storage.shape_records import shape_records
 from shapegoogle_core.library.storage.sqlite.database import encoded
+from shapegoogle_core.library.storage.sqlite.dialect import fold_case
 from shapegoogle_core.library.storage.sqlite.origins import OriginTable
 from shapegoogle_core.library.storage.sqlite.sources import SourceTable
 from shapegoogle_core.model.signature import ShapeSignature
@@ -26,16 +26,6 @@ SELECT shapes.id, shapes.name, roots.path, coalesce(sources.path, ''), object_na
     area, extent_x, extent_y, extent_z, placement_count
 FROM shapes LEFT JOIN sources ON sources.id = source_id LEFT JOIN roots ON roots.id = root_id
 """
-
-DIALECT = Dialect(
-    value="?",
-    text="CAST(? AS TEXT)",
-    encoded=encoded,
-    like="{} LIKE CAST(? AS TEXT) ESCAPE '\\'",  # ignores case, but only of ASCII letters
-    exactly_like="{} LIKE CAST(? AS TEXT) ESCAPE '\\'",
-    folded=lambda column: f"CAST(fold_case(CAST({column} AS BLOB)) AS TEXT)",
-    greatest="max",
-)
 
 
 class ShapeTable(OriginTable, SourceTable):
@@ -111,38 +101,13 @@ class ShapeTable(OriginTable, SourceTable):
     def filtered_ids(self, where: Filter) -> NDArray[np.int64]:
         """Find the shapes that meet a filter, see `Store.filtered_ids`."""
         condition, parameters = filter_conditions(
-            where, self.roots(), DIALECT, with_origins=self.has_origins()
+            where, self.roots(), self.dialect, with_origins=self.has_origins()
         )
         with self.explained():
-            self.connection.create_function("fold_case", 1, _fold_case, deterministic=True)
+            self.connection.create_function("fold_case", 1, fold_case, deterministic=True)
         rows = self.rows(f"SELECT id, area FROM shapes WHERE {condition} ORDER BY id", *parameters)
         return np.array(kept_by_area(where, rows, self.placements), np.int64)
-
-    def placements(self, shape_ids: Sequence[int]) -> dict[int, tuple[Placement, ...]]:
-        """Return the placements of some shapes, see `Store.placements`."""
-        columns = "shape_id, position, object_name, matrix, extent_x, extent_y, extent_z"
-        # By their key, so in the order of positions.
-        rows = self.rows_with_ids(f"SELECT {columns} FROM placements WHERE shape_id", shape_ids)
-        return placements_from(rows, self.damaged)
-
-    def samples(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
-        """Return the surface samples of some shapes, see `Store.samples`."""
-        return dict(self.rows_with_ids("SELECT shape_id, content FROM samples WHERE shape_id", shape_ids))
-
-    def measures(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
-        """Return the measures of some shapes, see `Store.measures`."""
-        return dict(self.rows_with_ids("SELECT shape_id, content FROM measures WHERE shape_id", shape_ids))
-
-    def thumbnail(self, shape_id: int) -> bytes | None:
-        """Return the picture of a shape, see `Store.thumbnail`."""
-        picture: bytes | None = self.value("SELECT png FROM thumbnails WHERE shape_id = ?", shape_id)
-        return picture
 
     def _has_tags(self) -> bool:
         """Return whether any shape has a tag: a search then saves one query."""
         return self.value("SELECT 1 FROM tags LIMIT 1") is not None
-
-
-def _fold_case(name: bytes) -> bytes:
-    """Remove the differences between upper and lower case from a name in UTF-8, surrogates included."""
-    return encoded(name.decode("utf-8", "surrogatepass").casefold())

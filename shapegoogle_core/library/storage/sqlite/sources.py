@@ -5,9 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from shapegoogle_core.library.roots.paths import joined, path_key
-from shapegoogle_core.library.storage.records import Root, SourceKey, SourceRecord
+from shapegoogle_core.library.roots.paths import joined
+from shapegoogle_core.library.storage.records import SourceKey, SourceRecord
 from shapegoogle_core.library.storage.sqlite.database import Database, encoded
+from shapegoogle_core.library.storage.sqlite.dialect import DIALECT
+from shapegoogle_core.library.storage.stored_rows import StoredRows
 
 __all__ = ["IS_SOURCE", "SourceTable"]
 
@@ -17,33 +19,20 @@ Located = tuple[int, bytes]
 IS_SOURCE = "coalesce(root_id, 0) = ? AND key = CAST(? AS TEXT)"
 
 
-class SourceTable(Database):
+class SourceTable(Database, StoredRows):
     """Roots and sources of a library file."""
+
+    dialect = DIALECT
 
     # -- roots ----------------------------------------------------------------------------------------------
 
-    def roots(self, *, counted: bool = False) -> list[Root]:
-        """Return all roots, see `Store.roots`."""
-        # By the expression of the index `source_keys`.
-        count = "(SELECT count(*) FROM sources WHERE coalesce(root_id, 0) = roots.id)" if counted else "0"
-        return [
-            self.local_folders.root(*row)
-            for row in self.rows(f"SELECT name, path, {count} FROM roots ORDER BY name")
-        ]
-
-    def map_root(self, root: Root, path: str) -> None:
-        """Let a root lie elsewhere on this computer, see `Store.map_root`."""
-        self.local_folders.put(root, path)
-
     def located(self, source: SourceKey) -> Located:
         """Return the values of the columns that identify a source."""
-        if not source.root:
-            return 0, encoded(source.path)
-        rows = self.rows("SELECT id, path FROM roots WHERE name = CAST(? AS TEXT)", encoded(source.root))
-        if not rows:
-            return -1, b""  # no source lies below an unknown root
-        root_id, folder = rows[0]
-        return root_id, encoded(path_key(folder, source.path))
+        return self.located_all([source])[0]
+
+    def located_all(self, sources: Sequence[SourceKey]) -> list[Located]:
+        """Return the values of the columns that identify sources; no source lies below an unknown root."""
+        return [(number, encoded(key)) for number, key in self.places(sources)]
 
     def put_root(self, name: str, path: str) -> None:
         """Insert a root, or change its path, inside `writing`."""

@@ -182,8 +182,7 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
             for number, key, shape in batch.shapes:
                 self._insert(None if key is None else self.source_id(key), shape, number)
             self.insert_neighbours(batch.neighbours)
-            for decision in batch.decisions:
-                self.insert_decision(decision)
+            self.put_decisions(batch)
             if batch.last_id > self.last_id():
                 self.connection.execute("DELETE FROM sqlite_sequence WHERE name = 'shapes'")
                 self.connection.execute("INSERT INTO sqlite_sequence VALUES ('shapes', ?)", (batch.last_id,))

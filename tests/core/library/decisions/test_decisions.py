@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,24 @@ def test_families_do_not_count_what_is_not_a_match(library: Library, make_signat
     assert 2 not in {best.shape_id, *best.version_ids}
 
 
+def test_the_next_of_a_family_stands_for_it_when_the_best_is_not_a_match(
+    library: Library, make_signature: SignatureMaker
+) -> None:
+    asked = make_signature(1)
+    copies = library.query(asked, families=True, explain=0)[0]
+    family = {copies.shape_id, *copies.version_ids}
+    assert len(family) == 3
+    library.decide("not a match", asked, copies.shape_id)
+    best, *others = library.query(asked, families=True, explain=0)
+    assert {best.shape_id, *best.version_ids} == family - {copies.shape_id}
+    assert (best.versions, len(best.version_ids)) == (1, 1)
+    assert not family & {match.shape_id for match in others}
+    # When none of them is one, the next family comes first.
+    for shape_id in family - {copies.shape_id}:
+        library.decide("not a match", asked, shape_id)
+    assert [match.name for match in library.query(asked, families=True, explain=0)] == ["c.obj"]
+
+
 def test_both_shapes_that_are_kept_are_no_duplicates(library: Library) -> None:
     assert members(library) == [["a.obj", "b.obj", "free"]]
     kept = library.decide("keep both", 1, 2)
@@ -129,6 +148,34 @@ def test_tags_are_given_taken_and_put_back(library: Library) -> None:
     library.undo(given.number)
     assert library.shape(3).tags == ()
     assert library.decisions() == []
+
+
+def test_the_last_decision_that_is_left_says_which_tag_a_shape_has(library: Library) -> None:
+    first = library.decide("tag", 3, tag="steel")
+    taken = library.decide("no tag", 3, tag="steel")
+    last = library.decide("tag", 3, tag="steel")
+    library.decide("tag", 3, tag="old")
+    library.undo(first.number)
+    assert library.shape(3).tags == ("old", "steel")
+    library.undo(last.number)
+    assert library.shape(3).tags == ("old",)
+    library.undo(taken.number)
+    assert library.shape(3).tags == ("old", "steel")
+
+
+def test_all_shapes_of_decisions_are_found_at_once(library: Library, make_signature: SignatureMaker) -> None:
+    store = library._store
+    keys = list(store.shape_keys([1, 2, 3, 4]).values())
+    asked = [replace(keys[0], path="gone.obj"), replace(keys[1], name="other"), *keys, keys[0]]
+    asked += [replace(keys[0], path="gone.obj", file_hash="other"), replace(keys[0], root="unknown")]
+    # By the content of their files where these are gone, each once.
+    assert store.shapes_of(asked) == [1, 2, 1, 2, 3, 4, 1, None, 1]
+    assert store.shapes_of(300 * keys) == 300 * [1, 2, 3, 4]
+    # Two files of one content: nobody knows which is meant.
+    library.replace_source(
+        "copy.obj", size=1, mtime_ns=1, sha256=keys[0].file_hash, shapes=[NewShape(make_signature(1), "copy")]
+    )
+    assert store.shapes_of(asked[:1]) == [None]
 
 
 @pytest.mark.parametrize(

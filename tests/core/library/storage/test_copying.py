@@ -128,6 +128,25 @@ def test_an_interrupted_copy_goes_on_where_it_was(
     assert {**before, "neighbours": 0} == {**after, "neighbours": 0}
 
 
+def test_what_is_decided_during_a_copy_is_copied_with_its_tags(
+    full: str, other_place: str, seeing: ShapeModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shapegoogle_core.library.storage.copying._SHAPES", 1)
+
+    def deciding(shape_ids: Sequence[int]) -> Iterator[int]:
+        yield from shape_ids
+        # Each of these shapes has been copied with the tags that it had.
+        with Library.open(full) as library:
+            library.undo(1)
+            library.decide("tag", 1, tag="late")
+            library.decide("no tag", 1, tag="wood")
+
+    sg.copy_library(full, other_place, deciding)
+    with Library.open(other_place) as library:
+        assert (library.shape(1).tags, library.shape(3).tags) == (("it's", "late"), ())
+    assert content(other_place, seeing) == content(full, seeing)
+
+
 def test_a_copy_of_another_library_is_not_continued(
     full: str, other_place: str, tmp_path: Path, seeing: ShapeModel
 ) -> None:
@@ -194,7 +213,13 @@ def test_a_database_that_lacks_tables_is_upgraded_after_a_dump(
     Library.open(postgresql_url, model).close()
     schema = postgresql_url.partition("schema=")[2]
     assert not sg.upgrade_library(postgresql_url).upgraded
+    # A table of that name which somebody has made elsewhere is not the library's.
+    with psycopg.connect(postgresql.url("shapes")) as connection:
+        connection.execute("CREATE TABLE public.decisions ()")
+        connection.execute(f"DROP TABLE {schema}.decisions".encode())
+    assert sg.upgrade_library(postgresql_url, tmp_path / "first.dump").upgraded
     with psycopg.connect(postgresql.url("shapes").partition("&")[0]) as connection:
+        connection.execute("DROP TABLE public.decisions")
         connection.execute(f"DROP TABLE {schema}.decisions".encode())
         connection.execute(f"UPDATE {schema}.meta SET value = '7' WHERE key = 'schema'".encode())
     with pytest.raises(LibraryError, match=r"an older version .* run `shapegoogle upgrade"):

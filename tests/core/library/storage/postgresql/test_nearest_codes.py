@@ -88,7 +88,8 @@ def test_an_index_of_pgvector_is_made_used_and_made_anew(
         with store.snapshot():
             store.rows("SELECT set_config('enable_seqscan', 'off', TRUE)")
             plan = store.rows(
-                "EXPLAIN SELECT shape_id FROM codes ORDER BY code <~> %s::bit(72) LIMIT 5", "0" * 72
+                "EXPLAIN SELECT shape_id FROM codes ORDER BY code OPERATOR(public.<~>) %s::bit(72) LIMIT 5",
+                "0" * 72,
             )
         assert "codes_nearest" in str(plan)
         ids, codes = all_codes(store, "codes", 9)
