@@ -2,9 +2,14 @@
 """Show the whole search once, on shapes made for it: set up, make creatures, index them, find one again.
 
     python3 scripts/demo.py
+    python3 scripts/demo.py --studio [--check]
 
 First with mesh files and the command, then, where Blender's bpy module can be had, with .blend files and the
 add-on. Everything it makes stands in the folder `demo`. Run again, it only does what has changed.
+
+With --studio instead what a studio runs, all on this machine: a PostgreSQL database, a cluster of two workers
+that fills it, and the service with its web page, whose address is printed; Ctrl-C stops everything. --check
+asks the file, the database and the service the same twelve queries, indexes again, compares, and stops.
 """
 
 from __future__ import annotations
@@ -14,11 +19,22 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lib import bootstrap
+from lib.demo_creatures import (
+    FOLDER,
+    INDIVIDUAL,
+    LIBRARY,
+    MESHES,
+    POSES_EACH,
+    forget_other_model,
+    run_command,
+    write_library_meshes,
+    write_mesh,
+)
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -27,48 +43,18 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-FOLDER = bootstrap.ROOT / "demo"
-MESHES = FOLDER / "creatures"
-LIBRARY = FOLDER / "creatures.sglib"
 BLENDS = FOLDER / "blend_library"
 BLEND_LIBRARY = FOLDER / "blend_library.sglib"
 PICTURE = FOLDER / "matches.png"
 
+STUDIO_EXTRAS = ("postgresql", "cluster", "serve", "server")
 BLENDER_PART = "lib.demo_in_blender"
 BLENDER_SERIES = ("4.5", "5.2")  # one for each Python that Blenders ship; the first that can be had is taken
 
-KINDS = (
-    "human",
-    "ape",
-    "horse",
-    "dog",
-    "deer",
-    "elephant",
-    "bird",
-    "dinosaur",
-    "octopus",
-    "spider",
-    "hand",
-    "desk lamp",
-)
-INDIVIDUAL = 2011  # the default model was trained on others
-POSES_EACH = 4
-SUFFIXES = (".ply", ".obj", ".glb")
 QUERY = FOLDER / "query" / "horse-rear.ply"
 QUERY_KIND, QUERY_POSE, QUERY_VERTICES, QUERY_SCALE = "horse", "rear", 4200, 2.5
 MATCHES = 9
 COLUMNS = 5
-
-
-def library_meshes() -> Iterator[tuple[str, Mesh]]:
-    """Yield the shapes to search among, with the names of their files."""
-    from benchmarks.creatures import make_creature
-
-    for kind in KINDS:
-        creature = make_creature(kind, INDIVIDUAL)
-        for number, pose in enumerate(creature.pose_names[:POSES_EACH]):
-            name = f"{kind}-{pose}".replace(" ", "_")
-            yield name + SUFFIXES[number % len(SUFFIXES)], creature.pose(pose)
 
 
 def query_mesh() -> Mesh:
@@ -81,39 +67,6 @@ def query_mesh() -> Mesh:
         raise ValueError(f"the pose {QUERY_POSE!r} is in the library already")
     mesh = creature.pose(QUERY_POSE)
     return Mesh(QUERY_SCALE * mesh.vertices, mesh.faces, QUERY.name)
-
-
-def forget_other_model(path: Path) -> None:
-    """Remove a library of the demo's own if an earlier version's model made it: none can search it now."""
-    from shapegoogle_core import Library, load_model
-
-    if path.exists():
-        with Library.open(path, read_only=True) as library:
-            outdated = library.model.identifier != load_model().identifier
-        if outdated:
-            path.unlink()
-
-
-def write_mesh(path: Path, mesh: Mesh) -> None:
-    """Write a mesh file, unless it is there with the same content: then it keeps its time."""
-    import trimesh
-
-    content = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type=path.suffix[1:])
-    data = content.encode() if isinstance(content, str) else bytes(content)
-    if not path.is_file() or path.read_bytes() != data:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-
-
-def run_command(*arguments: str | Path) -> None:
-    """Run `shapegoogle` as a user would, and show the command line."""
-    command = [Path(sys.executable).with_name("shapegoogle"), *arguments]
-    words = [str(word.relative_to(bootstrap.ROOT) if isinstance(word, Path) else word) for word in command]
-    print(f"\n$ {' '.join(words)}", flush=True)
-    # Same words, same folder: what is shown is what runs.
-    code = subprocess.run([str(command[0]), *words[1:]], cwd=bootstrap.ROOT, check=False).returncode
-    if code != 0:
-        sys.exit(f"The command above ended with exit code {code}")
 
 
 def draw_words(model: ShapeModel, mesh: Mesh) -> Image.Image:
@@ -177,16 +130,29 @@ def run_in_blender(python: Path) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0]).parse_args(arguments)
-    bootstrap.enter(["demo"])
-    python = blender_python()
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument(
+        "--studio", action="store_true", help="show a database, a cluster, and the service with its web page"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="with --studio: compare the answers of file, database and service, and stop",
+    )
+    options = parser.parse_args(arguments)
+    if options.check and not options.studio:
+        parser.error("--check belongs to --studio; write: demo.py --studio --check")
+    bootstrap.enter(["demo", *(STUDIO_EXTRAS if options.studio else ())])
     # For matrices as small as these, threads cost more than they bring. Read when numpy is imported.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    if options.studio:
+        from lib import demo_studio
+
+        return demo_studio.run(check=options.check)
+    python = blender_python()
 
     started = time.monotonic()
-    print(f"Making {len(KINDS)} creatures in {POSES_EACH} poses each ...", flush=True)
-    for name, mesh in library_meshes():
-        write_mesh(MESHES / name, mesh)
+    write_library_meshes()
     write_mesh(QUERY, query_mesh())
     forget_other_model(LIBRARY)
     run_command("index", MESHES, "--library", LIBRARY)

@@ -8,12 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import demo
 import numpy as np
 import pytest
 import trimesh
-from lib import bootstrap
+from lib import bootstrap, demo_creatures
 
+import demo
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh, read_mesh
 
@@ -21,10 +21,10 @@ SCRIPT = Path(demo.__file__)
 
 
 def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks() -> None:
-    creature = make_creature(demo.QUERY_KIND, demo.INDIVIDUAL)
-    assert demo.QUERY_KIND in demo.KINDS
-    assert set(demo.KINDS) <= set(CREATURE_KINDS)
-    assert demo.QUERY_POSE in creature.pose_names[demo.POSES_EACH :]
+    creature = make_creature(demo.QUERY_KIND, demo_creatures.INDIVIDUAL)
+    assert demo.QUERY_KIND in demo_creatures.KINDS
+    assert set(demo_creatures.KINDS) <= set(CREATURE_KINDS)
+    assert demo.QUERY_POSE in creature.pose_names[demo_creatures.POSES_EACH :]
     query = demo.query_mesh()
     assert len(query.vertices) != len(creature.rest.vertices), "it is meshed anew"
     assert query.area == pytest.approx(demo.QUERY_SCALE**2 * creature.rest.area, rel=0.05)
@@ -33,16 +33,16 @@ def test_the_query_is_a_creature_of_the_library_in_a_pose_the_library_lacks() ->
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb"])
 def test_meshes_are_written_once_and_read_back(bumpy_mesh: Mesh, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / "new" / f"bumpy{suffix}"
-    demo.write_mesh(path, bumpy_mesh)
+    demo_creatures.write_mesh(path, bumpy_mesh)
     read = read_mesh(path)
     np.testing.assert_allclose(read.vertices, bumpy_mesh.vertices, atol=1e-6)
     np.testing.assert_array_equal(read.faces, bumpy_mesh.faces)
 
     written = path.stat().st_mtime_ns
-    demo.write_mesh(path, bumpy_mesh)
+    demo_creatures.write_mesh(path, bumpy_mesh)
     assert path.stat().st_mtime_ns == written, "an unchanged file would be indexed again"
     path.write_bytes(path.read_bytes()[:-10])
-    demo.write_mesh(path, bumpy_mesh)
+    demo_creatures.write_mesh(path, bumpy_mesh)
     np.testing.assert_array_equal(read_mesh(path).faces, bumpy_mesh.faces)
 
 
@@ -95,7 +95,7 @@ def test_the_demo_finds_the_horse_again() -> None:
     # The name stands after the evidence and before the path.
     names = re.findall(r"^\d+ +[\d.]+ +[\d.]+ .+ (\S+) +\S+$", result.stdout, re.MULTILINE)
     assert len(names) == demo.MATCHES
-    assert all(name.startswith("horse-") for name in names[: demo.POSES_EACH]), result.stdout
+    assert all(name.startswith("horse-") for name in names[: demo_creatures.POSES_EACH]), result.stdout
     if "left out" not in result.stdout:
         names = re.findall(r"^\d+ +[\d.]+  (.+?)  +×", result.stdout, re.MULTILINE)
         assert len(names) == demo.MATCHES
