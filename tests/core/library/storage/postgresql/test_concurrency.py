@@ -25,6 +25,8 @@ SignatureMaker = Callable[..., ShapeSignature]
 # What a child process knows: the library, and signatures like those of the fixture.
 PRELUDE = """
 import sys
+import threading
+import time
 import numpy as np
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape
@@ -122,14 +124,16 @@ with Library.open(url) as library:
 
 READER = """
 with Library.open(url, read_only=True) as library:
+    # The end of the input is the end of the writers.
+    ended = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
     seen = 0
-    while True:
+    while not ended.is_set():
         matches = library.query(make_signature(library.model, 0), top=1000, explain=0)
         # What a search has found once stays, and the index in memory misses nothing that came in between.
         assert len(matches) >= seen, (len(matches), seen)
         seen = len(matches)
-        if sys.stdin.readline() == "last\\n":
-            break
+        time.sleep(0.05)
     count = len(library)
     matches = library.query(make_signature(library.model, 0), top=1000, explain=0)
     assert len(matches) == count, (len(matches), count)
@@ -143,21 +147,12 @@ with Library.open(url, read_only=True) as library:
 def test_writers_and_readers_at_once(made: str, writers: int, readers: int) -> None:
     reading = [start(READER, made) for _ in range(readers)]
     writing = [start(WRITER, made, number) for number in range(writers)]
-    while any(process.poll() is None for process in writing):
-        for process in reading:
-            assert process.stdin is not None
-            process.stdin.write("next\n")
-            process.stdin.flush()
-        try:
-            writing[-1].wait(0.3)
-        except subprocess.TimeoutExpired:
-            continue
     for process in writing:
         end(process)
     sources = check_whole(made)
     assert len(sources) == 5 + 5 * writers
     for process in reading:
-        output, errors = process.communicate("last\n")
+        output, errors = process.communicate()
         assert process.returncode == 0, errors
         assert int(output) == 3 * len(sources)
 
