@@ -115,6 +115,12 @@ COMMANDS = (
         "times of spectra, signatures, search, indexing and the add-on",
     ),
     Command(
+        "studio",
+        "benchmarks.studio.command",
+        "libraries in a database and the service: the same answers, clients, storing, a million shapes",
+        ("joblib", "platformdirs", "psycopg", "skimage"),
+    ),
+    Command(
         "figures",
         "benchmarks.figures.command",
         "draw a figure of the documentation",
