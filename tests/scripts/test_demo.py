@@ -8,12 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import demo
 import numpy as np
 import pytest
 import trimesh
 from lib import bootstrap, demo_creatures
 
-import demo
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from shapegoogle_core.mesh import Mesh, read_mesh
 
