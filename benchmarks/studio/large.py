@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import closing
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,7 @@ def _whole(options: StudioOptions) -> Row:
             started = time.perf_counter()
             library.replace_source(f"made-up/{start}", size=0, mtime_ns=0, sha256=None, shapes=shapes)
             seconds += time.perf_counter() - started
-    with _open(place) as store:
+    with closing(_open(place)) as store:
         return {
             "rows": "all",
             "shapes": WHOLE,
@@ -66,7 +67,7 @@ def _codes(options: StudioOptions, size: int) -> Row:
     random = np.random.default_rng(0)
     codes = _made_up_codes(random, size)
     row: Row = {"rows": "records and codes", "shapes": size, "found": FOUND}
-    with _open(place) as store:
+    with closing(_open(place)) as store:
         # One process, whose time counts.
         store.rows("SELECT set_config('max_parallel_workers_per_gather', '0', FALSE)")
         store.rows("SELECT set_config('max_parallel_maintenance_workers', '0', FALSE)")

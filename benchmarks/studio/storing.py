@@ -35,6 +35,7 @@ def measure(options: StudioOptions) -> Iterator[Row]:
                 seconds = time.perf_counter() - started
             with Library.open(place, read_only=True) as library:
                 stored, size = len(library), library.info()["bytes"]
+            assert isinstance(size, int)
             yield {
                 "workers": workers,
                 "shapes_per_transaction": at_once,
