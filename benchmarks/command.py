@@ -104,6 +104,12 @@ COMMANDS = (
         ("bpy",),
     ),
     Command(
+        "pauses",
+        "benchmarks.experiments.pauses",
+        "how long the window is kept from answering, and how right progress is (needs bpy)",
+        ("bpy",),
+    ),
+    Command(
         "files",
         "benchmarks.experiments.files.command",
         "read model files with the product and other readers, and list where they differ",

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .duplicates.background import BackgroundSearch
     from .duplicates.follow import Found
     from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
+    from .duplicates.operators import SHAPEGOOGLE_OT_find_duplicates
     from .gallery.compare.shown import Shown
     from .gallery.editor.typed_text import TypedText
     from .jobs import BackgroundRun
@@ -272,12 +273,15 @@ class DuplicatesState:
         The search that runs in the worker process.
     linking : SHAPEGOOGLE_OT_link_duplicates or None
         The linking that runs in time slices.
+    collecting : SHAPEGOOGLE_OT_find_duplicates or None
+        The comparison of meshes that runs in time slices.
     found : list of Found
         The groups that were found in the scene, as they were then.
     """
 
     search: BackgroundSearch | None = None
     linking: SHAPEGOOGLE_OT_link_duplicates | None = None
+    collecting: SHAPEGOOGLE_OT_find_duplicates | None = None
     found: list[Found] = field(default_factory=list)
 
 

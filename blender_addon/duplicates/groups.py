@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right, insort
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 
 __all__ = [
+    "Collecting",
     "Group",
     "Member",
     "SceneShapes",
@@ -163,34 +164,68 @@ def collect_shapes(context: Any, objects: Sequence[Any]) -> SceneShapes:
     -------
     shapes : SceneShapes
     """
-    users: defaultdict[Any, list[Any]] = defaultdict(list)
-    evaluated, hidden = split_evaluated(mesh_objects(objects), context)
-    for item in sorted(evaluated, key=lambda item: str(item.name)):
-        users[item.data].append(item)
-    shapes: list[_Shape] = []
-    skipped: list[str] = []
-    # Shapes of the same counts, sorted by their compactness: only near ones can be congruent.
-    near: defaultdict[tuple[int, ...], list[tuple[float, int]]] = defaultdict(list)
-    for _, items in sorted(users.items(), key=_preference):
-        world = world_mesh(items[0])
-        if world is None or not world.polygons.size > 0:
-            skipped += [item.name for item in items]
-            continue
-        mesh = _Mesh(world, items)
-        candidates = near[world.polygons.counts]
-        compactness = world.polygons.compactness
+    collection = Collecting(context, objects)
+    for _ in collection.steps():
+        pass
+    return collection.found
+
+
+class Collecting:
+    """Comparison of the meshes of objects, step by step; objects must not change between two steps.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    objects : sequence of bpy.types.Object
+        As for `collect_shapes`.
+
+    Attributes
+    ----------
+    found : SceneShapes
+        So far.
+    total, compared : int
+        Number of meshes, and of those that have been compared.
+    """
+
+    def __init__(self, context: Any, objects: Sequence[Any]) -> None:
+        users: defaultdict[Any, list[Any]] = defaultdict(list)
+        evaluated, hidden = split_evaluated(mesh_objects(objects), context)
+        for item in sorted(evaluated, key=lambda item: str(item.name)):
+            users[item.data].append(item)
+        self._users = sorted(users.items(), key=_preference)
+        self.found = SceneShapes([], [], sorted(item.name for item in hidden))
+        self.total, self.compared = len(self._users), 0
+
+    def steps(self) -> Iterator[None]:
+        """Compare one mesh after the other."""
+        shapes = self.found.shapes
+        # Shapes of the same counts, sorted by their compactness: only near ones can be congruent.
+        near: defaultdict[tuple[int, ...], list[tuple[float, int]]] = defaultdict(list)
+        for _, items in self._users:
+            self.compared += 1
+            world = world_mesh(items[0])
+            if world is None or not world.polygons.size > 0:
+                self.found.skipped.extend(item.name for item in items)
+            else:
+                self._place(near[world.polygons.counts], shapes, _Mesh(world, items))
+            yield
+
+    @staticmethod
+    def _place(candidates: list[tuple[float, int]], shapes: list[_Shape], mesh: _Mesh) -> None:
+        """Put a mesh to the shape that it is congruent to, or make a new one."""
+        polygons = mesh.world.polygons
+        compactness = polygons.compactness
         low = bisect_left(candidates, (compactness - 2 * TOLERANCE, -1))
         high = bisect_right(candidates, (compactness + 2 * TOLERANCE, len(shapes)))
         for _, index in sorted(candidates[low:high], key=lambda entry: entry[1]):
-            found = congruence(shapes[index].first.world.polygons, world.polygons)
+            first = shapes[index].first.world
+            found = congruence(first.polygons, polygons)
             if found is not None:
                 mesh.scale = found.scale
-                _place(shapes[index], mesh, differing_data(shapes[index].first.world, world, found))
-                break
-        else:
-            insort(candidates, (compactness, len(shapes)))
-            shapes.append(_Shape(mesh, []))
-    return SceneShapes(shapes, skipped, sorted(item.name for item in hidden))
+                _place(shapes[index], mesh, differing_data(first, mesh.world, found))
+                return
+        insort(candidates, (compactness, len(shapes)))
+        shapes.append(_Shape(mesh, []))
 
 
 def scene_groups(found: SceneShapes) -> list[Group]:

@@ -14,6 +14,7 @@ from .. import jobs, state
 from ..library.address import library_address, library_missing
 from ..library.model import current_model
 from ..library.present import when_it_goes
+from ..time_slices import InSlices
 from ..translation import counted, error_text, tr
 from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
@@ -39,13 +40,16 @@ def _cancel_running() -> None:
     linking = state.current().duplicates.linking
     if linking is not None:
         linking.stopped = True  # it ends at its next tick
+    collecting = state.current().duplicates.collecting
+    if collecting is not None:
+        collecting.stopped = True
 
 
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (" …" if len(names) > 5 else "")
 
 
-class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
+class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
     """Find groups of the same and of similar shapes; nothing is changed."""
 
     bl_idname = "shape_google.find_duplicates"
@@ -70,7 +74,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         return True
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """List congruent meshes at once; the search for similar shapes goes on in the background."""
+        """Compare the meshes of the scene in slices; the rest goes on in the background."""
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
         if shown.scope == "LIBRARY":
@@ -81,9 +85,37 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
             library.start(tr("Looking through the library …"))
             library.submit(library.take, library_duplicates, library_address(context), shown.min_similarity)
             return {"FINISHED"}
-        found = self._same(context)
-        if found is None:
+        from .groups import Collecting
+
+        self._collecting = Collecting(context, context.scene.objects)
+        shown.running, shown.progress = True, 0.0
+        state.current().duplicates.collecting = self
+        return self.begin(context, self._collecting.steps())
+
+    def show_progress(self, context: Any) -> None:
+        """Show the share of the meshes that have been compared."""
+        shown, run = context.window_manager.shape_google_duplicates, self._collecting
+        shown.progress = run.compared / max(run.total, 1)
+        shown.status = tr("Comparing meshes: {done:,} of {total:,}").format(
+            done=run.compared, total=run.total
+        )
+        context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=shown.status))
+
+    def cancel(self, context: Any) -> None:
+        """Stop the timer and free the buttons."""
+        super().cancel(context)
+        context.window_manager.shape_google_duplicates.running = False
+        if state.is_registered():
+            state.current().duplicates.collecting = None
+
+    def finish(self, context: Any, *, cancelled: bool) -> set[str]:
+        """List the groups of congruent meshes; the search for similar shapes goes on in the background."""
+        shown = context.window_manager.shape_google_duplicates
+        if cancelled:
+            shown.status = tr("Cancelled; nothing was changed")
             return {"CANCELLED"}
+        found = self._collecting.found
+        self._list_same(context, found)
         if shown.similar:
             model = self._model(context)
             if model is None:
@@ -98,7 +130,7 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         from shapegoogle_core import ShapeGoogleError
         from shapegoogle_core.worker.requests import describe_meshes, library_duplicates
 
-        from .groups import library_groups, solid_shapes
+        from .groups import collect_shapes, library_groups, solid_shapes
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
@@ -112,9 +144,8 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
                 return {"CANCELLED"}
             show_groups(shown, library_groups(groups), "LIBRARY")
         else:
-            found = self._same(context)
-            if found is None:
-                return {"CANCELLED"}
+            found = collect_shapes(context, context.scene.objects)
+            self._list_same(context, found)
             hidden = len(found.hidden)
             if shown.similar:
                 model = self._model(context)
@@ -128,18 +159,11 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
         self.report({"INFO"}, shown.status)
         return {"FINISHED"}
 
-    def _same(self, context: Any) -> SceneShapes | None:
+    def _list_same(self, context: Any, found: SceneShapes) -> None:
         """List the groups of congruent meshes of the scene."""
-        from shapegoogle_core import ShapeGoogleError
-
-        from .groups import collect_shapes, scene_groups
+        from .groups import scene_groups
 
         shown = context.window_manager.shape_google_duplicates
-        try:
-            found = collect_shapes(context, context.scene.objects)
-        except ShapeGoogleError as error:
-            self.report({"ERROR"}, error_text(error))
-            return None
         show_groups(shown, scene_groups(found), "SCENE")
         shown.status = summary(shown, len(found.hidden))
         if found.hidden:
@@ -159,7 +183,6 @@ class SHAPEGOOGLE_OT_find_duplicates(bpy.types.Operator):
                     names=_some(found.skipped),
                 ),
             )
-        return found
 
     def _model(self, context: Any) -> ShapeModel | None:
         from shapegoogle_core import ShapeGoogleError
