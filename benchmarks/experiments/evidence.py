@@ -19,6 +19,7 @@ import tempfile
 import time
 from collections import Counter, defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -29,7 +30,7 @@ from sklearn.linear_model import LogisticRegression
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import make_pairs
-from benchmarks.experiments.evidence_parts import print_parts
+from benchmarks.experiments.evidence_parts import SAME_SURFACE, print_parts
 from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
@@ -42,6 +43,7 @@ from shapegoogle_core.registration.isometry import functional_map
 __all__ = ["add_options", "run"]
 
 TEST_SEED, CALIBRATION_SEED = 2_000, 3_000
+LIKELY = 0.9
 
 
 class Outcome(NamedTuple):
@@ -58,6 +60,8 @@ class Outcome(NamedTuple):
         Features of the probability of another pose, see `pose_features`.
     seconds : float
         Processor time for the evidence.
+    similarity : float
+        By the bags alone.
     """
 
     kind: str
@@ -67,6 +71,7 @@ class Outcome(NamedTuple):
     share: float
     pose: tuple[float, float, float]
     seconds: float
+    similarity: float
 
 
 def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
@@ -83,7 +88,7 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
     -------
     outcomes : list of Outcome
     """
-    model = load_model()
+    model = replace(load_model(), views=None)  # no evidence rests on pictures
     outcomes = []
     pairs = make_pairs(*job)
     meshes = {id(mesh): mesh for pair in pairs for mesh in (pair.query, pair.candidate)}
@@ -96,6 +101,8 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
         stored = SurfaceSample.from_bytes(found.sample.to_bytes())
         compared = Compared(stored, found, found.measures)
         asked = Compared(query.sample, query, query.measures)
+        typical = model.typical_distances(query.bags, found.bags[None])
+        similarity = float(model.similarity(distances, typical)[0])
         distance = float(distances[0])
         started = time.process_time()
         explainer = Explainer(asked, query.surface if exact else None)
@@ -103,12 +110,13 @@ def measure(job: tuple[str, int], exact: bool = True) -> list[Outcome]:
         seconds = time.process_time() - started
         isometry = functional_map(query.sample, stored)
         pose = isometry.spectral_difference, isometry.orthogonality, distance
-        outcomes.append(Outcome(pair.kind, pair.detail, said, pair.factor, pair.share, pose, seconds))
+        truth = pair.kind, pair.detail
+        outcomes.append(Outcome(*truth, said, pair.factor, pair.share, pose, seconds, similarity))
     return outcomes
 
 
 def print_tables(outcomes: Sequence[Outcome]) -> None:
-    """Print the confusion matrix and the errors of factors and shares."""
+    """Print the confusion matrix, the precision of claims, and the errors of factors and shares."""
     counts = Counter((outcome.kind, outcome.said.kind) for outcome in outcomes)
     print(f"{len(outcomes)} pairs; rows: the truth, columns: the evidence\n")
     print("| | " + " | ".join(KINDS) + " | right |")
@@ -119,11 +127,16 @@ def print_tables(outcomes: Sequence[Outcome]) -> None:
         print(f"| {kind} | " + " | ".join(str(count or "") for count in row) + f" | {right:.1f} % |")
     right = sum(count for (kind, said), count in counts.items() if kind == said)
     print(f"\nright: {100 * right / len(outcomes):.1f} %")
-    details: defaultdict[tuple[str, str], list[bool]] = defaultdict(list)
+    claims = [outcome.kind == outcome.said.kind for outcome in outcomes if outcome.said.kind in SAME_SURFACE]
+    precision = 100 * sum(claims) / max(1, len(claims))
+    print(f"precision of the kinds of same surfaces: {precision:.1f} % of {len(claims)}")
+    details: defaultdict[tuple[str, str], list[Outcome]] = defaultdict(list)
     for outcome in outcomes:
-        details[outcome.kind, outcome.detail].append(outcome.said.kind == outcome.kind)
-    for (true_kind, detail), hits in details.items():
-        print(f"  {true_kind}: {detail}: {sum(hits)} of {len(hits)}")
+        details[outcome.kind, outcome.detail].append(outcome)
+    for (true_kind, detail), found in details.items():
+        hits = sum(outcome.said.kind == true_kind for outcome in found)
+        likely = sum(outcome.similarity > LIKELY for outcome in found)
+        print(f"  {true_kind}: {detail}: {hits} of {len(found)}; {likely} of similarity above {LIKELY}")
     for figure in ("factor", "share"):
         errors = [
             abs(getattr(outcome.said, figure) / getattr(outcome, figure) - 1)

@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections import Counter, defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,7 +61,7 @@ def print_parts(jobs: int) -> None:
 
 
 def _explain(family: str) -> list[_Outcome]:
-    model = load_model()
+    model = replace(load_model(), views=None)  # no evidence rests on pictures
     outcomes = []
     signatures: dict[int, ShapeSignature] = {}
     pairs = make_part_pairs(family)
@@ -116,7 +117,8 @@ def _print_confusion(outcomes: Sequence[_Outcome]) -> None:
 
 def _describe(family: str) -> list[tuple[str, ShapeSignature]]:
     """Describe the parts of a family and their versions; the names say which part each of them is."""
-    model, random = load_model(), np.random.default_rng([1, *family.encode()])
+    model = replace(load_model(), views=None)
+    random = np.random.default_rng([1, *family.encode()])
     described = []
     for part in make_parts([family]):
         name = f"{part.family}: {part.name}"
