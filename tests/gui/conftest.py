@@ -217,22 +217,26 @@ class Window:
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
             seen, scrolled = 0, self.ask("scrolled")
-            for share in columns:
-                x, before = left + share * (right - TABS - left), ""
-                for y in range(top + 8, bottom - 4, STEP):
-                    button = self._button_at(x, y)
-                    others[f"{button} at {x:.0f}, {y}"] = None
-                    self._seen[self._panel, scrolled, share, y] = button
-                    if action in button and button != before:
-                        # A slow Blender may have answered for the place before.
-                        place = self._confirmed(action, x, (y, y - STEP))
-                        if place is not None:
-                            if seen == occurrence:
-                                known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
-                                self._places[known] = place
-                                return place
-                            seen += 1
-                    before = button
+            places = [(share, y) for share in columns for y in range(top + 8, bottom - 4, STEP)]
+            if occurrence == 0:
+                # First where the pointer has not been yet.
+                places.sort(key=lambda place: (self._panel, scrolled, *place) in self._seen)
+            before: tuple[str, float] | None = None
+            for share, y in places:
+                x = left + share * (right - TABS - left)
+                button = self._button_at(x, y)
+                others[f"{button} at {x:.0f}, {y}"] = None
+                self._seen[self._panel, scrolled, share, y] = button
+                if action in button and (button, share) != before:
+                    # A slow Blender may have answered for the place before.
+                    place = self._confirmed(action, x, (y, y - STEP))
+                    if place is not None:
+                        if seen == occurrence:
+                            known = self._panel, self.ask("scrolled"), action, occurrence, tuple(columns)
+                            self._places[known] = place
+                            return place
+                        seen += 1
+                before = button, share
             self.move(x, top + FIRST_HEADER)
             self.tool("click", "--repeat", 12, "--delay", 10, 5)
             self.settle()
