@@ -15,6 +15,7 @@ from typing import Any
 from mathutils import Matrix
 
 from .assets import catalog_of, tags_of
+from .colors import color_of
 from .instancers import Instance, is_carrier
 from .sharing import SharedMeshes
 
@@ -80,6 +81,8 @@ class Item:
     collection_name : str
     tags : tuple of str
     catalog : str
+    color : tuple of float or None
+        See `colors.color_of`.
     """
 
     uid: int
@@ -94,6 +97,7 @@ class Item:
     collection_name: str
     tags: tuple[str, ...]
     catalog: str
+    color: tuple[float, float, float] | None
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,7 @@ class Entry:
     catalog: str = ""
     frame: int | None = None
     placements: list[tuple[str, Any]] = field(default_factory=list)
+    color: tuple[float, float, float] | None = None
 
     def take_asset(self, asset: Item | Group) -> None:
         """Add the tags and the catalog of an asset that is this shape."""
@@ -163,7 +168,9 @@ class Entry:
 
     def to_json(self) -> dict[str, Any]:
         """Convert to an object of the answer."""
+        color = {} if self.color is None else {"color": self.color}
         return {
+            **color,
             "name": self.name,
             "type": self.kind,
             "names": self.names,
@@ -204,6 +211,7 @@ def item_of(item: Any, catalogs: Mapping[str, str]) -> Item:
         collection_name=collection.name if instances else "",
         tags=tuple(tags_of(item)),
         catalog=catalog_of(item, catalogs),
+        color=color_of(item),
     )
 
 
@@ -356,6 +364,7 @@ class Assembly:
         """Make the entry of an object's mesh."""
         entry = self._new(Entry(item.name, item.kind, [(state.mesh, Matrix())]))
         inside = [group.name for group in self._assets if item.uid in group.members]
+        entry.color = item.color
         entry.names = [item.data_name, *(f"{name} ({item.name})" for name in inside)]
         entry.take_asset(item)
         return entry

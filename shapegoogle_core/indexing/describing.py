@@ -27,6 +27,9 @@ from shapegoogle_core.rendering import make_preview, thumbnail
 
 __all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape", "failure_of"]
 
+# Width of pictures: the largest that Blender's gallery shows.
+_PICTURE = 256
+
 ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | FileNotes | str]]
 """`ShapeReader.iterate` or a function like it."""
 
@@ -102,7 +105,7 @@ def describe_shape(shape: NewShape[Mesh], model: ShapeModel) -> NewShape[ShapeSi
     MeshError
         If it cannot be described.
     """
-    picture = thumbnail(shape.mesh, up_axis=shape.up_axis)
+    picture = thumbnail(shape.mesh, _PICTURE, shape.color, shape.up_axis)
     preview = make_preview(shape.mesh, shape.up_axis)
     return shape.with_content(model.describe(shape.mesh), picture, preview)
 

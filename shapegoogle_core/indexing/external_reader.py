@@ -19,7 +19,8 @@ are parts of one shape::
     {"ready": true}
     {"meshes": [{"vertices": 8, "faces": 12}, …],
      "shapes": [{"name": "Cube", "type": "object", "names": ["Oak chair"], "tags": ["prop"],
-     "catalog": "Props/Chairs", "frame": 10, "parts": [{"mesh": 0, "matrix": [16 numbers, row by row]}, …],
+     "catalog": "Props/Chairs", "color": [0.8, 0.2, 0.1], "frame": 10,
+     "parts": [{"mesh": 0, "matrix": [16 numbers, row by row]}, …],
      "placements": [{"object": "Cube", "matrix": [16 numbers]}, …]}, …],
      "problems": ["'Cube' has …"], "left_out": {"light": 7}, "linked": ["…/props.blend"], "joined": false,
      "up_axis": 2}
@@ -320,7 +321,15 @@ def _described(
         tags=tuple(map(str, record.get("tags", ()))),
         origin=origin,
         named_after_file=named_after_file,
+        color=_color(record.get("color")),
     )
+
+
+def _color(listed: Sequence[float] | None) -> tuple[float, float, float] | None:
+    if listed is None:
+        return None
+    red, green, blue = (min(max(float(value), 0.0), 1.0) for value in listed)
+    return red, green, blue
 
 
 class _Arrays:

@@ -66,6 +66,8 @@ class NewShape(Generic[Content]):
     named_after_file : bool
         Whether its name is made of that of its file, since its object has only the name that a program gave
         it.
+    color : tuple of float or None
+        Colour of its picture, sRGB from 0 to 1, where the source gives it one.
     """
 
     content: Content
@@ -79,6 +81,7 @@ class NewShape(Generic[Content]):
     preview: bytes | None = None
     origin: Origin = UNKNOWN
     named_after_file: bool = False
+    color: tuple[float, float, float] | None = None
 
     @property
     def mesh(self: NewShape[Mesh]) -> Mesh:
@@ -120,6 +123,7 @@ class NewShape(Generic[Content]):
             preview,
             self.origin,
             self.named_after_file,
+            self.color,
         )
 
 
