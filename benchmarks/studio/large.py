@@ -30,7 +30,7 @@ CODE_BYTES = 32
 QUERIES = 20
 FOUND = CandidateSettings.count * CandidateSettings.oversampling
 # Shapes of one kind have near codes; a tenth of all are copies.
-PER_KIND, FLIPPED = 50, 0.1
+PER_KIND, WITHIN, DIMENSIONS = 50, 0.3, 16
 
 
 def measure(options: StudioOptions) -> Iterator[Row]:
@@ -65,7 +65,7 @@ def _codes(options: StudioOptions, size: int) -> Row:
     place = options.server.new_url()
     Library.open(place, small_model()).close()
     random = np.random.default_rng(0)
-    codes = _made_up_codes(random, size)
+    codes, asked = _made_up_codes(random, size)
     row: Row = {"rows": "records and codes", "shapes": size, "found": FOUND}
     with closing(_open(place)) as store:
         # One process, whose time counts.
@@ -79,7 +79,6 @@ def _codes(options: StudioOptions, size: int) -> Row:
         row |= {"store_seconds": timed(started), "bytes_each": round(store.summary().bytes / size)}
         row["bytes_each_codes"] = round(_sizes(store)["codes"] / size)
         store.compared_in_memory = 0
-        asked = [_near(random, codes[number]) for number in random.integers(0, size, QUERIES)]
         exact = [_search(store, server, code) for code in asked]
         row |= {"exact_ms": median([wall for _, wall, _ in exact])}
         row["exact_cpu_ms"] = median([spent for _, _, spent in exact])
@@ -108,22 +107,24 @@ def _open(place: str) -> PostgresqlStore:
     return store
 
 
-def _made_up_codes(random: np.random.Generator, size: int) -> NDArray[np.uint8]:
-    """Make codes of kinds of shapes, of which some are copies of others."""
-    kinds = random.integers(0, 256, (max(1, size // PER_KIND), CODE_BYTES), np.uint8)
-    codes = np.empty((size, CODE_BYTES), np.uint8)
-    for start in range(0, size, 100_000):
-        chosen = kinds[random.integers(0, len(kinds), min(100_000, size - start))]
-        codes[start : start + len(chosen)] = _near(random, chosen)
+def _made_up_codes(random: np.random.Generator, size: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Make codes of shapes, of which some are copies of others, and codes to search for.
+
+    As those of a model they are the sides of planes on which projected bags lie, whose variances decrease.
+    """
+    spread = (1 / np.sqrt(1 + np.arange(DIMENSIONS))).astype(np.float32)
+    planes = random.standard_normal((DIMENSIONS, 8 * CODE_BYTES), np.float32)
+    kinds = spread * random.standard_normal((max(1, size // PER_KIND), DIMENSIONS), np.float32)
+
+    def some(count: int) -> NDArray[np.uint8]:
+        own = kinds[random.integers(0, len(kinds), count)]
+        varied = own + WITHIN * spread * random.standard_normal(own.shape, np.float32)
+        return np.packbits(varied @ planes > 0, axis=1)
+
+    codes = np.concatenate([some(min(100_000, size - start)) for start in range(0, size, 100_000)])
     copies = random.choice(size, size // 10, replace=False)
     codes[copies] = codes[random.integers(0, size, len(copies))]
-    return codes
-
-
-def _near(random: np.random.Generator, codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Change some bits of codes."""
-    flips = random.random((*codes.shape, 8)) < FLIPPED
-    return codes ^ np.packbits(flips, axis=-1)[..., 0]
+    return codes, some(QUERIES)
 
 
 def _copy(store: PostgresqlStore, codes: NDArray[np.uint8]) -> None:

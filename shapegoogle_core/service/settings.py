@@ -81,7 +81,7 @@ class ServiceSettings:
     memory_limit: int = 2048
     rate: int = 120
     upload_seconds: float = 60.0
-    max_waiting: int = 16
+    max_waiting: int = 64
 
     def to_environment(self) -> None:
         """Write the settings into this process's environment, for the processes that it starts."""

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.decisions.decision import TAG_KINDS
 from shapegoogle_core.library.storage.records import CopyBatch, NewShape, SourceKey, SourceRecord
 from shapegoogle_core.library.storage.signatures import stored_views, unpack_measures, unpack_sample
 from shapegoogle_core.library.storage.store import Store, all_codes
@@ -155,25 +154,35 @@ def _missing(source: Store, target: Store, model: ShapeModel) -> list[int]:
 
 
 def _copy_decisions(source: Store, target: Store) -> None:
-    """Bring decisions and the tags that follow them up to date, as they are at one moment."""
+    """Bring decisions, and the tags that follow them, up to date, as they are at one moment."""
     known = target.decisions()
     with source.snapshot():
         decisions = source.decisions()
-        removed = [decision for decision in known if decision not in decisions]
-        added = [decision for decision in decisions if decision not in known]
-        # Shapes may have been copied before somebody gave them a tag.
-        tagged = [decision.shape for decision in (*decisions, *removed) if decision.kind in TAG_KINDS]
-        numbers = {number for number in source.shapes_of(tagged) if number is not None}
-        tags = {shape.shape_id: shape.tags for shape in source.shapes(sorted(numbers))}
-    there = {shape.shape_id for shape in target.shapes(sorted(tags))}
+        # Shapes may have been copied before somebody gave them a tag, or took it away.
+        tags = _changed_tags(source, target)
     target.put_copy(
         CopyBatch(
             mark=source.name,
-            decisions=tuple(added),
-            removed_decisions=tuple(decision.number for decision in removed),
-            tags={shape_id: own for shape_id, own in tags.items() if shape_id in there},
+            decisions=tuple(decision for decision in decisions if decision not in known),
+            removed_decisions=tuple(decision.number for decision in known if decision not in decisions),
+            tags=tags,
         )
     )
+
+
+def _changed_tags(source: Store, target: Store) -> dict[int, tuple[str, ...]]:
+    """Return the tags of shapes that have others in the copy, by number."""
+    changed: dict[int, tuple[str, ...]] = {}
+    last_id = 0
+    while copied := target.shapes_after(last_id, _SOURCES):
+        last_id = copied[-1].shape_id
+        there = {record.shape_id: record.tags for record in source.shapes([one.shape_id for one in copied])}
+        changed |= {
+            one.shape_id: there[one.shape_id]
+            for one in copied
+            if there.get(one.shape_id, one.tags) != one.tags
+        }
+    return changed
 
 
 def _shapes_of(store: Store, model: ShapeModel, shape_ids: Sequence[int]) -> CopyBatch:

@@ -26,7 +26,8 @@ def test_the_recall_counts_what_is_as_near() -> None:
 
 
 def test_a_tenth_of_the_made_up_codes_are_copies() -> None:
-    codes = _made_up_codes(np.random.default_rng(0), 2_000)
+    codes, asked = _made_up_codes(np.random.default_rng(0), 2_000)
+    assert codes.shape[1] == asked.shape[1] == 32
     assert 0.85 < len(np.unique(codes, axis=0)) / 2_000 < 0.95
 
 
