@@ -11,6 +11,7 @@ import bpy
 
 from ..gallery import finding, placing
 from ..gallery.errors import PlacingError
+from ..gallery.labels import title
 from ..scene.selection import mesh_objects
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def bring_mesh(context: Any, match: Any) -> Incoming:
     PlacingError
         If the match has no single mesh, or is gone.
     """
-    name = match.object_name or match.name
+    name = title(match)
     if match.shape_type in finding.WHOLES:
         raise PlacingError(
             "{name!r} consists of several objects, which no mesh can hold; append it instead", name=name

@@ -103,6 +103,7 @@ def draw(addon: ModuleType) -> Callable[[str], list[Row]]:
             selected_objects=bpy.context.selected_objects,
             mode=bpy.context.mode,
             region=SimpleNamespace(width=300),
+            screen=SimpleNamespace(areas=[]),
         )
         panel_class = getattr(importlib.import_module(f"{addon.__name__}.{module}"), panel)
         panel_class.draw(SimpleNamespace(layout=Layout(drawn)), context)

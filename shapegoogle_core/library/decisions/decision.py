@@ -47,8 +47,8 @@ class ShapeKey:
 
     @property
     def title(self) -> str:
-        """The name for people."""
-        return self.object_name or self.name or "a shape from outside the library"
+        """The name for people: that of the shape, which says more than an object's "Icosphere"."""
+        return self.name or self.object_name or "a shape from outside the library"
 
     def to_json(self) -> dict[str, str]:
         """Convert to an object with ``root``, ``path``, ``object_name`` and ``name``."""
