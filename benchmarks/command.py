@@ -63,6 +63,18 @@ COMMANDS = (
         ("joblib", "platformdirs", "skimage"),
     ),
     Command(
+        "kinds-picture",
+        "benchmarks.kinds.picture",
+        "draw what twenty things of the .blend library find",
+        ("joblib", "platformdirs", "skimage", "PIL"),
+    ),
+    Command(
+        "suggestions",
+        "benchmarks.kinds.suggestions",
+        "how often the first suggested folder and word are right",
+        ("joblib", "platformdirs", "skimage"),
+    ),
+    Command(
         "published",
         "benchmarks.published.command",
         "the same on collections as they are distributed: PSB, SHREC'11, SHREC'07, TOSCA",

@@ -12,8 +12,8 @@ import csv
 import re
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -40,6 +40,7 @@ __all__ = [
     "evaluation_sets",
     "name_words",
     "pack_sets",
+    "pack_shapes",
     "procedural_sets",
     "weak_labels",
 ]
@@ -155,26 +156,58 @@ def pack_sets(blend_meshes: Path) -> list[KindSet]:
     BenchmarkError
         If the folder has no meshes.csv.
     """
-    table = blend_meshes / "meshes.csv"
-    if not table.is_file():
-        raise BenchmarkError(
-            f"'{blend_meshes}' has no meshes.csv; export it with `python -m benchmarks blend-meshes`"
-        )
-    with table.open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["pose"] == "0"]
+    rows = _pack_rows(blend_meshes)
     sets = []
     for name, use, packs in (
         ("packs to learn from", DEVELOPMENT, LEARNING_PACKS),
         ("packs held out", HELD_OUT, HELD_OUT_PACKS),
     ):
         chosen = [row for row in rows if row["pack"] in packs]
-        names = [row["shape"].removeprefix(f"{row['pack']}-") for row in chosen]
+        names = [_own_name(row) for row in chosen]
         labels = weak_labels(names, [row["pack"] for row in chosen])
         shapes = [
             _of_file(blend_meshes / row["file"], label) for row, label in zip(chosen, labels, strict=True)
         ]
         sets.append(KindSet(name, use, tuple(shapes)))
     return sets
+
+
+def pack_shapes(blend_meshes: Path) -> list[KindShape]:
+    """List the shapes of all packs, labelled by the pack.
+
+    Parameters
+    ----------
+    blend_meshes : Path
+        Folder written by ``python -m benchmarks blend-meshes``.
+
+    Returns
+    -------
+    shapes : list of KindShape
+        Under the names of their files, without that of the pack.
+
+    Raises
+    ------
+    BenchmarkError
+        If the folder has no meshes.csv.
+    """
+    return [
+        replace(_of_file(blend_meshes / row["file"], row["pack"]), name=_own_name(row))
+        for row in _pack_rows(blend_meshes)
+    ]
+
+
+def _pack_rows(blend_meshes: Path) -> list[dict[str, str]]:
+    table = blend_meshes / "meshes.csv"
+    if not table.is_file():
+        raise BenchmarkError(
+            f"'{blend_meshes}' has no meshes.csv; export it with `python -m benchmarks blend-meshes`"
+        )
+    with table.open(newline="", encoding="utf-8") as file:
+        return [row for row in csv.DictReader(file) if row["pose"] == "0"]
+
+
+def _own_name(row: Mapping[str, str]) -> str:
+    return row["shape"].removeprefix(f"{row['pack']}-")
 
 
 def weak_labels(names: Sequence[str], packs: Sequence[str]) -> list[str]:

@@ -7,7 +7,7 @@ With --json, one line for each mesh:
 placements is the number of objects that show the shape; placement, the matrix of the one that fits best,
 row by row. shape_type says what it is in its file, such as collection, text or scatter; tags, catalog and
 frame are there where a shape has them. With --families, versions is the number of other shapes that are the
-same.
+same; with --versions, version_matches lists them.
 A mesh that cannot be read gives {"query": path, "matches": [], "error": "…"}; the others continue.
 With --together, all meshes are examples of what you search, and give one line:
   {"query": [path, …], "unlike": [path, …], "matches": […]}
@@ -102,6 +102,7 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--candidates", action="append", metavar="NAME", help=stages)
     add_value(parser, "--reranker", "NAME", "order the matches by this re-ranker of a plug-in")
     add_flag(parser, "--families", "list different shapes, of all copies and versions of each only the best")
+    add_flag(parser, "--versions", "the same, each followed by its versions")
     explained = "number of best matches whose surfaces are compared for evidence (%(default)s)"
     add_value(parser, "--evidence", "N", explained, number_from(0), EvidenceSettings.explained)
     add_flag(parser, "--together", "the meshes are examples of one thing: run one query with all of them")
@@ -140,6 +141,21 @@ def _search_settings(options: argparse.Namespace) -> SearchSettings:
 
 
 @dataclass(frozen=True)
+class _Answer:
+    """The matches of a query, and with --versions those that each of them stands for."""
+
+    matches: list[Match]
+    versions: list[list[Match]]
+
+    def to_json(self) -> list[dict[str, object]]:
+        """Convert to the objects that --json prints."""
+        records = [match.to_json() for match in self.matches]
+        for record, versions in zip(records, self.versions, strict=False):
+            record["version_matches"] = [match.to_json() for match in versions]
+        return records
+
+
+@dataclass(frozen=True)
 class _Queries:
     """The queries of one command line, in an open library."""
 
@@ -157,7 +173,7 @@ class _Queries:
             # Without one of its examples it would be another query.
             self._print(meshes, None, str(error))
             return False
-        self._print(meshes, None, self._matches(like, unlike))
+        self._print(meshes, None, self._answer(like, unlike))
         return True
 
     def run_each(self) -> bool:
@@ -180,24 +196,40 @@ class _Queries:
             return False
         for shape in shapes:
             try:
-                matches = self._matches(shape.mesh, unlike)
+                answer = self._answer(shape.mesh, unlike)
             except (MeshError, MemoryError) as error:
                 self._print(path, shape, self._failure(path, error))
             else:
-                self._print(path, shape, matches)
+                self._print(path, shape, answer)
                 answered = True
         return answered
 
-    def _matches(self, shapes: QueryShapes, unlike: list[ShapeSignature]) -> list[Match]:
-        return self.library.query(
+    def _answer(self, shapes: QueryShapes, unlike: list[ShapeSignature]) -> _Answer:
+        if self.options.versions and not isinstance(shapes, Sequence):
+            # Described once, for both searches.
+            shapes = self.library.model.describe(shapes, keep_surface=True)
+        matches = self.library.query(
             shapes,
             top=self.options.top,
             explain=self.options.evidence,
             exact=self.options.exact,
             unlike=unlike,
             where=filter_of(self.options),
-            families=self.options.families,
+            families=self.options.families or self.options.versions,
             rank=self.options.rank,
+        )
+        if not self.options.versions:
+            return _Answer(matches, [])
+        families = [
+            self.library.versions(shapes, match, explain=self.options.evidence) if match.versions else []
+            for match in matches
+        ]
+        return _Answer(
+            matches,
+            [
+                [version for version in family if version.shape_id != match.shape_id]
+                for match, family in zip(matches, families, strict=True)
+            ],
         )
 
     def _examples(self, *groups: Sequence[str]) -> list[list[ShapeSignature]]:
@@ -233,7 +265,7 @@ class _Queries:
         self.failed.append((Path(path), reason))
         return reason
 
-    def _print(self, query: str | list[str], shape: NewShape[Mesh] | None, answer: list[Match] | str) -> None:
+    def _print(self, query: str | list[str], shape: NewShape[Mesh] | None, answer: _Answer | str) -> None:
         """Print the matches of one query, or the sentence that says why there are none.
 
         The query is a file, one shape of a file, or several files together.
@@ -251,28 +283,33 @@ class _Queries:
         if isinstance(answer, str):
             record |= {"matches": [], "error": answer}
         else:
-            record["matches"] = [match.to_json() for match in answer]
+            record["matches"] = answer.to_json()
             if not self.options.json:
                 put(f"{_match_table(one_line(title), answer, len(self.library))}\n")
         if self.options.json:
             put(json.dumps(record))
 
 
-def _match_table(query: str, matches: list[Match], shapes: int) -> str:
-    from shapegoogle_core.rendering.text import evidence_text
-
+def _match_table(query: str, answer: _Answer, shapes: int) -> str:
+    matches = answer.matches
     if not matches:
         none = f"none of {counted(shapes, 'shape')} meets the filters" if shapes else "the library is empty"
         return f"{query}: {none}"
     rows = [("", "similarity", "likeness", "distance", "evidence", "name", "source")]
     for rank, match in enumerate(matches, start=1):
-        evidence = evidence_text(match.evidence)
-        distance = f"{match.distance:.4f}"
-        likeness = "" if match.likeness is None else f"{match.likeness:.2f}"
-        figures = (_similarity(match), likeness, distance)
-        rows.append((str(rank), *figures, evidence, _name(match), match.source))
+        rows.append(_row(str(rank), match))
+        versions = answer.versions[rank - 1] if answer.versions else []
+        rows += [_row(f"{rank}.{number}", version) for number, version in enumerate(versions, start=1)]
     title = f"{query}: the best {len(matches)} of {counted(shapes, 'shape')}"
     return "\n".join([title, *table(rows, ">>>><<<")])
+
+
+def _row(rank: str, match: Match) -> tuple[str, ...]:
+    from shapegoogle_core.rendering.text import evidence_text
+
+    likeness = "" if match.likeness is None else f"{match.likeness:.2f}"
+    figures = (_similarity(match), likeness, f"{match.distance:.4f}")
+    return (rank, *figures, evidence_text(match.evidence), _name(match), match.source)
 
 
 def _name(match: Match) -> str:

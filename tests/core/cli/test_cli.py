@@ -214,12 +214,34 @@ def test_query_as_a_table(run: Command, indexed: Library, library_file: Path, fo
     assert [line.split(":")[0] for line in legend] == ["similarity", "likeness", "distance", "evidence"]
 
 
+def test_versions_of_a_match_are_listed_after_it(
+    run: Command, indexed: Library, library_file: Path, folder: Path
+) -> None:
+    query = folder / "pear.obj"
+    (pear,) = [shape for shape in indexed.shapes() if shape.name == "pear.obj"]
+    indexed.add_signature(indexed.signature(pear.shape_id), "copy of the pear")
+    code, stdout, _ = run("query", query, "--library", library_file, "--versions")
+    assert code == 0
+    # The bags of the tiny model make one family of all.
+    title, _, first, version, *_ = stdout.splitlines()
+    assert "the best 1 of 4 shapes" in title
+    assert " and 3 versions" in first
+    assert version.split()[:2] == ["1.1", "1.000"]
+    assert ("copy of the pear" in first) != ("copy of the pear" in version)
+    _, stdout, _ = run("query", query, "--library", library_file, "--versions", "--json")
+    (match,) = json.loads(stdout)["matches"]
+    names = [match["name"], *(version["name"] for version in match["version_matches"])]
+    assert sorted(names[:2]) == ["copy of the pear", "pear.obj"]
+    assert sorted(names[2:]) == ["apple.off", "plum.stl"]
+
+
 @pytest.mark.parametrize(
     ("filters", "expected"),
     [
         (["--name", "PLUM"], ["plum.stl"]),
         (["--folder", "{folder}/more"], ["plum.stl"]),
         (["--faces", "1:"], ["apple.off", "pear.obj", "plum.stl"]),
+        (["--file-type", "STL"], ["plum.stl"]),
         (["--faces", ":1"], []),
         (["--size", "1e6:"], []),
         (["--tag", "wood"], []),

@@ -19,13 +19,14 @@ FEW = SearchSettings(CandidateSettings(count=3, per_match=1, oversampling=1))
 
 @pytest.fixture
 def filled(path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSignature]) -> Iterator[Library]:
-    """Sixty shapes; every fifth in another folder and with a tag."""
+    """Sixty shapes; every fifth in another folder and with a tag, every tenth in a .blend file."""
     with Library.open(path, model, search=FEW) as library:
         for seed in range(60):
             folder, tags = ("/models/wood", ("wood",)) if seed % 5 == 0 else ("/models/metal", ())
             name = f"Chair {seed}" if seed % 2 else f"Table {seed}"
+            file_type = "blend" if seed % 10 == 0 else "obj"
             signature = make_signature(seed)
-            library.add_signature(signature, name, source=f"{folder}/{seed}.obj", tags=tags)
+            library.add_signature(signature, name, source=f"{folder}/{seed}.{file_type}", tags=tags)
         yield library
 
 
@@ -40,6 +41,10 @@ def filled(path: Path, model: ShapeModel, make_signature: Callable[..., ShapeSig
         (Filter(faces=(50, None), name="TABLE"), set(range(50, 60, 2))),
         (Filter(name="chair 1*"), {1, 11, 13, 15, 17, 19}),
         (Filter(name="sofa"), set()),
+        (Filter(file_type="blend"), set(range(0, 60, 10))),
+        (Filter(file_type="*.BLEND", faces=(30, None)), {30, 40, 50}),
+        (Filter(file_type=".obj", tag="wood"), set(range(5, 60, 10))),
+        (Filter(file_type="bj"), set()),
     ],
 )
 def test_only_shapes_that_meet_the_conditions_are_searched(
