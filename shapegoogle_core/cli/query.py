@@ -204,10 +204,11 @@ class _Queries:
                 answered = True
         return answered
 
-    def _answer(self, shapes: QueryShapes, unlike: list[ShapeSignature]) -> _Answer:
-        if self.options.versions and not isinstance(shapes, Sequence):
+    def _answer(self, asked: Mesh | list[ShapeSignature], unlike: list[ShapeSignature]) -> _Answer:
+        shapes: QueryShapes = asked
+        if self.options.versions and not isinstance(asked, list):
             # Described once, for both searches.
-            shapes = self.library.model.describe(shapes, keep_surface=True)
+            shapes = self.library.model.describe(asked, keep_surface=True)
         matches = self.library.query(
             shapes,
             top=self.options.top,
@@ -304,7 +305,7 @@ def _match_table(query: str, answer: _Answer, shapes: int) -> str:
     return "\n".join([title, *table(rows, ">>>><<<")])
 
 
-def _row(rank: str, match: Match) -> tuple[str, ...]:
+def _row(rank: str, match: Match) -> tuple[str, str, str, str, str, str, str]:
     from shapegoogle_core.rendering.text import evidence_text
 
     likeness = "" if match.likeness is None else f"{match.likeness:.2f}"
