@@ -40,6 +40,7 @@ def test_versions_keep_the_surface() -> None:
         assert size == pytest.approx(volume(part.mesh) * version.factor**3, rel=1e-4)
 
 
+@pytest.mark.long
 def test_there_are_enough_pairs() -> None:
     pairs = [pair for family in FAMILIES for pair in make_part_pairs(family)]
     assert len(pairs) >= 400

@@ -64,6 +64,7 @@ def test_curves_of_indexing_are_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "speed-indexing.png").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_from_a_file_to_a_signature(tmp_path: Path) -> None:
     rows = list(describing.measure(measuring.Options((500,), 1, tmp_path)))
     assert [(row["format"], row["faces"]) for row in rows] == [(".ply", 996), (".obj", 996)]

@@ -30,6 +30,7 @@ def environment() -> Iterator[None]:
     os.environ.update(before)
 
 
+@pytest.mark.long
 def test_times_spectra_and_writes_a_report(tmp_path: Path, capsys: Capture) -> None:
     arguments = ["--sections", "spectra", "--sizes", "600", "--repeats", "1", "--output", str(tmp_path)]
     assert main(arguments) == 0
