@@ -407,7 +407,9 @@ class LibraryContents(LibrarySources):
 
     def _unknown(self, shape_id: int) -> LibraryError:
         return LibraryError(
-            f"'{self.name}' has no shape {shape_id}; it was removed or replaced: search again"
+            "'{library}' has no shape {number}; it was removed or replaced: search again",
+            library=self.name,
+            number=shape_id,
         )
 
 

@@ -55,7 +55,7 @@ def check_surface(mesh: Mesh) -> None:
     with np.errstate(over="ignore"):
         extent = float(np.ptp(corners, axis=0).max())
     if extent <= 4 * np.finfo(np.float64).eps * float(np.abs(corners).max()):
-        raise MeshError(f"{mesh.name!r}: all points of its faces coincide; export the mesh again")
+        raise MeshError("{name!r}: all points of its faces coincide; export the mesh again", name=mesh.name)
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         area = mesh.area
         if 1e-100 < area < 1e100:
@@ -65,7 +65,8 @@ def check_surface(mesh: Mesh) -> None:
             relative_area = float(scaled.sum())
     if relative_area <= LEAST_RELATIVE_AREA and extent < np.inf:
         raise MeshError(
-            f"{mesh.name!r}: its faces have no area (all points lie on a line); export the mesh again"
+            "{name!r}: its faces have no area (all points lie on a line); export the mesh again",
+            name=mesh.name,
         )
     if not 0 < area < np.inf:
         raise MeshError(
@@ -147,4 +148,6 @@ def check_cloud(mesh: Mesh) -> None:
     centered = (mesh.vertices - mesh.vertices.mean(axis=0)) / extent
     widths = np.sqrt(np.maximum(np.linalg.eigvalsh(centered.T @ centered / len(centered)), 0))
     if widths[1] < max(_LEAST_WIDTH, 8 * np.finfo(float).eps * np.abs(mesh.vertices).max() / extent):
-        raise MeshError(f"{mesh.name!r}: all its points lie on a line; a shape needs points of a surface")
+        raise MeshError(
+            "{name!r}: all its points lie on a line; a shape needs points of a surface", name=mesh.name
+        )

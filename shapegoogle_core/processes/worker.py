@@ -215,8 +215,8 @@ class Worker:
                 process.wait(PATIENCE)
             self._end()
             raise ShapeGoogleError(
-                f"the process that computes has ended unexpectedly ({cause_of_death(process.returncode)}); "
-                "try again with a simpler shape"
+                "the process that computes has ended unexpectedly ({cause}); try again with a simpler shape",
+                cause=cause_of_death(process.returncode),
             )
         answer: tuple[bool, Any] = pickle.loads(content)
         return answer
@@ -231,8 +231,10 @@ class Worker:
                     self._process, self._answers = launch(command, with_output=False)
             except OSError as error:
                 raise ShapeGoogleError(
-                    f"Python cannot be started at {sys.executable!r} ({error.strerror}); install "
-                    "Blender again, or use another build of it"
+                    "Python cannot be started at {program!r} ({reason}); install Blender again, or use "
+                    "another build of it",
+                    program=sys.executable,
+                    reason=error.strerror,
                 ) from error
         return self._process, self._answers
 

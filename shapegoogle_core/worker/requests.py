@@ -241,7 +241,9 @@ def _stored_signature(library: SearchableLibrary, example: StoredExample) -> Sha
         return library.signature(shape_id)
     except LibraryError as error:
         raise LibraryError(
-            f"the example {name!r} cannot be used: {error}; remove it from the list of examples"
+            "the example {name!r} cannot be used: {reason}; remove it from the list of examples",
+            name=name,
+            reason=error,
         ) from error
 
 

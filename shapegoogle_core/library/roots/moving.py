@@ -96,7 +96,9 @@ def plan_move(
     old = _known_spelling(old, roots, sources)
     if relative_to(old, new) == "":
         raise LibraryError(
-            f"'{old}' and '{new}' are the same folder; name the one that it was and the new one"
+            "'{old}' and '{new}' are the same folder; name the one that it was and the new one",
+            old=old,
+            new=new,
         )
     after = _roots_after(old, new, roots, sources)
     places = [_place(source, old, new, after) for source in sources]
@@ -108,8 +110,11 @@ def plan_move(
     files = [place for place in moving if place.source.size is not None]
     if files and len(missing) == len(files):
         raise LibraryError(
-            f"none of the {len(files):,} files below '{old}' is in '{new}'; name the folder that has the "
-            "same files and folders in it"
+            "none of the {count:,} files below '{old}' is in '{new}'; name the folder that has the same "
+            "files and folders in it",
+            count=len(files),
+            old=old,
+            new=new,
         )
     before = {root.name: root.path for root in roots}
     flavour = {name for name, path in before.items() if is_windows(path) != is_windows(after.get(name, path))}

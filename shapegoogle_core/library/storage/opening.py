@@ -65,7 +65,7 @@ def open_store(
     try:
         if store.is_empty():
             if read_only:
-                raise LibraryError(f"'{store.name}' is empty; index a folder into it first")
+                raise LibraryError("'{name}' is empty; index a folder into it first", name=store.name)
             given = given or as_model(None)
             store.initialise(given)
         store.check_format()
@@ -151,7 +151,8 @@ def check_exists(place: Place) -> None:
     """
     if not (_is_file(place) if isinstance(place, Path) else library_exists(place)):
         raise LibraryError(
-            f"there is no library '{shown_place(place)}'; check the name, or index a folder into it first"
+            "there is no library '{place}'; check the name, or index a folder into it first",
+            place=shown_place(place),
         )
 
 
@@ -162,12 +163,15 @@ def _is_file(path: Path) -> bool:
     except (FileNotFoundError, NotADirectoryError):
         return False
     except OSError as error:
-        raise LibraryError(f"'{path}' cannot be reached: {error.strerror}; choose another place") from error
+        raise LibraryError(
+            "'{path}' cannot be reached: {reason}; choose another place", path=path, reason=error.strerror
+        ) from error
     except ValueError as error:
         raise LibraryError(f"{str(path)!r} has a null character in its name; choose another name") from error
     if stat.S_ISDIR(mode):
         raise LibraryError(
-            f"'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'"
+            "'{path}' is a folder; a library is one file: name a file in it, such as 'shapes.sglib'",
+            path=path,
         )
     return True
 
@@ -184,9 +188,15 @@ def _refuse_service(place: Place) -> None:
 def _check_place(path: Path, *, read_only: bool) -> None:
     """Make sure that a new library may be made at a path."""
     if read_only:
-        raise LibraryError(f"there is no library '{path}'; check the name, or index a folder into it first")
+        raise LibraryError(
+            "there is no library '{place}'; check the name, or index a folder into it first", place=path
+        )
     if not path.parent.is_dir():
-        raise LibraryError(f"'{path}' cannot be created: there is no folder '{path.parent}'; create it first")
+        raise LibraryError(
+            "'{path}' cannot be created: there is no folder '{folder}'; create it first",
+            path=path,
+            folder=path.parent,
+        )
 
 
 def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) -> ShapeModel:
@@ -199,7 +209,7 @@ def _matching_model(store: Store, given: ShapeModel | None, *, read_only: bool) 
     try:
         model = ShapeModel.from_bytes(content, origin=f"the model in '{store.name}'")
     except ModelError as error:
-        raise LibraryError(str(error)) from error
+        raise LibraryError("{reason}", reason=error) from error
     _check_identifier(store, identifier, model)
     if None not in _parts(model).values():
         return model

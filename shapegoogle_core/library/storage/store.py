@@ -370,6 +370,8 @@ def damaged(library: str, detail: str) -> LibraryError:
     error : LibraryError
     """
     return LibraryError(
-        f"'{library}' is damaged or was cut short ({detail}); restore it from a backup, or delete it and "
-        "index your folders again"
+        "'{library}' is damaged or was cut short ({detail}); restore it from a backup, or delete it and "
+        "index your folders again",
+        library=library,
+        detail=detail,
     )

@@ -57,7 +57,7 @@ def find_texts() -> list[Text]:
     found = [text for path in sorted(ADDON.rglob("*.py")) for text in _texts_of(path)]
     for path in sorted(CORE.rglob("*.py")):
         # Few files have such errors; parsing all would take seconds.
-        if re.search(r'Error\(\s*"', path.read_text(encoding="utf-8")):
+        if re.search(r'Error\(\s*"|"\'\{path\}\' ', path.read_text(encoding="utf-8")):
             found += _errors_of(path, with_values=True)
     return found
 
@@ -178,6 +178,11 @@ def _item_texts(items: ast.AST, path: Path) -> Iterator[Text]:
 
 def _errors_of(path: Path, *, with_values: bool) -> Iterator[Text]:
     """Return the messages of errors that keep their template; in the core only those with values."""
+    if with_values:
+        # Messages in constants of the core begin with the path of a library.
+        for node in ast.walk(_tree(path)):
+            if (text := _literal(node)).startswith("'{path}' "):
+                yield Text(text, ANYWHERE, _place(path, node))
     for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Call) and _called(node).endswith("Error") and node.args:
             text = _literal(node.args[0])

@@ -13,42 +13,48 @@ from shapegoogle_core.library.storage.store import damaged
 __all__ = ["library_error", "read_only_error"]
 
 _IN_USE = (
-    "is in use by another program that is writing to it (waited {timeout:g} s); "
+    "'{path}' is in use by another program that is writing to it (waited {timeout:g} s); "
     "try again when it has finished"
 )
 _READ_ONLY = (
-    "or its folder is read-only: it can be searched, not changed; copy it to a place that can be written to "
-    "add or remove shapes"
+    "'{path}' or its folder is read-only: it can be searched, not changed; copy it to a place that can be "
+    "written to add or remove shapes"
 )
 _REFUSED = (
-    "cannot be read or written: the disk, its quota or the network drive refused; make room or "
+    "'{path}' cannot be read or written: the disk, its quota or the network drive refused; make room or "
     "copy the library to a local disk (everything added before is safe)"
 )
 # The file is there: it may not be read, or the journal beside it cannot be created.
 _NOT_OPENED = (
-    "cannot be opened: you may not read the file, or not write into its folder; change the permissions, or "
-    "copy it to a folder of yours"
+    "'{path}' cannot be opened: you may not read the file, or not write into its folder; change the "
+    "permissions, or copy it to a folder of yours"
 )
-# By primary or extended result code; each sentence goes on after the path of the library.
+# By primary or extended result code.
 _SENTENCES = {
     sqlite3.SQLITE_BUSY: _IN_USE,
     sqlite3.SQLITE_LOCKED: _IN_USE,
     sqlite3.SQLITE_FULL: (
-        "cannot grow: the disk is full; make room and run the same again (everything added before is safe)"
+        "'{path}' cannot grow: the disk is full; make room and run the same again (everything added before "
+        "is safe)"
     ),
     sqlite3.SQLITE_READONLY: _READ_ONLY,
     sqlite3.SQLITE_PERM: _READ_ONLY,
     sqlite3.SQLITE_AUTH: _READ_ONLY,
     sqlite3.SQLITE_READONLY_ROLLBACK: (
-        "was interrupted while it was written and its place is read-only, so the interrupted part cannot be "
-        "undone; copy it together with '{file}-journal' to a folder that can be written and open it there"
+        "'{path}' was interrupted while it was written and its place is read-only, so the interrupted part "
+        "cannot be undone; copy it together with '{file}-journal' to a folder that can be written and "
+        "open it there"
     ),
-    sqlite3.SQLITE_CANTOPEN: "cannot be created: its folder is read-only or not yours; choose another place",
-    sqlite3.SQLITE_NOTADB: "is not a Shape Google library (not an SQLite database); choose another file",
+    sqlite3.SQLITE_CANTOPEN: (
+        "'{path}' cannot be created: its folder is read-only or not yours; choose another place"
+    ),
+    sqlite3.SQLITE_NOTADB: (
+        "'{path}' is not a Shape Google library (not an SQLite database); choose another file"
+    ),
     sqlite3.SQLITE_IOERR: _REFUSED,
     sqlite3.SQLITE_PROTOCOL: _REFUSED,
     sqlite3.SQLITE_NOLFS: _REFUSED,
-    sqlite3.SQLITE_TOOBIG: "cannot store a name, picture or bag of over a gigabyte; leave it out",
+    sqlite3.SQLITE_TOOBIG: "'{path}' cannot store a name, picture or bag of over a gigabyte; leave it out",
 }
 
 
@@ -72,11 +78,11 @@ def library_error(error: sqlite3.Error, path: Path, timeout: float) -> LibraryEr
         return _misuse(error, path)
     primary = code & 0xFF  # an extended result code carries its primary code in the lowest byte
     if primary == sqlite3.SQLITE_CANTOPEN and os.path.lexists(path):
-        return LibraryError(f"'{path}' {_NOT_OPENED}")
+        return LibraryError(_NOT_OPENED, path=path)
     sentence = _SENTENCES.get(code) or _SENTENCES.get(primary)
     if sentence is None:
         return damaged(str(path), "its tables contradict each other")
-    return LibraryError(f"'{path}' " + sentence.format(timeout=timeout, file=path.name))
+    return LibraryError(sentence, path=path, timeout=timeout, file=path.name)
 
 
 def read_only_error(path: Path, *, requested: bool) -> LibraryError:
@@ -93,8 +99,11 @@ def read_only_error(path: Path, *, requested: bool) -> LibraryError:
     -------
     error : LibraryError
     """
-    on_request = "was opened with read_only=True; open it without to add or remove shapes"
-    return LibraryError(f"'{path}' {on_request if requested else _READ_ONLY}")
+    if requested:
+        return LibraryError(
+            f"'{path}' was opened with read_only=True; open it without to add or remove shapes"
+        )
+    return LibraryError(_READ_ONLY, path=path)
 
 
 def _misuse(error: sqlite3.Error, path: Path) -> LibraryError:

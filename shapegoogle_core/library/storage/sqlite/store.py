@@ -69,18 +69,26 @@ class SqliteStore(CodeTables, BagTable, ShapeTable, DecisionTable):
         """
         if self.value("PRAGMA application_id") != APPLICATION_ID:
             raise LibraryError(
-                f"'{self.path}' is an SQLite database of another program, not a Shape Google library; "
-                "choose another file"
+                "'{path}' is an SQLite database of another program, not a Shape Google library; choose "
+                "another file",
+                path=self.path,
             )
         version = self.value("SELECT value FROM meta WHERE key = 'schema'")
         if not isinstance(version, str) or not version.isdecimal():
             raise self.damaged("it does not say which format it has")
         if int(version) not in (EARLIER_FORMAT, FORMAT):
-            newer = int(version) > FORMAT
+            formats = {"path": self.path, "version": version, "earlier": EARLIER_FORMAT, "latest": FORMAT}
+            if int(version) > FORMAT:
+                raise LibraryError(
+                    "'{path}' was made by a newer version of Shape Google (format {version}; this one reads "
+                    "formats {earlier} and {latest}); update Shape Google, or index your folders into a new "
+                    "library",
+                    **formats,
+                )
             raise LibraryError(
-                f"'{self.path}' was made by {'a newer' if newer else 'an older'} version of Shape Google "
-                f"(format {version}; this one reads formats {EARLIER_FORMAT} and {FORMAT}); "
-                f"{'update Shape Google, or ' if newer else ''}index your folders into a new library"
+                "'{path}' was made by an older version of Shape Google (format {version}; this one reads "
+                "formats {earlier} and {latest}); index your folders into a new library",
+                **formats,
             )
 
     def model(self) -> tuple[str, bytes]:
