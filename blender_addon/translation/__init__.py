@@ -9,16 +9,16 @@ and ``text=``, ``heading=`` and ``placeholder=`` of a layout. All other texts go
     layout.label(text=counted("{count:,} shape", "{count:,} shapes", count))
     layout.label(text=item.name, translate=False)  # a name may be a word of Blender
 
-A language is a module or package of this folder, listed in `LANGUAGES`.
+A language is a module or package of this folder.
 """
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 from typing import TYPE_CHECKING, Any, Protocol
 
 import bpy
-
-from . import german
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -60,7 +60,11 @@ class Language(Protocol):
         """Return which of the forms in `COUNTED` belongs to a number."""
 
 
-LANGUAGES: tuple[Any, ...] = (german,)
+LANGUAGES: tuple[Any, ...] = tuple(
+    importlib.import_module(f"{__package__}.{found.name}")
+    for found in pkgutil.iter_modules(__path__)
+    if found.name != "errors"
+)
 
 OWN_CONTEXT = "Shape Google"
 """Context for words that Blender itself translates in another sense: ``bl_translation_context``."""

@@ -55,6 +55,14 @@ assert evidence_text(found) == "perhaps the same kind"
 assert with_kind(sg.Evidence("similar"), 0.1, 0.99).kind == "same kind"
 assert sg.Filter(kind="perhaps the same kind").kind == found.kind
 """,
+    "a language of the add-on": """
+import os, pkgutil, runpy
+folder = os.path.join(os.environ["PYTHONPATH"], "blender_addon", "translation")
+assert {"french", "german"} <= {found.name for found in pkgutil.iter_modules([folder])}
+french = runpy.run_path(os.path.join(folder, "french.py"))
+assert [french["form"](count) for count in (0, 1, 2)] == [0, 0, 1]
+assert {len(forms) for forms in french["COUNTED"].values()} == {2}
+""",
 }
 
 
@@ -97,6 +105,8 @@ def followed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("copy")
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "shapegoogle_core", root / "shapegoogle_core", ignore=ignored)
+    translation = Path("blender_addon", "translation")
+    shutil.copytree(ROOT / translation, root / translation, ignore=ignored)
     for text in steps().values():
         follow(text, root)
     return root

@@ -6,13 +6,13 @@ Where Blender itself has a text, its translation wins over the one here: both ar
 
 from __future__ import annotations
 
-from . import core, decisions, duplicates, gallery, gallery_editor, library, signature
+from . import core, decisions, duplicates, gallery, gallery_editor, library, server, signature
 
 __all__ = ["COUNTED", "LOCALE", "OPERATORS", "TEXTS", "form"]
 
 LOCALE = "de"
 
-_PARTS = (library, gallery, gallery_editor, signature, duplicates, decisions, core)
+_PARTS = (library, gallery, gallery_editor, signature, duplicates, decisions, server, core)
 
 TEXTS = {text: translated for part in _PARTS for text, translated in part.TEXTS.items()}
 # On buttons, where a word means something else than in a label.

@@ -22,6 +22,8 @@ TEXTS = {
     "Looking through the library …": "Die Bibliothek wird durchsucht …",
     "Find duplicates first": "Erst Duplikate finden",
     "Disabled in viewports or in excluded collections, and so left out: {names}": "Im Ansichtsfenster deaktiviert oder in ausgeschlossenen Sammlungen und darum ausgelassen: {names}",
+    "Cancelled; nothing was changed": "Abgebrochen; nichts wurde geändert",
+    "Comparing meshes: {done:,} of {total:,}": "Maschen vergleichen: {done:,} von {total:,}",
     "No duplicates in this scene": "Keine Duplikate in dieser Szene",
     "No duplicates in the library": "Keine Duplikate in der Bibliothek",
     "Stopped; the groups found so far are listed": "Beendet; die bisher gefundenen Gruppen sind aufgelistet",

@@ -149,7 +149,6 @@ TEXTS = {
     "Searched with all folders below it": "Wird mit allen Ordnern darunter durchsucht",
     "Index": "Index",
     "Take this folder into the library": "Diesen Ordner in die Bibliothek aufnehmen",
-    "File that stores the signatures of all shapes; created when you first index into it": "Datei mit den Signaturen aller Formen; wird beim ersten Indizieren angelegt",
     "Libraries Folder": "Ordner für Bibliotheken",
     "Folder for new libraries; if empty, Blender's own folder for this extension": "Ordner für neue Bibliotheken; wenn leer, Blenders eigener Ordner für diese Erweiterung",
     "Asset Libraries": "Asset-Bibliotheken",

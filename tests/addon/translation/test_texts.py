@@ -72,6 +72,28 @@ def test_translations_show_the_same_values(languages: Any) -> None:
             assert {language.form(count) for count in range(1000)} == set(range(len(forms)))
 
 
+@pytest.mark.skipif(
+    not bpy.app.build_options.international, reason="needs a Blender that speaks other languages"
+)
+def test_blender_shows_the_translations(addon: ModuleType, languages: Any) -> None:
+    translation = importlib.import_module(f"{addon.__name__}.translation")
+    view = bpy.context.preferences.view
+    before = view.language
+    try:
+        view.language = "de_DE"
+        german = next(language for language in languages if language.LOCALE == "de")
+        assert translation.tr("Appended {name}") == german.TEXTS["Appended {name}"]
+        one, many = german.COUNTED["{count:,} shape"]
+        for count, form in ((1, one), (2000, many)):
+            said = translation.counted("{count:,} shape", "{count:,} shapes", count)
+            assert said == form.format(count=count)
+        view.language = "en_US"
+        assert translation.tr("Appended {name}") == "Appended {name}"
+        assert translation.counted("{count:,} shape", "{count:,} shapes", 1) == "1 shape"
+    finally:
+        view.language = before
+
+
 def own_classes() -> list[Any]:
     """Return the add-on's classes that are registered."""
     classes = [kind for name in BASES for kind in getattr(bpy.types, name).__subclasses__()]

@@ -208,8 +208,9 @@ def _unmarked_in(path: Path) -> Iterator[str]:
             inner |= {id(key) for key in node.keys}
         if isinstance(node, ast.Subscript):
             inner.add(id(node.slice))
-        if isinstance(node, ast.Call) and _called(node) == "replace":
-            inner |= {id(argument) for argument in node.args}
+        # Nor is what is replaced in a text shown, or what is printed on the console translated.
+        if isinstance(node, ast.Call) and _called(node) in ("replace", "print"):
+            inner |= {id(part) for argument in node.args for part in ast.walk(argument)}
         if isinstance(node, ast.Tuple) and len(node.elts) > 2:
             inner.add(id(node.elts[0]))
         if isinstance(node, ast.Call) and _called(node) == "tr" and isinstance(node.args[0], ast.JoinedStr):
