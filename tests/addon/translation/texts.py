@@ -142,7 +142,7 @@ def _class_texts(node: ast.ClassDef, path: Path) -> Iterator[Text]:
             described = True
             yield Text(_literal(line.value), ANYWHERE, _place(path, line))
     if is_operator and not described:
-        yield Text((ast.get_docstring(node) or "").rstrip("."), ANYWHERE, _place(path, node))
+        yield Text(ast.get_docstring(node) or "", ANYWHERE, _place(path, node))
 
 
 def _keyword_texts(node: ast.Call, path: Path) -> Iterator[Text]:
