@@ -24,6 +24,8 @@ __all__ = ["measure"]
 
 TOP = 10
 _SEED = 0
+# Of similarity and likeness in the answers of the service.
+_DECIMALS = 6
 # What a match has to be the same in.
 _FIGURES = ("name", "distance", "similarity", "likeness")
 
@@ -94,7 +96,13 @@ def _chosen(shapes: Sequence[BenchmarkShape], count: int | None) -> list[Benchma
 def _answer(library: Library, signature: ShapeSignature) -> list[tuple[object, ...]]:
     matches = library.query(signature, top=TOP, explain=TOP)
     return [
-        (*(getattr(match, figure) for figure in _FIGURES), match.evidence and match.evidence.kind)
+        (
+            match.name,
+            match.distance,
+            round(match.similarity, _DECIMALS),
+            None if match.likeness is None else round(match.likeness, _DECIMALS),
+            match.evidence and match.evidence.kind,
+        )
         for match in matches
     ]
 

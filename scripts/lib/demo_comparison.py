@@ -23,6 +23,7 @@ __all__ = [
 ]
 
 TOP = 10
+DECIMALS = 6  # of similarity and likeness in the answers of the service
 SCALE = 1.7
 _SECONDS = 120
 
@@ -36,6 +37,11 @@ class Answer:
     similarity: float
     likeness: float | None
     evidence: str | None
+
+    @property
+    def text(self) -> str:
+        """The match as a message shows it."""
+        return f"{self.name} ({self.evidence}, distance {self.distance:g}, similarity {self.similarity:g})"
 
 
 Answers = dict[str, list[Answer]]
@@ -67,8 +73,8 @@ def answers_of_library(place: str | Path, queries: Sequence[Path]) -> Answers:
                 Answer(
                     match.name,
                     match.distance,
-                    match.similarity,
-                    match.likeness,
+                    round(match.similarity, DECIMALS),
+                    None if match.likeness is None else round(match.likeness, DECIMALS),
                     None if match.evidence is None else match.evidence.kind,
                 )
                 for match in library.query(read_mesh(path), top=TOP, explain=TOP)
@@ -116,7 +122,7 @@ def first_difference(expected: Answers, found: Answers) -> str | None:
             return f"{len(others)} instead of {len(matches)} matches of {query}"
         for rank, (match, other) in enumerate(zip(matches, others, strict=True), start=1):
             if match != other:
-                return f"match {rank} of {query} is {other} instead of {match}"
+                return f"match {rank} of {query} is {other.text} instead of {match.text}"
     return None
 
 
