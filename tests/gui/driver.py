@@ -47,6 +47,43 @@ def regions() -> Any:
     return {name.lower(): rectangle(region) for name, region in view()[2].items()}
 
 
+def gallery() -> Any:
+    """Where the pictures of the large gallery are, and whether it compares; None if it is not open."""
+    editor = sys.modules[f"{NAME}.gallery.editor.area"]
+    window = bpy.context.window_manager.windows[0]
+    area = next((area for area in window.screen.areas if editor.is_gallery(area)), None)
+    if area is None:
+        return None
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bars, indices = editor.bars_in(bpy.context), editor.shown_indices(bpy.context)
+        grid = editor.grid_in(bpy.context, bars.content, len(indices))
+    boxes = [grid.picture_in(grid.cell(place, 0)) for place in range(len(indices))]
+    comparison = sys.modules[f"{NAME}.state"].current().gallery.view.comparison
+    return {
+        "area": rectangle(region),
+        "pictures": [
+            [region.x + (box.left + box.right) / 2, window.height - region.y - (box.bottom + box.top) / 2]
+            for box in boxes
+        ],
+        "compared": comparison is not None and comparison.surfaces is not None,
+    }
+
+
+def stands_at(name: str) -> Any:
+    """Where in the window the middle of the underside of an object is seen, from the top left."""
+    from bpy_extras.view3d_utils import location_3d_to_region_2d
+    from mathutils import Vector
+
+    window, area, regions = view()
+    item = bpy.data.objects[name]
+    corners = [item.matrix_world @ Vector(corner) for corner in item.bound_box]
+    low, high = ([end(corner[axis] for corner in corners) for axis in range(3)] for end in (min, max))
+    middle = Vector(((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]))
+    x, y = location_3d_to_region_2d(regions["WINDOW"], area.spaces.active.region_3d, middle)
+    return [regions["WINDOW"].x + x, window.height - regions["WINDOW"].y - y]
+
+
 def show_sidebar() -> None:
     """Open the sidebar; its tabs are there only after it was drawn once."""
     view()[1].spaces.active.show_region_ui = True

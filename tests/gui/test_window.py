@@ -175,6 +175,44 @@ def test_a_match_is_chosen_and_appended(window: Any, found: Any) -> None:
     window.wait(lambda state: set(state["objects"]) == {NAME}, "undo takes it out again")
 
 
+def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any) -> None:
+    sidebar = window.ask("regions")["ui"]
+    window.press("shape_google.open_gallery")
+    window.wait(lambda _: window.ask("gallery"), "the gallery")
+    window.settle()
+    # The sidebar is where it was, and in the gallery are pictures.
+    assert window.ask("regions")["ui"][2:] == sidebar[2:]
+    assert np.asarray(window.photograph(tuple(window.ask("gallery")["area"])), float).std() > 15
+    x, y = window.ask("gallery")["pictures"][1]
+    window.click(x, y)
+    state = window.wait(lambda state: state["session"]["active_match"] == 1, "the second match chosen")
+    name = state["matches"][1]["object_name"]
+    window.tool("click", "--repeat", 2, "--delay", 100, 1)
+    window.wait(lambda state: set(state["objects"]) == {NAME, name}, f"{name} appended")
+    window.undo()
+    window.wait(lambda state: set(state["objects"]) == {NAME}, "undo takes it out again")
+    left, top, right, bottom = window.ask("regions")["window"]
+    target = left + 0.25 * (right - left), top + 0.8 * (bottom - top)
+    window.drag(x, y, target[0] - x, target[1] - y)
+    window.wait(lambda state: set(state["objects"]) == {NAME, name}, f"{name} placed")
+    assert window.ask("stands_at", name) == pytest.approx(target, abs=3)
+    window.move(x, y)
+    window.settle()
+    window.tool("key", "c")
+    window.wait(lambda _: window.ask("gallery")["compared"], "both surfaces compared")
+    area = tuple(window.ask("gallery")["area"])
+    before = window.picture(area)
+    assert colorful(before) > 0.02
+    window.drag(x, y + 60, 80, 0)
+    assert window.picture(area).tobytes() != before.tobytes()
+    for open_after in (True, False):
+        window.move(x, y)
+        window.settle()
+        window.tool("key", "Escape")
+        window.wait(lambda _, wanted=open_after: bool(window.ask("gallery")) == wanted, "one step back")
+    assert window.ask("regions")["ui"] == sidebar
+
+
 def test_mark_shows_both_shapes_in_the_same_colours(window: Any, found: Any) -> None:
     before = window.picture("window")
     window.press("shape_google.mark_match")

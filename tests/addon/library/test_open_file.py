@@ -221,7 +221,7 @@ def test_evidence_and_append_are_of_the_placement_that_fits(
     assert [name for _, name in index()] == ["Wing"]
     for name in ("Wing", "Mirrored", "Large"):
         match = find(name).matches[0]
-        assert (match.object_name, match.label) == (name, "Identical")
+        assert (match.object_name, match.evidence) == (name, "identical")
         assert match.size == pytest.approx(1)
     large = np.array(bpy.data.objects["Large"].dimensions)
     new_file()
