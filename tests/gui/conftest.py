@@ -214,6 +214,7 @@ class Window:
             self._places[known] = place
             return place
         others: dict[str, None] = {}
+        wrapped = False
         while True:
             left, top, right, bottom = self.ask("regions")["ui"]
             seen, scrolled = 0, self.ask("scrolled")
@@ -237,10 +238,18 @@ class Window:
                             return place
                         seen += 1
                 before = button, share
-            self.move(x, top + FIRST_HEADER)
-            self.tool("click", "--repeat", 12, "--delay", 10, 5)
-            self.settle()
-            assert self.ask("scrolled") != scrolled, f"nothing does {action!r}: {', '.join(others)}"
+            self._scroll(x, 5, 12)
+            if self.ask("scrolled") == scrolled:
+                # At the end: it may be above where the search began.
+                assert not wrapped, f"nothing does {action!r}: {', '.join(others)}"
+                wrapped = True
+                self._scroll(x, 4, 40)
+
+    def _scroll(self, x: float, button: int, times: int) -> None:
+        """Turn the wheel above the first header: up (button 4) or down (5)."""
+        self.move(x, self.ask("regions")["ui"][1] + FIRST_HEADER)
+        self.tool("click", "--repeat", times, "--delay", 10, button)
+        self.settle()
 
     def _passed(self, action: str, columns: Sequence[float]) -> tuple[float, float] | None:
         """Find out where the pointer once came past a button, without moving it."""
