@@ -5,14 +5,18 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from .. import jobs
 from ..library.address import library_address
 from ..state import session_of
 from ..translation import error_text, tr
 from .operators import search_with
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 __all__ = ["KEYMAP", "register", "unregister"]
 
@@ -52,31 +56,57 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
             return False
         return True
 
+    def invoke(self, context: Any, _event: Any) -> set[str]:
+        """Look for the asset in the library without stopping the window, then search with it."""
+        name, source, future = self._ask(context)
+
+        def done(found: tuple[int, str] | None) -> None:
+            if found is None:
+                session_of(bpy.context).answer = _not_there(name, source)
+            else:
+                search_with(bpy.context, found)
+
+        def failed(error: BaseException) -> None:
+            session_of(bpy.context).answer = error_text(error)
+
+        jobs.watch(future, done, failed)
+        text = tr("Searching for {name}; the matches are in the sidebar of the 3D view")
+        self.report({"INFO"}, text.format(name=name))
+        return {"FINISHED"}
+
     def execute(self, context: Any) -> set[str]:
         """Search with the shape that the asset is in the library."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.worker.assets import shape_of
 
-        from .. import jobs
-
-        asset = context.asset
-        source = asset.full_library_path or bpy.data.filepath
-        library = library_address(context)
-        find = partial(shape_of, is_collection=asset.id_type == "COLLECTION")
+        name, source, future = self._ask(context)
         try:
-            found = jobs.worker().submit(find, library, source, asset.name).result()
+            found = future.result()
         except ShapeGoogleError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
         if found is None:
-            where = Path(source).name or tr("the open file")
-            text = tr("{name!r} of {file} is not in the library; Index Library with its folder first")
-            self.report({"ERROR"}, text.format(name=asset.name, file=where))
+            self.report({"ERROR"}, _not_there(name, source))
             return {"CANCELLED"}
         search_with(context, found)
         text = tr("Searching for {name}; the matches are in the sidebar of the 3D view")
         self.report({"INFO"}, text.format(name=found[1]))
         return {"FINISHED"}
+
+    def _ask(self, context: Any) -> tuple[str, str, Future[tuple[int, str] | None]]:
+        """Have the worker look for the asset; return its name and file too."""
+        from shapegoogle_core.worker.assets import shape_of
+
+        asset = context.asset
+        source = asset.full_library_path or bpy.data.filepath
+        find = partial(shape_of, is_collection=asset.id_type == "COLLECTION")
+        name = str(asset.name)
+        return name, source, jobs.worker().submit(find, library_address(context), source, name)
+
+
+def _not_there(name: str, source: str) -> str:
+    where = Path(source).name or tr("the open file")
+    text = tr("{name!r} of {file} is not in the library; Index Library with its folder first")
+    return text.format(name=name, file=where)
 
 
 def _draw_find_similar(self: Any, _context: Any) -> None:

@@ -122,7 +122,7 @@ def test_what_becomes_of_the_file(
             if state.library.look is not None:
                 state.library.look.result()
 
-    state.library.shown, state.library.file, state.library.look = path, None, None
+    state.library.shown, state.library.file, state.library.look = str(path), None, None
     look()
     assert session.matches
     refreshed.clear()
