@@ -103,7 +103,7 @@ class SHAPEGOOGLE_preferences(ServerPreferences, bpy.types.AddonPreferences):
         name="Library",
         description=(
             "File that stores the signatures of all shapes, created when you first index into it; or the "
-            "address of a server, such as https://shapes.studio"
+            "address of a server, such as https://shapes.example"
         ),
         subtype="FILE_PATH",
         maxlen=1024,

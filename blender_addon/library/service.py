@@ -31,7 +31,7 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
     bl_description = "Search a library that a server offers, which shapegoogle serve runs there"
 
     address: StringProperty(
-        name="Address", description="Such as https://shapes.studio", options={"SKIP_SAVE"}
+        name="Address", description="Such as https://shapes.example", options={"SKIP_SAVE"}
     )
     token: StringProperty(
         name="Token",
@@ -54,7 +54,7 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
         """Lay the dialog out."""
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "address", placeholder="https://shapes.studio")
+        layout.prop(self, "address", placeholder="https://shapes.example")
         layout.prop(self, "token")
         layout.prop(self, "allow")
         draw_sentence(layout, tr(WHAT_IS_SENT), letters=72, icon="INFO")

@@ -30,7 +30,7 @@ for example:
   shapegoogle query horse.obj --library shapes.sglib
   shapegoogle query poses/*.off --library shapes.sglib --top 1 --json
   shapegoogle query horse.obj pony.obj --together --unlike cow.obj --library shapes.sglib
-  shapegoogle query horse.obj --library https://shapes.studio --root assets=/mnt/assets
+  shapegoogle query horse.obj --library https://shapes.example --root assets=/mnt/assets
   shapegoogle query bolt.stl --library shapes.sglib --kind scaled --folder D:\models --faces :5000
 """
 

@@ -40,7 +40,7 @@ class ServiceAddress:
         Parameters
         ----------
         text : str
-            Such as "https://shapes.studio:8443/props".
+            Such as "https://shapes.example:8443/props".
 
         Returns
         -------
@@ -54,8 +54,8 @@ class ServiceAddress:
         Examples
         --------
         >>> from shapegoogle_core.client import ServiceAddress
-        >>> str(ServiceAddress.parse("https://shapes.studio/"))
-        'https://shapes.studio'
+        >>> str(ServiceAddress.parse("https://shapes.example/"))
+        'https://shapes.example'
         """
         given = text.strip()
         try:

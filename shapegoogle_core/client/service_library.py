@@ -68,10 +68,10 @@ class ServiceLibrary(ServiceContents):
     --------
     >>> import shapegoogle_core as sg
     >>> try:
-    ...     sg.ServiceLibrary.connect("http://shapes.studio")
+    ...     sg.ServiceLibrary.connect("http://shapes.example")
     ... except sg.LibraryError as error:
     ...     print(error)
-    'http://shapes.studio' is not encrypted; use https://, or http:// with a service of this computer only
+    'http://shapes.example' is not encrypted; use https://, or http:// with a service of this computer only
     """
 
     def __init__(self, connection: Connection, info: Mapping[str, Any], model: ShapeModel) -> None:
@@ -89,7 +89,7 @@ class ServiceLibrary(ServiceContents):
         Parameters
         ----------
         address : str
-            Such as "https://shapes.studio"; ``http://`` with a service of this computer only.
+            Such as "https://shapes.example"; ``http://`` with a service of this computer only.
         token : str, optional
             From whoever runs the service.
         certificate : str, optional

@@ -28,8 +28,8 @@ class KeptTokens:
     >>> from shapegoogle_core.client import KeptTokens
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     tokens = KeptTokens(Path(folder) / "tokens.json")
-    ...     tokens.keep("https://shapes.studio", "secret")
-    ...     tokens.token("https://shapes.studio"), tokens.token("https://other.studio")
+    ...     tokens.keep("https://shapes.example", "secret")
+    ...     tokens.token("https://shapes.example"), tokens.token("https://other.example")
     ('secret', '')
     """
 

@@ -56,7 +56,7 @@ def is_service(place: str | os.PathLike[str]) -> bool:
     Examples
     --------
     >>> from shapegoogle_core.library.storage.address import is_service
-    >>> is_service("https://shapes.studio"), is_service("shapes.sglib")
+    >>> is_service("https://shapes.example"), is_service("shapes.sglib")
     (True, False)
     """
     return isinstance(place, str) and place.lower().startswith(_SERVICES)

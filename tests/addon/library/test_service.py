@@ -109,7 +109,7 @@ def test_nothing_is_sent_before_it_is_allowed(
 def test_the_token_is_not_in_the_preferences(service: Running, preferences: Any) -> None:
     assert preferences.token
     assert "token" not in set(preferences.keys())
-    other, preferences.library = preferences.library, "https://other.studio"
+    other, preferences.library = preferences.library, "https://other.example"
     assert preferences.token == ""
     preferences.library = other
     assert preferences.token

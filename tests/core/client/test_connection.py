@@ -140,8 +140,8 @@ def test_certificates(serve: Serve, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("address", "expected"),
     [
-        ("http://shapes.studio", "is not encrypted"),
-        ("https://ana:secret@shapes.studio", "takes no name and password"),
+        ("http://shapes.example", "is not encrypted"),
+        ("https://ana:secret@shapes.example", "takes no name and password"),
         ("https://", "is no address of a service"),
         ("https://two words", "is no address of a service"),
         ("https://a:70000", "is no address of a service"),
@@ -156,7 +156,7 @@ def test_addresses_that_are_refused(address: str, expected: str) -> None:
 
 
 def test_addresses() -> None:
-    assert str(ServiceAddress.parse(" https://Shapes.studio/props/ ")) == "https://shapes.studio/props"
+    assert str(ServiceAddress.parse(" https://Shapes.example/props/ ")) == "https://shapes.example/props"
     assert str(ServiceAddress.parse("http://[::1]:8765")) == "http://[::1]:8765"
 
 
