@@ -195,6 +195,8 @@ def _cancelled(running: Sequence[BackgroundRun | SceneIndexing], session: Any) -
         parts.append(text)
         if len(running) > 1:
             parts.append(tr("nothing of this scene was stored"))
+    elif running[0].storing:
+        parts.append(tr("Cancelled while this scene was being stored; index it again to complete it"))
     else:
         parts.append(tr("Cancelled; nothing of this scene was stored"))
     return "; ".join(parts)

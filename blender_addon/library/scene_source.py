@@ -2,7 +2,7 @@
 """Index the open scene: its shapes as they are now, saved or not.
 
 First all meshes are written into a file, as the Blender that reads files does it; then they are described one
-after the other.
+after the other, and stored together at the end. Only the first is work for the main thread.
 """
 
 from __future__ import annotations
@@ -31,10 +31,11 @@ from .open_file import is_unsaved, open_source, take_over
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import Mesh, ShapeSignature
+    from shapegoogle_core import Mesh
     from shapegoogle_core.cli.events import Event
     from shapegoogle_core.indexing.notes import FileNotes
     from shapegoogle_core.library.storage.records import NewShape
+    from shapegoogle_core.worker.scene import PackedShape
 
 __all__ = ["SceneIndexing"]
 
@@ -62,12 +63,14 @@ class SceneIndexing:
 
     def __init__(self, context: Any, library: Path, model: str) -> None:
         from shapegoogle_core.processes.temporary import temporary_folder
+        from shapegoogle_core.processes.worker import Worker
+        from shapegoogle_core.worker.scene import create_library
 
         self._error = ""
         self.exit_code: int | None = None
         self.reported = False
         self._started = time.monotonic()
-        self._library, self._model = library, model
+        self._library = library
         self._opened = state.current().library.opened
         self._resources = ExitStack()
         self._output = self._resources.enter_context(temporary_folder()) / "shapes.bin"
@@ -82,9 +85,20 @@ class SceneIndexing:
         self._expected = 0
         self._done = 0
         self._first_described: tuple[float, int] | None = None
-        self._described: list[NewShape[ShapeSignature]] = []
+        self._described: list[PackedShape] = []
         self._tasks: dict[Future[Any], str] = {}
         self._failed: list[tuple[str, str]] = []
+        self._created = None if library.exists() else jobs.worker().submit(create_library, library, model)
+        # Not the worker that answers searches: relating thousands of shapes to the others takes a while.
+        self._storer = Worker()
+        self._resources.callback(self._storer.stop)
+        self._source = ""
+        self._stored: list[Future[Any]] = []
+
+    @property
+    def storing(self) -> bool:
+        """Whether the shapes are being stored, or were."""
+        return bool(self._stored)
 
     def _collect(self, context: Any) -> None:
         """Note what is in the scene: numbers, not objects, which may be gone when it is their turn."""
@@ -126,14 +140,15 @@ class SceneIndexing:
         return self._error or tr("exit code {code}").format(code=self.exit_code)
 
     def join(self) -> None:
-        """Wait until the next object is described."""
+        """Wait until the next object is described, or all are stored."""
         from concurrent.futures import FIRST_COMPLETED, wait
 
-        if self.exit_code is None and self._tasks:
-            wait(self._tasks, return_when=FIRST_COMPLETED)
+        tasks = self._stored[-1:] or [*self._tasks, *([] if self._created is None else [self._created])]
+        if self.exit_code is None and tasks:
+            wait(tasks, return_when=FIRST_COMPLETED)
 
     def cancel(self) -> None:
-        """Stop describing; nothing is stored."""
+        """Stop describing, and storing; until `storing` nothing is stored."""
         from shapegoogle_core.cli.command import INTERRUPTED
 
         self.exit_code = INTERRUPTED
@@ -143,13 +158,20 @@ class SceneIndexing:
         self._resources.close()
 
     def events(self) -> list[Event]:
-        """Report the objects described since the last call; stores all after the last one."""
+        """Report the objects described since the last call; has all stored after the last one."""
         from shapegoogle_core import LibraryError, ShapeGoogleError
         from shapegoogle_core.cli.command import DONE, UNUSABLE
 
         if self.exit_code is not None:
             return []
         try:
+            if self.storing:
+                if not all(task.done() for task in self._stored):
+                    return []
+                events = [self._summary()]
+                self.exit_code = DONE
+                self._resources.close()
+                return events
             if state.current().library.opened != self._opened:
                 raise LibraryError(
                     "another file was opened while the scene was read, so nothing of it was stored; open the "
@@ -158,8 +180,7 @@ class SceneIndexing:
             events = self._take_finished()
             self._submit()
             if self._all_submitted and not self._tasks:
-                events.append(self._store())
-                self.exit_code = DONE
+                self._store()
         except ShapeGoogleError as error:
             self.cancel()
             self._error = error_text(error)
@@ -169,12 +190,9 @@ class SceneIndexing:
 
     def _submit(self) -> None:
         """Read some objects; once all are read, hand shapes to the worker."""
-        from shapegoogle_core import Library, load_model
         from shapegoogle_core.indexing.notes import FileNotes
-        from shapegoogle_core.worker.requests import describe
+        from shapegoogle_core.worker.scene import describe
 
-        if not self._library.exists():
-            Library.open(self._library, load_model(self._model)).close()
         end = time.monotonic() + SECONDS_OF_READING
         if self._waiting:
             here = {item.session_uid: item for item in bpy.data.objects}
@@ -185,6 +203,11 @@ class SceneIndexing:
                     self._read(item, depsgraph)
         if self._waiting:
             return
+        if self._created is not None:
+            if not self._created.done():
+                return
+            self._created.result()
+            self._created = None
         if self._shapes is None:
             self._shapes = self._assembled()
         while len(self._tasks) < AHEAD and time.monotonic() < end:
@@ -285,39 +308,48 @@ class SceneIndexing:
             scene=True,
         )
 
-    def _store(self) -> Event:
-        from shapegoogle_core import Library
-        from shapegoogle_core.indexing import IndexSummary
-        from shapegoogle_core.indexing.notes import LeftOut, total_left_out
+    def _store(self) -> None:
+        """Have another process store the shapes."""
+        from shapegoogle_core.worker.scene import find_neighbours, store
 
         # First, since a file saved meanwhile is another source than before.
         take_over()
-        source = open_source()
+        self._source = source = open_source()
         known = state.current().library.objects
         uids = {item.name: item.uid for item in self._items.values() if item.is_local}
         for shape in self._described:
-            for placement in shape.placements:
-                if placement.object_name in uids:
-                    known[source, placement.object_name] = uids[placement.object_name]
-        with Library.open(self._library) as library:
-            size = None
-            if is_unsaved(source):
-                state.current().library.unsaved_in.add(self._library)
-            elif Path(source).is_file():
-                library.add_roots([source])
-                size = Path(source).stat().st_size
-            # Without a time or a hash: what is indexed is not what is in the file, which is read again when
-            # its folder is indexed.
-            library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=self._described)
-            count = len(library)
-        self._resources.close()
+            for name in shape.object_names:
+                if name in uids:
+                    known[source, name] = uids[name]
+        is_file = not is_unsaved(source) and Path(source).is_file()
+        size = Path(source).stat().st_size if is_file else None
+        roots = [source] if is_file else []
+        self._stored = [
+            self._storer.submit(store, self._library, source, size, roots, self._described),
+            self._storer.submit(find_neighbours, self._library),
+        ]
+
+    def _summary(self) -> Event:
+        """Summarise what was stored, and note under which name."""
+        from shapegoogle_core.indexing import IndexSummary
+        from shapegoogle_core.indexing.notes import LeftOut, total_left_out
+
+        library = state.current().library
+        written, related = self._stored
+        written.result()
+        if is_unsaved(self._source) and library.opened == self._opened:
+            if open_source() == self._source:
+                library.unsaved_in.add(self._library)
+            else:  # it was saved while its shapes were stored
+                library.renamed.append((self._library, self._source, open_source()))
+                take_over()
         left_out = tuple(LeftOut(kind, number) for kind, number in self._left_out.items() if number)
         return IndexSummary(
             added=1,
             added_shapes=len(self._described),
             failed=tuple(self._failed),
             left_out=total_left_out(left_out),
-            library_shapes=count,
+            library_shapes=related.result(),
             seconds=time.monotonic() - self._started,
             scene=True,
         )

@@ -20,7 +20,6 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.settings import Rank
 from shapegoogle_core.library.searchable import SearchableLibrary
 from shapegoogle_core.library.storage.address import Place
-from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
 from shapegoogle_core.worker.library_state import LibraryState, ShownShape, state_of
@@ -30,7 +29,6 @@ __all__ = [
     "Answer",
     "StoredExample",
     "changing",
-    "describe",
     "describe_meshes",
     "explain",
     "library_duplicates",
@@ -245,34 +243,6 @@ def _stored_signature(library: SearchableLibrary, example: StoredExample) -> Sha
             name=name,
             reason=error,
         ) from error
-
-
-def describe(path: LibraryAddress | Place, shape: NewShape[Mesh]) -> NewShape[ShapeSignature] | str:
-    """Describe a shape with the model of a library.
-
-    Parameters
-    ----------
-    path : LibraryAddress, Path or str
-        The library.
-    shape : NewShape
-        With its mesh.
-
-    Returns
-    -------
-    described : NewShape or str
-        With its signature and thumbnail; a sentence if it cannot be described.
-
-    Raises
-    ------
-    LibraryError
-        If the library cannot be opened.
-    """
-    from shapegoogle_core.indexing import describe_shape
-
-    try:
-        return describe_shape(shape, _SESSION.library(path).model)
-    except MeshError as error:
-        return str(error)
 
 
 def describe_meshes(

@@ -20,6 +20,7 @@ TEXTS = {
     "Searching for files …": "Dateien werden gesucht …",
     "Indexing stopped; Not Indexed says why": "Das Indizieren wurde beendet; Nicht indiziert nennt den Grund",
     "Cancelled before any file was read": "Abgebrochen, bevor eine Datei gelesen wurde",
+    "Cancelled while this scene was being stored; index it again to complete it": "Abgebrochen, während diese Szene gespeichert wurde; sie erneut indizieren, um sie zu vervollständigen",
     "Cancelled; nothing of this scene was stored": "Abgebrochen; von dieser Szene wurde nichts gespeichert",
     "nothing of this scene was stored": "von dieser Szene wurde nichts gespeichert",
     "Indexing runs already": "Das Indizieren läuft bereits",

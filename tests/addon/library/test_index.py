@@ -119,7 +119,9 @@ def test_a_cancelled_scene_stores_nothing(addon: ModuleType, preferences: Any, s
     assert events[-1].sentence() == "2 shapes of this scene"
     Path(preferences.library).unlink()
     indexing = module.SceneIndexing(bpy.context, preferences.library_path(), "/no/model.npz")
-    assert indexing.events() == []
+    while indexing.exit_code is None:
+        indexing.join()
+        assert indexing.events() == []
     assert indexing.exit_code == 2
     assert "cannot read the model" in indexing.last_words()
 

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""Requests about a scene that is indexed: its shapes are described one by one and stored together."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from shapegoogle_core.errors import MeshError
+from shapegoogle_core.library.storage.records import NewShape
+from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.model import ShapeSignature
+from shapegoogle_core.worker.requests import open_library
+
+__all__ = ["PackedShape", "create_library", "describe", "find_neighbours", "store"]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedShape:
+    """A described shape that waits in the program with the window until all are described.
+
+    Attributes
+    ----------
+    object_names : tuple of str
+        Of the objects that show it.
+    content : bytes
+        The pickled `NewShape`. Only a worker process unpacks it: with thousands of them that would keep the
+        window from answering.
+    """
+
+    object_names: tuple[str, ...]
+    content: bytes
+
+
+def create_library(path: Path, model: str) -> None:
+    """Create a library if it does not exist.
+
+    Parameters
+    ----------
+    path : Path
+    model : str
+        Name or path, as for `load_model`.
+
+    Raises
+    ------
+    LibraryError
+        If it cannot be created.
+    ModelError
+        If the model cannot be loaded.
+    """
+    from shapegoogle_core.library.library import Library
+    from shapegoogle_core.model import load_model
+
+    if not path.exists():
+        Library.open(path, load_model(model)).close()
+
+
+def describe(path: Path, shape: NewShape[Mesh]) -> PackedShape | str:
+    """Describe a shape with the model of a library.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+    shape : NewShape
+        With its mesh.
+
+    Returns
+    -------
+    described : PackedShape or str
+        With its signature and thumbnail; a sentence if it cannot be described.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be opened.
+    """
+    from shapegoogle_core.indexing import describe_shape
+
+    try:
+        described = describe_shape(shape, open_library(path).model)
+    except MeshError as error:
+        return str(error)
+    names = tuple(placement.object_name for placement in described.placements)
+    return PackedShape(names, pickle.dumps(described, protocol=pickle.HIGHEST_PROTOCOL))
+
+
+def store(
+    path: Path, source: str, size: int | None, roots: Sequence[str], shapes: Sequence[PackedShape]
+) -> None:
+    """Store the shapes of a scene in place of those stored for it before; see `find_neighbours`.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+    source : str
+        The file of the scene, or the label of one that was never saved.
+    size : int or None
+        Of the file, in bytes.
+    roots : sequence of str
+        Folders or files to add to the roots of the library.
+    shapes : sequence of PackedShape
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be written, or another model described the shapes.
+    """
+    from shapegoogle_core.library.library import Library
+
+    described: list[NewShape[ShapeSignature]] = [pickle.loads(shape.content) for shape in shapes]
+    with Library.open(path) as library, library.neighbours_later():
+        library.add_roots(roots)
+        # Without a time or a hash: what is indexed is not what is in the file, which is read again when its
+        # folder is indexed.
+        library.replace_source(source, size=size, mtime_ns=None, sha256=None, shapes=described)
+
+
+def find_neighbours(path: Path) -> int:
+    """Relate new shapes of a library to the others.
+
+    If this is interrupted, the next run of indexing does it.
+
+    Parameters
+    ----------
+    path : Path
+        The library.
+
+    Returns
+    -------
+    count : int
+        Number of shapes in the library.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be read or written.
+    """
+    from shapegoogle_core.library.library import Library
+
+    with Library.open(path) as library:
+        library.update_neighbours()
+        return len(library)
