@@ -61,9 +61,10 @@ class ServiceAddress:
         try:
             parts = urlsplit(given)
             host, port = parts.hostname or "", parts.port
+            host.encode("idna")  # as it is looked up; raises an error for what cannot be a name
         except ValueError:
             host, port = "", None
-        if not host or not host.isprintable() or " " in host:
+        if not host or not host.isprintable() or " " in host or port == 0:
             raise LibraryError(f"{_shown(given)!r} is no address of a service; it looks like https://server")
         if parts.username is not None or parts.password is not None:
             raise LibraryError(

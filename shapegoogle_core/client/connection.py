@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import re
 import socket
 import ssl
 import time
@@ -28,7 +29,8 @@ ANSWER_SECONDS = 90.0
 _PATIENCE = 6
 _ATTEMPTS = 3
 # Nothing that a service answers is larger.
-_MOST_BYTES = 2**28
+_MOST_BYTES = 2**27
+_SECONDS = re.compile(r"[0-9]{1,4}")
 # Codes of OpenSSL (X509_V_ERR_…).
 _EXPIRED, _NOT_YET_VALID, _OTHER_HOST, _OTHER_IP = 10, 9, 62, 64
 
@@ -143,11 +145,11 @@ class Connection:
             status, headers, content = self._answer(method, path, body, fresh=once)
             if 200 <= status < 300:
                 return content
-            wait = headers.get("retry-after", "")
-            patient = status in (429, 503) and wait.isdigit() and int(wait) <= _PATIENCE
-            if not (left and patient):
+            named = headers.get("retry-after", "")
+            wait = int(named) if _SECONDS.fullmatch(named) else None
+            if not left or status not in (429, 503) or wait is None or wait > _PATIENCE:
                 break
-            time.sleep(int(wait))
+            time.sleep(wait)
         self.close()  # a refusal may end the connection
         raise self._refusal(status, headers, content)
 
@@ -175,7 +177,14 @@ class Connection:
         headers = self._headers if body is None else {**self._headers, "Content-Type": "application/json"}
         self._open.request(method, f"{self.address.prefix}/api/{path}", body, headers)
         answer = self._open.getresponse()
-        content = answer.read(_MOST_BYTES)
+        content = answer.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            self.close()
+            raise LibraryError(
+                f"'{self.address}' answers with more than {_MOST_BYTES // 2**20:,} MB; ask for less"
+            )
+        if answer.length:  # reading a part at a time does not tell that the rest is missing
+            raise http.client.IncompleteRead(content, answer.length)
         known = {name.lower(): value for name, value in answer.getheaders()}
         if not answer.isclosed() or answer.will_close:
             self.close()
@@ -229,8 +238,9 @@ class Connection:
         where = f"'{self.address}'"
         if 300 <= status < 400:
             target = headers.get("location", "")
-            place = f"; use {target!r} if you trust it" if target.isprintable() and target else ""
-            return LibraryError(f"{where} sends requests on to another address{place}")
+            usable = target.isprintable() and 0 < len(target) <= 200
+            advice = f"use {target!r} if you trust it" if usable else "ask whoever runs the service for it"
+            return LibraryError(f"{where} sends requests on to another address; {advice}")
         sentence = _sentence_in(content)
         if status == 401:
             given = "refuses the token" if "Authorization" in self._headers else "needs a token"

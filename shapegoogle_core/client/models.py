@@ -7,9 +7,11 @@ import hashlib
 import os
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
+from shapegoogle_core.client.address import ServiceAddress
 from shapegoogle_core.client.connection import Connection
 from shapegoogle_core.errors import LibraryError, ModelError
 from shapegoogle_core.model import ShapeModel
@@ -17,6 +19,8 @@ from shapegoogle_core.model import ShapeModel
 __all__ = ["cache_folder", "model_file", "model_of_service"]
 
 _HASH = re.compile(r"[0-9a-f]{64}")
+# Models take a few MB. A service that has another one each day must not fill the disk.
+_MOST_KEPT = 8
 
 
 def cache_folder() -> Path:
@@ -64,7 +68,13 @@ def model_of_service(connection: Connection, content_hash: str, folder: Path) ->
         content = connection.get_bytes("model")
         if hashlib.sha256(content).hexdigest() != content_hash:
             raise LibraryError(f"the model of '{address}' has changed while it was downloaded; try again")
+        model = _read(content, address)
         _keep(path, content)
+        return model
+    return _read(content, address)
+
+
+def _read(content: bytes, address: ServiceAddress) -> ShapeModel:
     try:
         return ShapeModel.from_bytes(content, origin=f"the model of '{address}'")
     except ModelError as error:
@@ -77,6 +87,8 @@ def _kept(path: Path, content_hash: str) -> bytes | None:
         content = path.read_bytes()
     except OSError:
         return None
+    with suppress(OSError):  # a folder that others fill
+        os.utime(path)  # those not used for longest go first
     return content if hashlib.sha256(content).hexdigest() == content_hash else None
 
 
@@ -85,7 +97,16 @@ def _keep(path: Path, content: bytes) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=path.parent, delete=False) as draft:
-            draft.write(content)
-        Path(draft.name).replace(path)
+            try:
+                draft.write(content)
+                draft.close()
+                Path(draft.name).replace(path)
+            except BaseException:
+                draft.close()
+                Path(draft.name).unlink(missing_ok=True)
+                raise
+        kept = [other for other in path.parent.iterdir() if _HASH.fullmatch(other.stem)]
+        for other in sorted(kept, key=lambda other: other.stat().st_mtime)[:-_MOST_KEPT]:
+            other.unlink(missing_ok=True)
     except OSError:
         return

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import PurePosixPath
 from typing import Any
 
+from shapegoogle_core.client.values import text
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.roots.keys import key_below
 from shapegoogle_core.library.roots.paths import is_windows, joined
@@ -51,15 +53,16 @@ class Places:
         -------
         source : str
             Full path of a file below a root that is known here; otherwise the name of the root and the path
-            below it, such as "assets/chairs/oak.blend", or a label.
+            below it, such as "assets/chairs/oak.blend", or a label. Never the path of another file.
         """
-        root, path = str(place["root"]), str(place["path"])
-        if not root:
-            return path
+        root, path = text(place["root"]), text(place["path"])
         # A service must not name files outside the folders that were chosen.
-        outside = ".." in path.replace("\\", "/").split("/") or is_windows(path) or path.startswith("/")
+        outside = ".." in path.replace("\\", "/").split("/") or _is_path(path)
         folder = self.folders.get(root)
-        return f"{root}/{path}" if folder is None or outside else joined(folder, path)
+        if folder is not None and not outside:
+            return joined(folder, path)
+        named = f"{root}/{path}" if root else path
+        return re.split(r"[\\/]", named)[-1] if _is_path(named) else named
 
     def place(self, source: str) -> dict[str, str] | None:
         """Return how the service names a source.
@@ -133,4 +136,4 @@ class Places:
 
 
 def _is_path(source: str) -> bool:
-    return os.path.isabs(source) or is_windows(source)  # noqa: PTH117
+    return source.startswith(("/", "\\")) or is_windows(source)

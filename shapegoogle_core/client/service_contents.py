@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-import base64
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any, Self, TypeVar
 
 from shapegoogle_core.api.arguments import as_path, check_count, check_type
 from shapegoogle_core.client.connection import Connection, NotThereError, understood
 from shapegoogle_core.client.places import Places
 from shapegoogle_core.client.records import placement_from, shape_from
+from shapegoogle_core.client.values import picture, text
 from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.contents import PAGE
 from shapegoogle_core.library.filter import Filter
@@ -63,7 +64,7 @@ class ServiceContents:
         self.name = str(connection.address)
         self.model = model
         with understood(connection.address):
-            self._places = Places([str(name) for name in info["roots"]])
+            self._places = Places([text(name) for name in info["roots"]])
             self._count = int(info["shapes"])
             self._without_views = int(info["without_views"])
 
@@ -96,11 +97,12 @@ class ServiceContents:
         info = self._connection.get("info")
         with understood(self._connection.address):
             self._count, self._without_views = int(info["shapes"]), int(info["without_views"])
-            known = {name: info[name] for name in ("shapes", "sources", "failed", "model", "model_name")}
+            known: dict[str, object] = {name: int(info[name]) for name in ("shapes", "sources", "failed")}
+            known |= {name: text(info[name]) for name in ("model", "model_name")}
             return {
                 "path": self.name,
-                "library": str(info["library"]),
-                "version": str(info["version"]),
+                "library": text(info["library"]),
+                "version": text(info["version"]),
                 **known,
                 "code_bits": self.model.code_bits,
                 "bag_size": self.model.bag_size,
@@ -174,9 +176,12 @@ class ServiceContents:
                 asked["where"] = conditions
             page = self._connection.post("shapes", asked)
             with understood(self._connection.address):
-                found += [shape_from(record, self._places) for record in page["shapes"]]
+                listed = [shape_from(record, self._places) for record in page["shapes"]]
+                _check_follow(after, [record.shape_id for record in listed])
+                found += listed
                 if page["next"] is None:
                     break
+                _check_follow(after, [int(page["next"])])
                 after = int(page["next"])
         return found
 
@@ -240,12 +245,12 @@ class ServiceContents:
     @as_in_library
     def thumbnails(self, shape_ids: Sequence[int]) -> dict[int, bytes]:
         """See `Library.thumbnails`."""
-        pictures = {}
+        pictures: dict[int, bytes] = {}
         for some in portions(list(shape_ids)):
             found = self._connection.post("thumbnails", {"shape_ids": list(some)})
             with understood(self._connection.address):
-                for number, text in found["pictures"].items():
-                    pictures[int(number)] = base64.b64decode(text, validate=True)
+                sent = {int(number): picture(content) for number, content in found["pictures"].items()}
+            pictures |= {number: sent[number] for number in some if number in sent}
         return pictures
 
     @as_in_library
@@ -262,3 +267,9 @@ class ServiceContents:
         return LibraryError(
             f"'{self.name}' has no shape {shape_id}; it was removed or replaced: search again"
         )
+
+
+def _check_follow(after: int, numbers: Sequence[int]) -> None:
+    """Refuse a page that does not go on, which would be asked for without an end."""
+    if any(later <= earlier for earlier, later in pairwise([after, *numbers])):
+        raise ValueError

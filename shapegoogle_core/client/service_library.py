@@ -295,7 +295,10 @@ class ServiceLibrary(ServiceContents):
                     groups, offset = [], 0
                     continue
                 groups += [group_from(record, self._places) for record in page["groups"]]
-                offset = None if page["next"] is None else int(page["next"])
+                following = None if page["next"] is None else int(page["next"])
+                if following is not None and following <= offset:
+                    raise ValueError  # it would never end
+                offset = following
         return groups
 
     # -- decisions ------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from importlib import metadata
 from typing import Any
 
 from shapegoogle_core.client.address import ServiceAddress
+from shapegoogle_core.client.values import text
 from shapegoogle_core.errors import LibraryError
 
 __all__ = ["API_VERSION", "check_versions"]
@@ -31,13 +32,14 @@ def check_versions(address: ServiceAddress, info: Mapping[str, Any]) -> None:
         The sentence says which side to update.
     """
     theirs, own = int(info["api"]), metadata.version("shapegoogle-core")
+    version = text(info["version"])[:40]
     if theirs > API_VERSION:
         raise LibraryError(
-            f"'{address}' runs Shape Google {info['version']}, which this version {own} is too old for; "
+            f"'{address}' runs Shape Google {version}, which this version {own} is too old for; "
             "update Shape Google on this computer"
         )
     if theirs < API_VERSION:
         raise LibraryError(
-            f"'{address}' runs Shape Google {info['version']}, which is too old for this version {own}; "
+            f"'{address}' runs Shape Google {version}, which is too old for this version {own}; "
             "ask whoever runs the service to update it"
         )

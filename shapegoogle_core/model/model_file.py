@@ -44,6 +44,9 @@ __all__ = [
 FORMAT = 1
 """Version of the model file; files of higher versions are refused."""
 
+# A file that claims to hold more than any model does is not unpacked.
+_MOST_BYTES = 2**28
+
 Arrays = dict[str, NDArray[np.generic]]
 Fields = Mapping[str, Any]
 """Fields of a `ShapeModel` by their names."""
@@ -189,6 +192,8 @@ def unpack(data: bytes, origin: str) -> tuple[Fields, str]:
         If the archive has a newer format. A damaged archive raises any exception; see `damage_refused`.
     """
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+        if sum(entry.file_size for entry in archive.zip.infolist()) > _MOST_BYTES:
+            raise ValueError
         arrays = {name: archive[name] for name in archive.files}
     header = json.loads(str(arrays["header"]))
     if header["format"] > FORMAT:

@@ -116,9 +116,11 @@ class Line:
             Of `submit`.
         """
         request = self._waiting.pop(future, None)
+        # Cancelling only the future of the event loop would reach the request later, when it may have begun.
+        running = request is not None and not request.outcome.cancel()
         future.cancel()
         with self._lock:
-            if request is not None and self._thread is not None and self._thread.request is request:
+            if running and self._thread is not None and self._thread.request is request:
                 self._lost.add(self._thread)
                 self._thread = None
         self._has_thread()

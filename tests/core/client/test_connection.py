@@ -3,21 +3,30 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import json
+import math
+import os
 import socket
 import ssl
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import pytest
+from PIL import Image
 
 import shapegoogle_core as sg
 from shapegoogle_core.client import Connection, KeptTokens, LibraryAddress, ServiceAddress
 from shapegoogle_core.client.connection import NotThereError
+from shapegoogle_core.client.models import model_file, model_of_service
 from shapegoogle_core.client.places import Places
+from shapegoogle_core.client.values import one_of, picture, real, text
 from shapegoogle_core.client.versions import API_VERSION, check_versions
 from shapegoogle_core.library.search.settings import RerankSettings
 from tests.core.sentences import faults
@@ -36,6 +45,10 @@ def serve() -> Iterator[Serve]:
         left = list(answers)
 
         class Handler(BaseHTTPRequestHandler):
+            def do_POST(self) -> None:
+                self.rfile.read(int(self.headers["Content-Length"]))
+                self.do_GET()
+
             def do_GET(self) -> None:
                 status, headers, content = left.pop(0) if len(left) > 1 else left[0]
                 self.send_response(status)
@@ -90,6 +103,9 @@ def error(sentence: str) -> bytes:
         (504, {}, error("the library did not answer within 60 s"), "did not answer within 60 s"),
         (500, {}, b'{"error": "two\\nlines"}', "does not work at the moment"),
         (413, {}, b"", "refused the request as too large or too frequent"),
+        (503, {"Retry-After": "\xb2"}, b"", "does not work at the moment"),
+        (503, {"Retry-After": "9" * 5_000}, b"", "does not work at the moment"),
+        (302, {"Location": f"https://{'a' * 5_000}/"}, b"", "sends requests on to another address"),
     ],
 )
 def test_a_refusal(serve: Serve, status: int, headers: dict[str, str], content: bytes, expected: str) -> None:
@@ -111,13 +127,16 @@ def test_a_connection_that_is_lost_or_refused() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listening:
         port = listening.getsockname()[1]
 
-        def hang_up() -> None:
-            listening.accept()[0].close()
+        def hang_up(said: bytes) -> None:
+            with listening.accept()[0] as client:
+                client.recv(4_000)
+                client.sendall(said)
 
-        thread = threading.Thread(target=hang_up)
-        thread.start()
-        assert "was lost; try again" in refusal(f"http://127.0.0.1:{port}")
-        thread.join()
+        for said in (b"", b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n{}"):
+            thread = threading.Thread(target=hang_up, args=(said,))
+            thread.start()
+            assert "was lost; try again" in refusal(f"http://127.0.0.1:{port}")
+            thread.join()
         # It is accepted by the system, and never answered.
         slow = Connection(ServiceAddress.parse(f"http://127.0.0.1:{port}"), timeout=0.2)
         with pytest.raises(sg.LibraryError, match=r"did not answer within 0\.2 s"):
@@ -145,6 +164,8 @@ def test_certificates(serve: Serve, tmp_path: Path) -> None:
         ("https://", "is no address of a service"),
         ("https://two words", "is no address of a service"),
         ("https://a:70000", "is no address of a service"),
+        ("https://a:0", "is no address of a service"),
+        ("https://shapes..studio", "is no address of a service"),
         ("https://a/?x=1", "leave out what follows"),
     ],
 )
@@ -182,6 +203,63 @@ def test_places(tmp_path: Path) -> None:
     # A service names no files outside the folder that was chosen.
     for path in ("../b.obj", "a/../../b.obj", "/etc/b.obj", "C:\\b.obj", "..\\b.obj"):
         assert not Path(places.source({"root": "assets", "path": path})).is_absolute()
+    for root, path in (("", "/etc/b.obj"), ("/etc", "b.obj"), ("C:", "b.obj"), ("", r"\\nas\b.obj")):
+        assert places.source({"root": root, "path": path}) == "b.obj"
+    with understood_as_wrong():
+        places.source({"root": "assets", "path": "a\0b"})
+
+
+def understood_as_wrong() -> Any:
+    return pytest.raises((TypeError, ValueError))
+
+
+def test_values_that_no_service_sends() -> None:
+    for value in (1, None, "half a pair \ud800", "a\0b"):
+        with understood_as_wrong():
+            text(value)
+    for number in ("1", None, math.nan, math.inf):
+        with understood_as_wrong():
+            real(number)
+    with understood_as_wrong():
+        one_of(("a", "b"), {})
+    stored = BytesIO()
+    Image.new("L", (4, 4)).save(stored, "png")
+    png = stored.getvalue()
+    assert picture(base64.b64encode(png).decode()) == png
+    huge = png[:16] + b"\0\0\xff\xff" + png[20:]
+    for content in (b"", b"no picture", png[:20], huge):
+        with understood_as_wrong():
+            picture(base64.b64encode(content).decode())
+
+
+def test_pages_that_do_not_go_on_end(serve: Serve, tmp_path: Path) -> None:
+    model = sg.load_model()
+    content = model.to_bytes()
+    about = {"api": API_VERSION, "version": "1", "model_hash": hashlib.sha256(content).hexdigest()}
+    info = json.dumps({**about, "roots": [], "shapes": 1, "without_views": 0}).encode()
+    page = json.dumps({"shapes": [], "next": 0, "ready": True, "groups": []}).encode()
+    address = serve((200, {}, info), (200, {}, content), (200, {}, page))
+    with sg.ServiceLibrary.connect(address, cache=tmp_path) as library:
+        for ask in (library.find, library.duplicates):
+            with pytest.raises(sg.LibraryError, match="no Shape Google service"):
+                ask()
+
+
+def test_few_models_are_kept_and_only_models(serve: Serve, tmp_path: Path) -> None:
+    def ask(content: bytes) -> None:
+        address = ServiceAddress.parse(serve((200, {}, content)))
+        model_of_service(Connection(address), hashlib.sha256(content).hexdigest(), tmp_path)
+
+    with pytest.raises(sg.LibraryError, match="is not a Shape Google model"):
+        ask(b"anything else")
+    assert list(tmp_path.iterdir()) == []
+    for number in range(9):
+        path = model_file(f"{number:064}", tmp_path)
+        path.touch()
+        os.utime(path, (number, number))
+    ask(sg.load_model().to_bytes())
+    assert len(list(tmp_path.iterdir())) == 8
+    assert not model_file(f"{1:064}", tmp_path).exists()
 
 
 def test_files_that_a_service_cannot_know(tmp_path: Path) -> None:

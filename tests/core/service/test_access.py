@@ -271,6 +271,25 @@ def test_what_was_given_up_does_not_hold_up_the_others() -> None:
     assert asyncio.run(ask()) == ["search 0", "search 1", "search 2", "search 3"]
 
 
+def test_what_was_given_up_while_it_waited_does_not_run() -> None:
+    ended, reached = threading.Event(), threading.Event()
+    ran: list[int] = []
+
+    async def ask() -> None:
+        line = Line("unused.sglib", 3)
+        line.submit(lambda _thread: ended.wait())
+        waiting = line.submit(lambda _thread: ran.append(1))
+        line.submit(lambda _thread: reached.set())
+        line.give_up(waiting)
+        ended.set()
+        # Without letting the event loop run: the thread may be faster than it.
+        assert reached.wait(60)
+        line.close()
+
+    asyncio.run(ask())
+    assert ran == []
+
+
 def test_an_upload_that_takes_too_long_or_too_much(serve: Serve) -> None:
     ball = trimesh.creation.icosphere(6).export(file_type="off").encode()
     answer = serve(time_limit=0.05).post("/api/uploads", files={"file": ("ball.off", ball)})
