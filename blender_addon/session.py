@@ -101,6 +101,11 @@ def unregister() -> None:
         "active_match",
         "versions",
         "opened",
+        "checking",
+        "check_status",
+        "new_objects",
+        "decisions",
+        "decided",
     ):
         session.property_unset(name)
     del bpy.types.WindowManager.shape_google

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import bpy
 
@@ -16,7 +16,7 @@ from ..library.status_bar import redraw_status_bar
 from ..search.answer import describe_match
 from ..state import session_of
 from ..translation import counted, error_text, tr
-from .known import note_all, objects_to_check
+from .known import objects_to_check
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from shapegoogle_core.worker.checking import Near
 
 __all__ = ["register", "unregister"]
+
+T = TypeVar("T")
 
 # Meshes handed to the worker at once: a search waits for no more than these.
 MESHES_AT_ONCE = 2
@@ -104,6 +106,11 @@ class Check:
             done=self._next, total=self.count
         )
 
+    def note_checked(self) -> None:
+        """Note that the objects are known; others that were added meanwhile are not."""
+        known = state.current().new_objects.known
+        known.update(uid for group in self._groups for uid in group)
+
     def summary(self, context: Any) -> str:
         """Say what was found."""
         if not self.count:
@@ -156,38 +163,44 @@ class SHAPEGOOGLE_OT_check_new_objects(bpy.types.Operator):
         session.checking, session.check_progress = True, 0.0
         session.check_status = tr("Looking for objects …")
 
-        def failed(error: BaseException) -> None:
-            session = session_of(bpy.context)
-            session.checking, session.check_status = False, error_text(error)
-            redraw_status_bar()
+        def wait_for(future: Future[T], then: Callable[[T], None]) -> None:
+            own.task = future
+
+            def done(result: T) -> None:
+                if own.task is future:  # else cancelled, or another file
+                    then(result)
+
+            def failed(error: BaseException) -> None:
+                if own.task is future:
+                    own.task = None
+                    session = session_of(bpy.context)
+                    session.checking, session.check_status = False, error_text(error)
+                    redraw_status_bar()
+
+            jobs.watch(future, done, failed)
 
         def begin(indexed: frozenset[str]) -> None:
             session = session_of(bpy.context)
-            check = Check(bpy.context, objects_to_check(bpy.context, session.check_which, indexed))
-            go_on(check)
+            go_on(Check(bpy.context, objects_to_check(bpy.context, session.check_which, indexed)))
 
         def go_on(check: Check) -> None:
-            if not session_of(bpy.context).checking:  # cancelled, or another file
-                return
             groups, meshes = check.read(bpy.context)
             if not meshes:
                 _end(bpy.context, check)
                 return
-            own.task = future = check.ask(meshes)
 
-            def done(found: list[Near | str | None]) -> None:
-                if own.task is future:
-                    check.take(bpy.context, groups, found)
-                    redraw_status_bar()
-                    go_on(check)
+            def take(found: list[Near | str | None]) -> None:
+                check.take(bpy.context, groups, found)
+                redraw_status_bar()
+                go_on(check)
 
-            jobs.watch(future, done, failed)
+            wait_for(check.ask(meshes), take)
 
-        own.task = future = self._indexed(context)
+        future = self._indexed(context)
         if future is None:
             begin(frozenset())
         else:
-            jobs.watch(future, begin, failed)
+            wait_for(future, begin)
         return {"FINISHED"}
 
     def execute(self, context: Any) -> set[str]:
@@ -230,7 +243,7 @@ def _end(context: Any, check: Check) -> None:
     session = session_of(context)
     session.checking, session.check_status = False, check.summary(context)
     state.current().new_objects.task = None
-    note_all()
+    check.note_checked()
     redraw_status_bar()
     jobs.redraw()
 

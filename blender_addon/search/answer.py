@@ -50,6 +50,8 @@ def show_answer(context: Any, answer: Answer, seconds: float) -> None:
     session.asked = answer.examples
     state.current().search.examples = state.current().search.coming
     pictures.clear()
+    # What came from the library is not new to it, also when this list begins again.
+    state.current().new_objects.known |= state.current().gallery.placed
     state.current().gallery.placed.clear()
     state.current().search.asked_with = state.current().search.asking_with
     show_matches(context, answer, seconds)

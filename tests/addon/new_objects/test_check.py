@@ -59,6 +59,24 @@ def test_new_copies_are_listed_once_kept_and_checked_again(checked: Any) -> None
     assert check(checked) == {"Imported": "Pear"}
 
 
+def test_only_what_was_checked_is_known_then(checked: Any, addon: ModuleType) -> None:
+    pear, late = lumpy("Imported", 1), lumpy("Late", 1)
+    bpy.ops.object.select_all(action="DESELECT")
+    pear.select_set(True)
+    checked.check_which = "SELECTED"
+    assert check(checked) == {"Imported": "Pear"}
+    checked.check_which = "NEW"
+    assert check(checked) == {"Late": "Pear"}
+    # What came from the gallery stays known after the next search.
+    placed = importlib.import_module(f"{addon.__name__}.state").current().gallery.placed
+    placed.add(lumpy("Appended", 1).session_uid)
+    late.select_set(True)
+    bpy.context.view_layer.objects.active = late
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert not placed
+    assert check(checked) == {}
+
+
 def test_it_is_remembered_that_both_are_kept(checked: Any) -> None:
     pear = lumpy("Imported", 1)
     assert check(checked) == {"Imported": "Pear"}
