@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .duplicates.link_operator import SHAPEGOOGLE_OT_link_duplicates
     from .duplicates.operators import SHAPEGOOGLE_OT_find_duplicates
     from .gallery.compare.shown import Shown
+    from .gallery.editor.dragging import Dragged
     from .gallery.editor.typed_text import TypedText
     from .jobs import BackgroundRun
     from .library.scene_source import SceneIndexing
@@ -230,12 +231,15 @@ class GalleryState:
         Session uid of the scene and those of its objects; None after a change.
     view : GalleryView
         Of the large gallery.
+    dragged : Dragged or None
+        The match that is being dragged out of it.
     """
 
     pictures: Any = None
     placed: set[int] = field(default_factory=set)
     numbers: tuple[int, set[int]] | None = None
     view: GalleryView = field(default_factory=GalleryView)
+    dragged: Dragged | None = None
 
 
 @dataclass

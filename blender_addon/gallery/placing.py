@@ -15,6 +15,7 @@ from ..library.address import is_service
 from ..library.open_file import is_open_file, is_unsaved
 from ..reading.importers import importer_of, is_importable
 from ..scene.finding import Sought
+from ..scene.selection import collection_for_new
 from . import blend_objects
 from .errors import GONE, PlacingError
 
@@ -222,7 +223,7 @@ def _instance(context: Any, path: Path, object_name: str) -> Any:
             name=object_name,
             collections=", ".join(repr(collection.name) for collection in item.users_collection),
         )
-    context.collection.objects.link(item)
+    collection_for_new(context).objects.link(item)
     return item
 
 

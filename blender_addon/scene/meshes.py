@@ -14,7 +14,7 @@ from ..reading.entries import MOST_FACES, SHAPE_TYPES
 from ..reading.instancers import collect_instances, is_carrier
 from ..translation import marked, tr
 from . import mesh_arrays
-from .selection import joined_name, mesh_objects, meshes_of, query_objects
+from .selection import collection_for_new, joined_name, mesh_objects, meshes_of, query_objects
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
@@ -294,7 +294,7 @@ def new_object(context: Any, mesh: Mesh, name: str) -> Any:
     data = bpy.data.meshes.new(name)
     data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
     item = bpy.data.objects.new(name, data)
-    context.collection.objects.link(item)
+    collection_for_new(context).objects.link(item)
     return item
 
 

@@ -12,6 +12,7 @@ from ..translation import tr
 __all__ = [
     "CARRIERS",
     "asset_tags",
+    "collection_for_new",
     "joined_name",
     "mesh_objects",
     "meshes_of",
@@ -23,6 +24,25 @@ __all__ = [
 
 CARRIERS = ("ARMATURE", "LATTICE", "EMPTY")
 """Types of objects without a surface that carry or deform meshes; an artist selects them in their place."""
+
+
+def collection_for_new(context: Any) -> Any:
+    """Return the collection that new objects go into.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+
+    Returns
+    -------
+    collection : bpy.types.Collection
+        The active one; where it cannot be changed or seen, that of the scene, as Blender does.
+    """
+    active = context.collection
+    is_linked = active.library is not None or active.override_library is not None
+    if is_linked or context.view_layer.active_layer_collection.exclude:
+        return context.scene.collection
+    return active
 
 
 def mesh_objects(objects: Sequence[Any]) -> list[Any]:

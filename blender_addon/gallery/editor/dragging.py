@@ -10,6 +10,7 @@ import bpy
 from bpy.props import FloatVectorProperty
 
 from ... import state
+from ...scene.selection import collection_for_new
 from ...translation import error_text, tr
 from .. import finding, placing
 from ..errors import PlacingError
@@ -82,8 +83,9 @@ def _copies(context: Any, match: Any, here: Any) -> list[Any]:
     placing.to_object_mode(context)
     originals = finding.placements_here(context, match) if match.shape_type == "collection" else [here]
     copies = {item: item.copy() for item in originals}
+    collection = collection_for_new(context)
     for item, copy in copies.items():
-        context.collection.objects.link(copy)
+        collection.objects.link(copy)
         if item.parent in copies:
             copy.parent = copies[item.parent]
             copy.matrix_parent_inverse = item.matrix_parent_inverse
@@ -109,7 +111,7 @@ def begin(context: Any, shape_id: int, x: int, y: int) -> Dragged:
     dragged : Dragged
         For `move` and `end`.
     """
-    dragged = Dragged(shape_id, x, y)
+    dragged = state.current().gallery.dragged = Dragged(shape_id, x, y)
     for space in (bpy.types.SpaceView3D, bpy.types.SpaceNodeEditor):
         dragged.handles.append((space, space.draw_handler_add(_draw, (dragged,), "WINDOW", "POST_PIXEL")))
     context.window.cursor_modal_set("HAND")
@@ -131,10 +133,13 @@ def end(context: Any, dragged: Dragged) -> None:
     """Show it no more."""
     for space, handle in dragged.handles:
         space.draw_handler_remove(handle, "WINDOW")
-    context.window.cursor_modal_restore()
-    context.workspace.status_text_set(None)
-    for each in context.window.screen.areas:
-        each.tag_redraw()
+    if state.is_registered():
+        state.current().gallery.dragged = None
+    for window in context.window_manager.windows:
+        window.cursor_modal_restore()
+        window.workspace.status_text_set(None)
+        for each in window.screen.areas:
+            each.tag_redraw()
 
 
 def drop(context: Any, x: int, y: int) -> bool:
@@ -184,4 +189,12 @@ def _draw(dragged: Dragged) -> None:
     painter.image(Box(x - side / 2, y, x + side / 2, y + side), texture, _STRENGTH)
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_drop_match,))
+register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_drop_match,))
+
+
+def unregister() -> None:
+    """Unregister the operator, and show what is being dragged no more: Blender does not tell who drags it."""
+    dragged = state.current().gallery.dragged
+    if dragged is not None:
+        end(bpy.context, dragged)
+    _unregister()

@@ -236,10 +236,15 @@ class SHAPEGOOGLE_OT_gallery_scroll(InGallery, bpy.types.Operator):
         """Scroll."""
         view = state.current().gallery.view
         if view.comparison is not None:
-            from ..compare.turning import zoomed
+            from ..compare.turning import turned, zoomed
 
-            closer = self.step in ("UP", "LARGER")
-            view.comparison.zoom = zoomed(view.comparison.zoom, 1 if closer else -1)
+            shown = view.comparison
+            if self.step == "PAN":
+                scale = context.preferences.system.ui_scale
+                right, up = event.mouse_x - event.mouse_prev_x, event.mouse_y - event.mouse_prev_y
+                shown.direction = turned(shown.direction, right / scale, up / scale)
+            else:
+                shown.zoom = zoomed(shown.zoom, 1 if self.step in ("UP", "LARGER") else -1)
         elif self.step in ("LARGER", "SMALLER"):
             resize(context, 1 if self.step == "LARGER" else -1)
         else:

@@ -96,4 +96,12 @@ class SHAPEGOOGLE_OT_gallery_search(InGallery, bpy.types.Operator):
         context.workspace.status_text_set(None)
 
 
-register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_gallery_search,))
+register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_gallery_search,))
+
+
+def unregister() -> None:
+    """Unregister the operator, which Blender ends without telling it."""
+    if state.current().gallery.view.typed is not None:
+        for window in bpy.context.window_manager.windows:
+            window.workspace.status_text_set(None)
+    _unregister()

@@ -3,12 +3,16 @@
 
 from __future__ import annotations
 
-import io
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gpu
 
 from ... import state
+from ..pictures import pixels_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["clear", "texture_of"]
 
@@ -37,7 +41,8 @@ def texture_of(shape_id: int, *, make: bool = True) -> Any | None:
     if not make:
         return None
     png = _png(shape_id)
-    textures[shape_id] = None if png is None else _texture(png)
+    pixels = None if png is None else pixels_of(png)
+    textures[shape_id] = None if pixels is None else _texture(pixels)
     while len(textures) > _MOST:
         textures.popitem(last=False)
     return textures[shape_id]
@@ -61,13 +66,8 @@ def _png(shape_id: int) -> bytes | None:
     return None
 
 
-def _texture(png: bytes) -> Any:
-    import numpy as np
-    from PIL import Image
-
-    with Image.open(io.BytesIO(png)) as image:
-        # Rows from below. Transparent pixels have no colour, which smoothing would mix in: multiply it in.
-        pixels = np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
+def _texture(pixels: NDArray[np.float32]) -> Any:
+    # Transparent pixels have no colour, which smoothing would mix in: multiply it in.
     pixels = pixels.copy()
     pixels[..., :3] *= pixels[..., 3:]
     height, width = pixels.shape[:2]

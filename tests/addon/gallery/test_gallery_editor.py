@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import bpy
 import pytest
 from mathutils import Vector
+from PIL import Image
 
 from tests.addon.shapes import lumpy, open_source
 
@@ -57,6 +59,42 @@ def test_what_is_in_the_scene_is_copied_with_the_same_data(blender: Any, session
     assert low_middle(copy) == pytest.approx((5, 0, 1), abs=1e-4)
     assert copy.rotation_euler.z == pytest.approx(0.5)
     assert tuple(item.location) == before
+
+
+def test_a_match_goes_into_the_scene_where_the_active_collection_is_closed(
+    blender: Any, session: Any, addon: ModuleType, tmp_path: Path
+) -> None:
+    closed = bpy.data.collections.new("Closed")
+    bpy.context.scene.collection.children.link(closed)
+    path = tmp_path / "other.blend"
+    bpy.data.libraries.write(str(path), {closed})
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.collections = ["Closed"]
+    linked = wanted.collections[0]
+    bpy.context.scene.collection.children.link(linked)
+    layer = bpy.context.view_layer
+    lumpy("Here", 1)
+    match = session.matches.add()
+    match.name = match.object_name = "Here"
+    match.source = open_source()
+    session.active_match = 0
+    for child in layer.layer_collection.children:
+        layer.active_layer_collection = child
+        assert bpy.context.collection in (closed, linked)
+        child.exclude = bpy.context.collection == closed
+        assert bpy.ops.shape_google.drop_match(location=(5, 0, 1)) == {"FINISHED"}
+        (copy,) = bpy.context.selected_objects
+        assert list(copy.users_collection) == [bpy.context.scene.collection]
+
+
+def test_a_damaged_picture_is_none(addon: ModuleType) -> None:
+    pictures = importlib.import_module(f"{addon.__name__}.gallery.pictures")
+    content = io.BytesIO()
+    Image.new("RGBA", (64, 64), (255, 0, 0, 255)).save(content, "PNG")
+    png = content.getvalue()
+    assert pictures.pixels_of(png).shape == (64, 64, 4)
+    for damaged in (b"", b"no picture", png[:60], png[:16] + b"\xff" * 4 + png[20:]):
+        assert pictures.pixels_of(damaged) is None
 
 
 def test_a_place_is_on_a_surface_else_on_the_floor_else_in_the_plane_of_the_cursor(
