@@ -134,8 +134,11 @@ def swap(
         old = items[0].data
         correction, aligned = _correction(items[0], incoming, place, choices)
         new = _corrected(data, incoming, correction)
+        is_shared = incoming.is_shared and new == data
         for item in items:
-            _exchange(item, new, choices, done)
+            exchanged = _exchange(item, new, is_shared, choices, done)
+            # The others share the copy that the first one got.
+            is_shared, new = is_shared and exchanged == new, exchanged
         done.items += items
         done.aligned += len(items) if aligned else 0
         if not old.users and choices.keep_mesh:
@@ -205,8 +208,12 @@ def _corrected(data: Any, incoming: Incoming, correction: FloatArray) -> Any:
     return new
 
 
-def _exchange(item: Any, new: Any, choices: Choices, done: Swapped) -> None:
+def _exchange(item: Any, new: Any, is_shared: bool, choices: Choices, done: Swapped) -> Any:
+    """Give an object its new mesh; return it, which may be a copy."""
     materials = [slot.material for slot in item.material_slots]
+    if choices.keep_materials and materials and not new.materials and (is_shared or new.library is not None):
+        # It gets a slot, which those that have it already do not.
+        new = new.copy()
     item.data = new
     for number, slot in enumerate(item.material_slots):
         if choices.keep_materials and materials:
@@ -215,7 +222,7 @@ def _exchange(item: Any, new: Any, choices: Choices, done: Swapped) -> None:
             slot.material = materials[min(number, len(materials) - 1)]
         else:
             slot.link = "DATA"
-    if choices.keep_materials and materials and not len(item.material_slots) and new.library is None:
+    if choices.keep_materials and materials and not len(item.material_slots):
         new.materials.append(None)
         item.material_slots[0].link = "OBJECT"
         item.material_slots[0].material = materials[0]
@@ -224,3 +231,4 @@ def _exchange(item: Any, new: Any, choices: Choices, done: Swapped) -> None:
         for modifier in off:
             modifier.show_viewport = modifier.show_render = False
         done.switched_off.append(item.name)
+    return new
