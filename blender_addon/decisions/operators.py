@@ -96,7 +96,7 @@ class _Decides:
         raise NotImplementedError
 
     @staticmethod
-    def _follow(context: Any, kind: str, *, wait: bool = False) -> None:
+    def _follow(context: Any, kind: str, shapes: Sequence[Any], *, wait: bool = False) -> None:
         """Show what has changed by it."""
         raise NotImplementedError
 
@@ -110,7 +110,7 @@ class _Decides:
 
         def done(made: list[Decision]) -> None:
             _show(bpy.context, made, sentence)
-            follow(bpy.context, kind)
+            follow(bpy.context, kind, shapes)
 
         def failed(error: BaseException) -> None:
             _say(bpy.context, error_text(error))
@@ -128,7 +128,7 @@ class _Decides:
         shapes, others, sentence = planned
         try:
             _show(context, submit(context, self.kind, shapes, others).result(), sentence)
-            self._follow(context, self.kind, wait=True)
+            self._follow(context, self.kind, shapes, wait=True)
         except ShapeGoogleError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
@@ -219,7 +219,7 @@ class SHAPEGOOGLE_OT_decide_match(OnMatch, _Decides, bpy.types.Operator):
         return shapes, others, sentence
 
     @staticmethod
-    def _follow(context: Any, kind: str, *, wait: bool = False) -> None:
+    def _follow(context: Any, kind: str, _shapes: Sequence[Any], *, wait: bool = False) -> None:
         """Search again without what is no match."""
         if kind != "NOT_A_MATCH":
             return
@@ -276,23 +276,30 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
         return [member.shape_id], others, sentence
 
     @staticmethod
-    def _follow(context: Any, kind: str, *, wait: bool = False) -> None:
+    def _follow(context: Any, kind: str, shapes: Sequence[Any], *, wait: bool = False) -> None:
         """Show the groups without what is kept; a new master has to be compared with the others."""
         shown = context.window_manager.shape_google_duplicates
         if kind == "MASTER":
             bpy.ops.shape_google.find_duplicates("EXEC_DEFAULT" if wait else "INVOKE_DEFAULT")
             return
-        chosen = _chosen_member(shown)
-        if chosen is None:
+        # Another line may be chosen by now, or others be listed.
+        found = [
+            (number, place)
+            for number, group in enumerate(shown.groups)
+            for place, member in enumerate(group.members)
+            if member.shape_id in shapes
+        ]
+        if shown.found_in != "LIBRARY" or not found:
             return
-        group, member = chosen
-        if member == group.members[0] or len(group.members) < 3:
-            shown.groups.remove(shown.index)
-            shown.index = min(shown.index, max(0, len(shown.groups) - 1))
+        number, place = found[0]
+        group = shown.groups[number]
+        if place == 0 or len(group.members) < 3:
+            shown.groups.remove(number)
+            shown.index = min(shown.index - (number < shown.index), max(0, len(shown.groups) - 1))
             return
-        group.members.remove(group.active_member)
+        group.members.remove(place)
         group.meshes -= 1
-        group.active_member = min(group.active_member, len(group.members) - 1)
+        group.active_member = min(group.active_member - (place < group.active_member), len(group.members) - 1)
 
 
 def _chosen_member(shown: Any) -> tuple[Any, Any] | None:
