@@ -129,7 +129,9 @@ def _is_one(key: ShapeKey, shape: ShapeKey) -> bool:
     if key.fingerprint and key.fingerprint == shape.fingerprint:
         return True
     names = (key.object_name, key.name) == (shape.object_name, shape.name)
-    return names and bool(key.path) and shape.path.replace("\\", "/").endswith(key.path)
+    # One of the two may be known below its root only.
+    path = "/" + shape.path.replace("\\", "/")
+    return names and bool(key.path) and path.endswith("/" + key.path.lstrip("/"))
 
 
 def names_of(path: LibraryAddress | Place, source: str) -> frozenset[str]:

@@ -15,7 +15,9 @@ import shapegoogle_core as sg
 from shapegoogle_core import cli
 from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
+from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.service.tokens import TokenFile
+from shapegoogle_core.worker.checking import Near, check_meshes
 from shapegoogle_core.worker.requests import changing, library_state
 from shapegoogle_core.worker.session import Session
 from tests.core.service.running import Running, running_service
@@ -152,6 +154,26 @@ def test_decisions(address: LibraryAddress) -> None:
         with pytest.raises(sg.LibraryError, match="no shape 99"):
             library.decide("master", 99)
         assert box.name == "box.ply"
+
+
+def test_what_is_kept_beside_a_shape_is_known_by_its_mesh(address: LibraryAddress) -> None:
+    """No check of new objects lists it again, in whatever file and under whatever name."""
+    ball = Mesh(SHAPES["ball.ply"].vertices * 3.0, SHAPES["ball.ply"].faces, "Moon")
+
+    def near(mesh: Mesh, source: str) -> list[str]:
+        found = check_meshes(address, [mesh], source, 0.99)
+        return [line.match.name for line in found if isinstance(line, Near)]
+
+    assert near(ball, "/scenes/sky.blend") == ["ball.ply"]
+    with changing(address) as library:
+        (stored,) = library.find(sg.Filter(name="ball"))
+        signature = library.model.describe(ball)
+        kept = library.decide("keep both", signature, stored.shape_id, name="Moon", source="sky.blend")
+    moved = Mesh(ball.vertices + 5.0, ball.faces, "Moon.001")
+    assert near(moved, "/scenes/other.blend") == []
+    with changing(address) as library:
+        library.undo(kept.number)
+    assert near(moved, "/scenes/other.blend") == ["ball.ply"]
 
 
 def test_searches_that_a_service_has_forgotten(address: LibraryAddress, folder: Path, token: str) -> None:
