@@ -123,7 +123,7 @@ TEXTS = {
     "Training": "Training",
     "Trained": "Trainiert",
     "How the last training ended": "Wie das letzte Training endete",
-    "Train Model on This Library": "Modell mit dieser Bibliothek trainieren",
+    "Train Model on This Library": "Modell trainieren",
     "Train words, metric and codes on the shapes of the chosen sources, in the background: about a second for each shape and version. The model is for new libraries; this one keeps its own": "Wörter, Metrik und Codes mit den Formen der gewählten Quellen im Hintergrund trainieren: etwa eine Sekunde für jede Form und Version. Das Modell ist für neue Bibliotheken; diese behält ihres",
     "Cancel Training": "Training abbrechen",
     "Stop training; no model is written": "Das Training beenden; kein Modell wird geschrieben",
