@@ -117,7 +117,7 @@ TEXTS = {
     "Model": "Modell",
     "Model of the library, or of a new one": "Modell der Bibliothek, oder einer neuen",
     "Show the model and its training": "Das Modell und sein Training anzeigen",
-    "Not Indexed": "Nicht indiziert",
+    "Not Indexed": "Unindiziert",
     "Show what was not indexed, and why": "Anzeigen, was nicht indiziert wurde, und warum",
     # Training
     "Training": "Training",
