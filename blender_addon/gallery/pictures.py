@@ -59,7 +59,7 @@ def pixels_of(png: bytes) -> NDArray[np.float32] | None:
 
     try:
         with Image.open(io.BytesIO(png)) as image:
-            return np.asarray(image.convert("RGBA"), np.float32)[::-1] / 255
+            return np.asarray(image.convert("RGBA"), np.float32)[::-1] / np.float32(255)
     # What Pillow raises for a damaged file.
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return None
