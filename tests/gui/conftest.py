@@ -45,7 +45,7 @@ FIRST_HEADER, FIRST_BUTTON, HEADER, TABS, STEP = 16, 32, 28, 20, 14
 HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
 # Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing; and
 # until Blender has noticed where the pointer is.
-LIMIT, STILL, NOTICED = 120.0, 1.0, 0.07
+LIMIT, STILL, NOTICED = 600.0, 1.0, 0.07
 # Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
 HESITATION = 0.5
 TOOLS = ("Xvfb", "xdotool", "import")
