@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["progress_text", "step_text", "summary_text"]
 
-# Kinds of objects that are no shapes, as `reading` and the core name them; others are shown as they are.
+# Kinds of objects that are no shapes, as `reading` names them; others are shown in English.
 LEFT_OUT = {
     "light": countable("{count:,} light", "{count:,} lights"),
     "camera": countable("{count:,} camera", "{count:,} cameras"),
@@ -31,6 +31,7 @@ LEFT_OUT = {
     "light probe": countable("{count:,} light probe", "{count:,} light probes"),
     "grease pencil": countable("{count:,} grease pencil", "{count:,} grease pencils"),
     "hair object": countable("{count:,} hair object", "{count:,} hair objects"),
+    "mesh without faces": countable("{count:,} mesh without faces", "{count:,} meshes without faces"),
     "empty mesh": countable("{count:,} empty mesh", "{count:,} empty meshes"),
     "empty point cloud": countable("{count:,} empty point cloud", "{count:,} empty point clouds"),
     "empty curve": countable("{count:,} empty curve", "{count:,} empty curves"),
@@ -192,8 +193,10 @@ def _counts(summary: IndexSummary) -> list[str]:
 
 
 def _left_out(notes: Sequence[LeftOut]) -> str:
+    from shapegoogle_core.indexing.notes import with_number
+
     kinds = [
-        counted(*LEFT_OUT[note.kind], note.count) if note.kind in LEFT_OUT else f"{note.count:,} {note.kind}"
+        counted(*LEFT_OUT[note.kind], note.count) if note.kind in LEFT_OUT else with_number(note)
         for note in notes
     ]
     return counted(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from shapegoogle_core.api.text import counted
 
-__all__ = ["NO_NOTES", "FileNotes", "LeftOut", "left_out_sentence", "total_left_out"]
+__all__ = ["NO_NOTES", "FileNotes", "LeftOut", "left_out_sentence", "total_left_out", "with_number"]
 
 
 @dataclass(frozen=True)
@@ -86,18 +86,36 @@ def left_out_sentence(notes: Iterable[LeftOut]) -> str:
     total = total_left_out(notes)
     if not total:
         return ""
-    kinds = ", ".join(_with_number(note) for note in total)
+    kinds = ", ".join(with_number(note) for note in total)
     return f"{counted(sum(note.count for note in total), 'object')} skipped: {kinds}"
 
 
-def _with_number(note: LeftOut) -> str:
+def with_number(note: LeftOut) -> str:
+    """Name a kind of object with its number.
+
+    Parameters
+    ----------
+    note : LeftOut
+
+    Returns
+    -------
+    text : str
+
+    Examples
+    --------
+    >>> from shapegoogle_core.indexing.notes import LeftOut, with_number
+    >>> with_number(LeftOut("empty", 2)), with_number(LeftOut("object of a missing file", 3))
+    ('2 empties', '3 objects of a missing file')
+    """
     if note.count == 1:
         return f"1 {note.kind}"
-    noun, without, rest = note.kind.partition(" without ")
+    # Of "mesh without faces" and "object of a missing file" the first word is the noun.
+    joint = next((word for word in (" without ", " of ") if word in note.kind), " without ")
+    noun, joint, rest = note.kind.partition(joint)
     if noun.endswith("sh"):
         noun = f"{noun}es"
     elif noun.endswith("ty"):
         noun = f"{noun[:-1]}ies"
     else:
         noun = f"{noun}s"
-    return f"{note.count:,} {noun}{without}{rest}"
+    return f"{note.count:,} {noun}{joint}{rest}"

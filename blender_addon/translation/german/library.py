@@ -248,6 +248,7 @@ COUNTED = {
     "{count:,} light probe": ("{count:,} Lichtsonde", "{count:,} Lichtsonden"),
     "{count:,} grease pencil": ("{count:,} Wachsstift", "{count:,} Wachsstifte"),
     "{count:,} hair object": ("{count:,} Haarobjekt", "{count:,} Haarobjekte"),
+    "{count:,} mesh without faces": ("{count:,} Masche ohne Flächen", "{count:,} Maschen ohne Flächen"),
     "{count:,} empty mesh": ("{count:,} leere Masche", "{count:,} leere Maschen"),
     "{count:,} empty point cloud": ("{count:,} leere Punktwolke", "{count:,} leere Punktwolken"),
     "{count:,} empty curve": ("{count:,} leere Kurve", "{count:,} leere Kurven"),

@@ -47,8 +47,11 @@ def test_every_sort_of_object(made: FileShapes) -> None:
     assert len(made.shapes) == len(EXPECTED)
 
 
-def test_what_is_left_out_is_counted(made: FileShapes) -> None:
+def test_what_is_left_out_is_counted(addon: ModuleType, made: FileShapes) -> None:
     assert {note.kind: note.count for note in made.notes.left_out} == LEFT_OUT
+    # Each has a text of its own, which can be translated.
+    texts = importlib.import_module(f"{addon.__name__}.library.sentences").LEFT_OUT
+    assert set(LEFT_OUT) <= set(texts)
     assert [Path(path).name for path in made.notes.linked] == ["shelves.blend"]
 
 
