@@ -29,8 +29,16 @@ def indexed(window: Any, query: Any) -> dict[str, Any]:
     # Meanwhile the window is as usable as ever: turn the view.
     direction = window.ask("view_direction")
     left, top, right, bottom = window.ask("regions")["window"]
-    window.drag(left + 0.3 * (right - left), (top + bottom) / 2, 60, 0, button=2)
-    window.wait(lambda _: window.ask("view_direction") != direction, "the view turned")
+
+    def is_turned() -> Any:
+        return window.ask("view_direction") != direction
+
+    for _ in range(4):  # a slow Blender may miss one
+        window.drag(left + 0.3 * (right - left), (top + bottom) / 2, 60, 0, button=2)
+        window.settle()
+        if is_turned():
+            break
+    window.wait(lambda _: is_turned(), "the view turned")
     turned = window.ask("state")["session"]["indexing"]
     window.rest()
     window.settle()
