@@ -19,6 +19,7 @@ from typing import Any, Self
 from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
 from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
+from shapegoogle_core.indexing.remaining import describing_order
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.storage.records import NewShape
@@ -243,7 +244,7 @@ class FilePool:
         file = step.file
         if isinstance(result, ReadFile):
             file.found = result
-            for index in range(len(result.shapes)):
+            for index in describing_order(_mesh_sizes(result)):
                 # Before files that wait to be read, so that few meshes wait on disk.
                 task = self._pool.submit(Describer.describe, result.shapes[index], first=True)
                 self._steps[task] = _Step(file, index)

@@ -11,13 +11,13 @@ small ones.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from shapegoogle_core.processes.pool import Spent
 
-__all__ = ["RemainingTime", "working_order"]
+__all__ = ["RemainingTime", "describing_order", "working_order"]
 
 # Weight of a bin relative to the next one: with 2⁻⁴, a file 32 times as large counts a millionth.
 WEIGHT = 2.0**-4
@@ -29,6 +29,10 @@ ASSUMED = 10.0
 LONGEST_PAUSE = 0.5
 # Shapes of one kind of file that count as much as all shapes of the same size.
 FEW = 4.0
+# Meshes of each size that are described first, so that none is a surprise later.
+SAMPLES = 4
+# Weight of the first description of each process, which imports modules.
+FIRST = 0.05
 # Part of the time without news by which the run is expected to go on.
 PATIENCE = 0.5
 
@@ -72,6 +76,35 @@ def working_order(
             rest += others
     large.sort(key=lambda member: -member[1])
     return samples, [*large, *rest]
+
+
+def describing_order(meshes: Sequence[int]) -> list[int]:
+    """Put the meshes of a file in the order in which the remaining time becomes known soon.
+
+    A few of each size come first, or nobody would know what the largest take if they come last.
+
+    Parameters
+    ----------
+    meshes : sequence of int
+        Their sizes in bytes.
+
+    Returns
+    -------
+    order : list of int
+        Positions in `meshes`.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.indexing.remaining import describing_order
+    >>> describing_order([10, 11, 12, 13, 5000])
+    [0, 4, 1, 2, 3]
+    """
+    numbers: defaultdict[int, int] = defaultdict(int)
+    ranks = []
+    for mesh in meshes:
+        ranks.append(min(numbers[_bin(mesh)], SAMPLES))
+        numbers[_bin(mesh)] += 1
+    return sorted(range(len(meshes)), key=ranks.__getitem__)
 
 
 @dataclass
@@ -199,11 +232,16 @@ class RemainingTime:
         """
         self.shapes_done += 1
         cost = _cost(spent)
+        is_first = self.shapes_done <= self._jobs
+        weight = FIRST if is_first else 1.0
         for kind in self._kinds_of(path):
             kind.waiting[_bin(mesh)] -= 1
             for entry in (kind.seen[_bin(size)], kind.meshes[_bin(mesh)]):
-                entry.described += 1
-                entry.describe_seconds += cost / self._slowness
+                entry.described += weight
+                entry.describe_seconds += weight * cost / self._slowness
+        if is_first:
+            self._last = now
+            return
         expected = _ratio(self._kinds[_kind(path)].meshes, _bin(mesh), "describe_seconds", "described")
         self._note_speed(cost, expected or 0.0, now)
 

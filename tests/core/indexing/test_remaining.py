@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapegoogle_core.indexing.remaining import RemainingTime, working_order
+from shapegoogle_core.indexing.remaining import RemainingTime, describing_order, working_order
 from shapegoogle_core.processes.pool import Spent
 
 SEVERAL = {".blend"}
@@ -50,11 +50,12 @@ def make_file(
 
 
 def simulate(
-    files: Sequence[File], jobs: int, *, slow_from: float = math.inf
+    files: Sequence[File], jobs: int, *, slow_from: float = math.inf, start: float = 0.0
 ) -> list[tuple[float, float | None, int]]:
     """Run the files as the pool does; returns times, estimates and expected shapes after each step.
 
-    From some time on, the machine is only half as fast.
+    From some time on, the machine is only half as fast. Processes need some seconds to start, and as many
+    more for what the first description imports.
     """
     samples, others = working_order([(file.path, file.size) for file in files], SEVERAL)
     by_path = {file.path: file for file in files}
@@ -62,20 +63,23 @@ def simulate(
     shapes: list[tuple[File, int | None]] = [(by_path[path], None) for path, _ in samples]
     waiting: list[tuple[File, int | None]] = [(by_path[path], None) for path, _ in others]
     running: list[tuple[float, int, File, int | None, float]] = []
-    now, number = 0.0, 0
+    now, number, fresh = start, 0, jobs
     estimates = []
     while waiting or shapes or running:
         while len(running) < jobs and (queue := shapes or waiting):
             file, shape = queue.pop(0)
             seconds = file.read_seconds if shape is None else file.shape_seconds[shape]
             seconds *= 1.0 if now < slow_from else 2.0
+            if shape is not None and fresh:
+                fresh -= 1
+                seconds += start
             number += 1
             heapq.heappush(running, (now + PAUSE + seconds, number, file, shape, seconds))
         now, _, file, shape, seconds = heapq.heappop(running)
         spent = Spent(seconds, PAUSE)
         if shape is None:
             remaining.read(file.path, file.size, spent, file.meshes, now)
-            shapes += [(file, index) for index in range(len(file.meshes))]
+            shapes += [(file, index) for index in describing_order(file.meshes)]
         else:
             remaining.described(file.path, file.size, file.meshes[shape], spent, now)
         if number % EVERY == 0 or not (waiting or shapes or running):
@@ -117,6 +121,41 @@ def test_the_estimate_is_right_within_thirty_per_cent(mix: str, jobs: int) -> No
         assert left is not None or (part, jobs) == (0.1, 8)
         errors.append(0.0 if left is None else left / (end - now) - 1)
     assert max(map(abs, errors)) < 0.3, errors
+
+
+def sized(meshes: Sequence[int]) -> list[File]:
+    """A .blend file whose shapes take the longer the larger they are."""
+    seconds = tuple(0.1 + mesh / 250_000 for mesh in meshes)
+    return [File(Path("scene.blend"), 5_000_000, 3.0, tuple(meshes), seconds)]
+
+
+SCENES: dict[str, Callable[[], list[File]]] = {
+    "300 shapes alike": lambda: [make_file("scene.blend", 2_000_000, 2, 300, 0.4)],
+    "2,000 shapes alike": lambda: [make_file("scene.blend", 30_000_000, 12, 2000, 0.3)],
+    "the largest last": lambda: sized([2_000] * 250 + [400_000] * 50),
+    "the largest first": lambda: sized([400_000] * 50 + [2_000] * 250),
+    "growing": lambda: sized([round(1_000 * 1000 ** (number / 299)) for number in range(300)]),
+    "shuffled": lambda: sized([round(10 ** random.Random(n).uniform(3, 6)) for n in range(300)]),
+}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_whole_time_is_foretold_within_twenty_per_cent_from_a_quarter_on(scene: str, jobs: int) -> None:
+    """With the start of the processes, which takes as long as describing some shapes."""
+    estimates = simulate(SCENES[scene](), jobs, start=2.5)
+    end = estimates[-1][0]
+    for part in (0.25, 0.5, 0.75):
+        now, left, _ = next(entry for entry in estimates if entry[0] >= part * end)
+        assert left is not None
+        assert abs((now + left) / end - 1) < 0.2, (part, now, left, end)
+
+
+def test_a_few_of_each_size_are_described_first() -> None:
+    assert describing_order([]) == []
+    order = describing_order([100] * 20 + [9_000] * 3)
+    assert order[:7] == [0, 20, 1, 21, 2, 22, 3]
+    assert order[7:] == list(range(4, 20))
 
 
 def test_a_machine_that_slows_down() -> None:
