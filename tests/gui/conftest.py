@@ -132,8 +132,9 @@ class Window:
     def drag(self, x: float, y: float, dx: float, dy: float, *, button: int = 1) -> None:
         """Drag with a button of the mouse held down, in steps as a hand does."""
         self.move(x, y)
-        time.sleep(0.5)
+        time.sleep(HESITATION)
         self.tool("mousedown", button)
+        time.sleep(HESITATION)  # a busy Blender takes the button to go down where the pointer is by then
         for step in range(1, 9):
             self.move(x + dx * step / 8, y + dy * step / 8)
         self.tool("mouseup", button)
