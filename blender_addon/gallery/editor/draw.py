@@ -72,7 +72,8 @@ def _draw_cells(context: Any, painter: Painter, grid: Grid, indices: list[int]) 
     view, theme, session = state.current().gallery.view, painter.theme, session_of(context)
     lines, active = shown_lines(session)
     made, missing = 0, False
-    for position in grid.visible(view.scroll):
+    visible = grid.visible(view.scroll)
+    for position in visible:
         index = indices[position]
         match, cell = lines[index], grid.cell(position, view.scroll)
         is_chosen, is_hovered = index == active, index == view.hovered
@@ -96,6 +97,7 @@ def _draw_cells(context: Any, painter: Painter, grid: Grid, indices: list[int]) 
         painter.text(second, labels.below_picture(match), (*color[:3], 0.8), "CENTER")
         if session.opened < 0:
             _draw_badges(painter, grid.badge_in(cell), badges_of(match))
+    textures.drop_oldest(len(visible))
     return missing
 
 

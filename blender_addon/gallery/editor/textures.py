@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["clear", "texture_of"]
+__all__ = ["clear", "drop_oldest", "is_made", "texture_of"]
 
 # At 256 × 256 pixels these take 64 MB.
 _MOST = 256
@@ -43,9 +43,20 @@ def texture_of(shape_id: int, *, make: bool = True) -> Any | None:
     png = _png(shape_id)
     pixels = None if png is None else pixels_of(png)
     textures[shape_id] = None if pixels is None else _texture(pixels)
-    while len(textures) > _MOST:
-        textures.popitem(last=False)
     return textures[shape_id]
+
+
+def drop_oldest(shown: int) -> None:
+    """Drop the pictures that were seen longest ago, but none of those on the screen.
+
+    Parameters
+    ----------
+    shown : int
+        Number of shapes on the screen, which were asked for last.
+    """
+    textures = state.current().gallery.view.textures
+    while len(textures) > max(_MOST, shown):
+        textures.popitem(last=False)
 
 
 def is_made(shape_id: int) -> bool:
