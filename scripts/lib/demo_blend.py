@@ -134,7 +134,7 @@ def find_similar(item: Any) -> list[Found]:
     with quiet():
         bpy.ops.shape_google.find_similar()
     return [
-        Found(match.object_name, match.source, match.similarity, match.size, match.relation)
+        Found(match.object_name, match.source, match.similarity, match.size, match.evidence.capitalize())
         for match in session.matches
     ]
 

@@ -149,4 +149,4 @@ def _post(address: str, content: bytes, content_type: str) -> Any:
     except urllib.error.HTTPError as error:
         raise ShapeGoogleError(f"the service refuses {address}: {error.read().decode()}") from error
     except OSError as error:
-        raise ShapeGoogleError(f"the service does not answer at {address}: {error}") from error
+        raise ShapeGoogleError(f"the service does not answer at {address}") from error

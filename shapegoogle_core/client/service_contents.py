@@ -93,6 +93,11 @@ class ServiceContents:
             As from `Library.info`, without ``bytes`` and ``schema``; and ``library``, its name on the
             service, and ``version``, that of the service. The ``path`` of a root is where it is on this
             computer, empty where that is not known.
+
+        Raises
+        ------
+        LibraryError
+            If the service does not answer.
         """
         info = self._connection.get("info")
         with understood(self._connection.address):

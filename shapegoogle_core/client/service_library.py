@@ -127,7 +127,12 @@ class ServiceLibrary(ServiceContents):
         Returns
         -------
         current : bool
-            False if another library is served now, or by another version: connect again.
+            False if another library is served now: connect again.
+
+        Raises
+        ------
+        LibraryError
+            If the service does not answer, or is of a version that this one does not understand.
         """
         info = self._connection.get("info")
         with understood(self._connection.address):

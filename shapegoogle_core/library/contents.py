@@ -340,6 +340,11 @@ class LibraryContents(LibrarySources):
         -------
         shapes : list of ShapeRecord
             In the order of the numbers; without those that are no shapes of this library.
+
+        Raises
+        ------
+        LibraryError
+            If the library cannot be read, or its service does not answer.
         """
         return self._store.shapes(list(shape_ids))
 
@@ -401,6 +406,11 @@ class LibraryContents(LibrarySources):
         -------
         pictures : dict of int to bytes
             As PNG, by number; without the shapes that have none, or are not in the library.
+
+        Raises
+        ------
+        LibraryError
+            If the library cannot be read, or its service does not answer.
         """
         pictures = ((number, self._store.thumbnail(number)) for number in shape_ids)
         return {number: picture for number, picture in pictures if picture is not None}

@@ -189,6 +189,8 @@ class Library(LibraryDecisions):
         ------
         ValueError
             If `min_similarity` or `explained` is out of range.
+        LibraryError
+            If the library cannot be read, or its service does not answer.
         """
         check_number("min_similarity", min_similarity, most=1, positive=True)
         check_count("explained", explained, 0)

@@ -130,7 +130,7 @@ def test_search_has_the_same_rows_whatever_is_found_and_chosen(
     for shape_id in range(15):
         match = session.matches.add()
         match.name, match.shape_id, match.source = f"Horse {shape_id}", shape_id, "/assets/horses.blend"
-        match.relation = "A relation that is longer than a line of the sidebar has room for"
+        match.catalog = "A catalog that is longer than a line of the sidebar has room for"
     session.active_match = -1
     assert kinds(draw(name)) == empty
     session.active_match = 3

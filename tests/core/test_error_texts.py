@@ -16,7 +16,7 @@ FOLDERS = ("shapegoogle_core", "blender_addon", "benchmarks", "scripts")
 OURS = {
     "BenchmarkError", "BlenderMissingError", "CrashError", "DamagedError", "FormatError", "LibraryError",
     "MeshError", "ModelError", "NotMakeableError", "PlacingError", "PluginError", "ServiceError",
-    "SetupError", "ShapeGoogleError",
+    "SetupError", "ShapeGoogleError", "StudioError",
 }  # fmt: skip
 BLENDERS = {"RuntimeError"}
 # Checks of arguments raise ValueError with a sentence of ours; these places hand it on.

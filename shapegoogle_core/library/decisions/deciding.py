@@ -116,6 +116,11 @@ class LibraryDecisions(LibrarySearch):
         decisions : list of Decision
             Oldest first.
 
+        Raises
+        ------
+        LibraryError
+            If the library cannot be read, or its service does not answer.
+
         Examples
         --------
         >>> import tempfile, trimesh

@@ -77,7 +77,7 @@ def lay_copy(target: FloatArray, vertices: FloatArray) -> FloatArray | None:
     >>> import numpy as np
     >>> from shapegoogle_core.registration.fit.laying import lay_copy
     >>> points = np.random.default_rng(0).random((8, 3))
-    >>> lay_copy(2 * points + 1, points).round(6).tolist()[0]
+    >>> (lay_copy(2 * points + 1, points).round(6) + 0.0).tolist()[0]
     [2.0, 0.0, 0.0, 1.0]
     """
     if len(target) != len(vertices) or len(target) < 4:

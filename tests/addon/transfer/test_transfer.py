@@ -105,7 +105,7 @@ def test_weights_colors_and_uvs_arrive(pair: Any, capfd: pytest.CaptureFixture[s
     choose("Source", open_source())
     assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
     said = capfd.readouterr().out
-    assert "2 vertex groups and 2 color attributes and 1 UV map from 'Source' to 'Target'" in said
+    assert "2 vertex groups, 2 color attributes, 1 UV map from 'Source' to 'Target'" in said
     off = np.abs(weights_of(target, "high") - (1 + sphere[:, 2]) / 2)
     assert off.mean() < 0.02
     assert off.max() < 0.1

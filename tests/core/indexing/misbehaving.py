@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -53,10 +54,10 @@ def read_then_hang(reader: ShapeReader, path: Path) -> Iterator[NewShape[Mesh] |
     """Read a file, and make this process hang when it describes a shape named "x2"."""
     draw = thumbnail
 
-    def hang(mesh: Mesh, *, up_axis: int | None = None) -> bytes:
+    def hang(mesh: Mesh, *options: Any) -> bytes:
         if mesh.name == "x2":
             time.sleep(3600)
-        return draw(mesh, up_axis=up_axis)
+        return draw(mesh, *options)
 
     setattr(describing, "thumbnail", hang)  # noqa: B010 - it is no variable
     return reader.iterate(path)
@@ -66,9 +67,9 @@ def read_then_take_two_seconds(reader: ShapeReader, path: Path) -> Iterator[NewS
     """Read a file, and make this process take two seconds for each shape that it describes."""
     draw = thumbnail
 
-    def dawdle(mesh: Mesh, *, up_axis: int | None = None) -> bytes:
+    def dawdle(mesh: Mesh, *options: Any) -> bytes:
         time.sleep(2)
-        return draw(mesh, up_axis=up_axis)
+        return draw(mesh, *options)
 
     setattr(describing, "thumbnail", dawdle)  # noqa: B010 - it is no variable
     return reader.iterate(path)
