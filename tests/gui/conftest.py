@@ -134,7 +134,9 @@ class Window:
         self.move(x, y)
         time.sleep(HESITATION)
         self.tool("mousedown", button)
-        time.sleep(HESITATION)  # a busy Blender takes the button to go down where the pointer is by then
+        # A busy Blender takes the button to go down where the pointer is by then: wait until it has seen it.
+        for _ in range(2):
+            self.ask("regions")
         for step in range(1, 9):
             self.move(x + dx * step / 8, y + dy * step / 8)
         self.tool("mouseup", button)
