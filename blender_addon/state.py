@@ -208,10 +208,13 @@ class GalleryView:
         Pictures on the graphics card by shape id, the most recently seen last; None for shapes without one.
     comparison : Shown or None
         The two surfaces that are shown in place of the pictures.
+    used_at : float
+        When the last double click was done with, by `time.monotonic`.
     """
 
     scroll: float = 0.0
     hovered: int = -1
+    used_at: float = 0.0
     typed: TypedText | None = None
     textures: OrderedDict[int, Any] = field(default_factory=OrderedDict)
     comparison: Shown | None = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, ClassVar
 
 import bpy
@@ -86,7 +87,13 @@ class SHAPEGOOGLE_OT_gallery_press(InGallery, bpy.types.Operator):
             return {"FINISHED"}
         choose(index)
         if event.value == "DOUBLE_CLICK":
-            use(self, context)
+            # The third of three quick clicks makes another double click with the second.
+            again = (
+                time.monotonic() - view.used_at < context.preferences.inputs.mouse_double_click_time / 1000
+            )
+            if not again:
+                use(self, context)
+            view.used_at = time.monotonic()
             return {"FINISHED"}
         lines, _ = shown_lines(session_of(context))
         if lines[index].version_count and session_of(context).opened < 0:
