@@ -157,11 +157,12 @@ def test_a_match_of_this_scene_is_shared(chosen: Any, preferences: Any) -> None:
     # Materials that are kept need a slot, which the object that has the mesh does not get.
     first = lumpy("First", 1)
     second = add("Second", first.data)
-    first.data.materials.append(bpy.data.materials.new("Oak"))
+    oak = bpy.data.materials.new("Oak")
+    first.data.materials.append(oak)
     bpy.ops.object.select_all(action="DESELECT")
     for item in (first, second):
         item.select_set(True)
     assert bpy.ops.shape_google.replace_with_match(align=False, keep_materials=True) == {"FINISHED"}
     assert first.data == second.data != pear.data
-    assert [item.material_slots[0].material.name for item in (first, second)] == ["Oak", "Oak"]
+    assert [item.material_slots[0].material for item in (first, second)] == [oak, oak]
     assert not len(pear.material_slots)
