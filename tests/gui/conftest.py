@@ -42,7 +42,7 @@ PANELS = {
 # and steps that no button slips through.
 FIRST_HEADER, FIRST_BUTTON, HEADER, TABS, STEP = 16, 32, 28, 20, 14
 # Where in the width of the sidebar buttons are: in its left and right half, or the small ones of a row.
-HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
+HALVES, FIRST, MIDDLE, LAST = (0.25, 0.75), (0.12,), (0.43,), (0.9,)
 # Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing; and
 # until Blender has noticed where the pointer is.
 LIMIT, STILL, NOTICED = 600.0, 1.0, 0.07

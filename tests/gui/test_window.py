@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.creatures import make_creature
-from tests.gui.conftest import CREATURES, FIRST, LAST, QUERY, colorful
+from tests.gui.conftest import CREATURES, FIRST, LAST, MIDDLE, QUERY, colorful
 
 NAME = "Rearing Horse"
 SHAPES = sum(len(poses) for poses in CREATURES.values())
@@ -288,7 +288,7 @@ def test_a_transfer_is_cancelled_by_escape_and_in_the_panel(window: Any, transfe
     window.tool("key", "Escape")
     window.wait(lambda state: not state["transferring"], "the transfer cancelled")
     begin_transfer(window)
-    window.press("shape_google.cancel_transfer", columns=LAST)
+    window.press("shape_google.cancel_transfer", columns=MIDDLE)
     state = window.wait(lambda state: not state["transferring"], "that one cancelled")
     assert not state["objects"][NAME]["groups"]
 
