@@ -17,11 +17,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.experiments.retrieval import default_cache
 from benchmarks.figures.contact_sheet import contact_sheet
-from benchmarks.kinds.describing import DescribedSet, describe_set
-from benchmarks.kinds.sets import MEASURING, KindSet, KindShape, pack_shapes
-from benchmarks.protocol.cache import BenchmarkCache
+from benchmarks.kinds.describing import DescribedSet
+from benchmarks.kinds.packs import add_pack_options, described_packs
+from benchmarks.kinds.sets import KindShape, pack_shapes
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.command import DONE
 from shapegoogle_core.library.library import Library
@@ -82,25 +81,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     ----------
     parser : argparse.ArgumentParser
     """
-    parser.add_argument(
-        "--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported .blend meshes"
-    )
-    parser.add_argument("--model", default="default", metavar="NAME", help="model (%(default)s)")
+    add_pack_options(parser)
     parser.add_argument(
         "--things", type=number_from(1), default=20, metavar="N", help="number of rows (%(default)s)"
     )
     parser.add_argument(
         "--output", type=Path, default=Path("kinds.png"), metavar="FILE", help="picture (%(default)s)"
     )
-    parser.add_argument(
-        "--cache", type=Path, metavar="FOLDER", help="signatures (default: in the user's cache folder)"
-    )
-    parser.add_argument(
-        "--any-code",
-        action="store_true",
-        help="reuse signatures kept by runs with this option, even if the code has changed since",
-    )
-    parser.add_argument("--jobs", type=number_from(1), default=1, metavar="N", help="processes (%(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -117,15 +104,7 @@ def run(options: argparse.Namespace) -> int:
     """
     model = load_model(options.model)
     shapes = pack_shapes(options.blend_meshes)
-    cache = BenchmarkCache(options.cache or default_cache())
-    described = describe_set(
-        KindSet("packs", MEASURING, tuple(shapes)),
-        model,
-        options.model,
-        cache,
-        jobs=options.jobs,
-        any_code=options.any_code,
-    )
+    described = described_packs(options, model)
     _sheet(rows_of(described, model, options.things), shapes).save(options.output, optimize=True)
     print(f"{options.output}: {options.output.stat().st_size / 1000:.0f} kB")
     return DONE

@@ -22,10 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.errors import BenchmarkError
-from benchmarks.experiments.retrieval import default_cache
-from benchmarks.kinds.describing import DescribedSet, describe_set
-from benchmarks.kinds.sets import MEASURING, KindSet, pack_shapes
-from benchmarks.protocol.cache import BenchmarkCache
+from benchmarks.kinds.describing import DescribedSet
+from benchmarks.kinds.packs import add_pack_options, described_packs
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.command import DONE
 from shapegoogle_core.cli.text import say, table
@@ -113,10 +111,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     ----------
     parser : argparse.ArgumentParser
     """
-    parser.add_argument(
-        "--blend-meshes", type=Path, required=True, metavar="FOLDER", help="exported .blend meshes"
-    )
-    parser.add_argument("--model", default="default", metavar="NAME", help="model (%(default)s)")
+    add_pack_options(parser)
     parser.add_argument(
         "--relatives",
         type=number_from(1),
@@ -124,15 +119,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="nearest relatives that vote (%(default)s)",
     )
-    parser.add_argument(
-        "--cache", type=Path, metavar="FOLDER", help="signatures (default: in the user's cache folder)"
-    )
-    parser.add_argument(
-        "--any-code",
-        action="store_true",
-        help="reuse signatures kept by runs with this option, even if the code has changed since",
-    )
-    parser.add_argument("--jobs", type=number_from(1), default=1, metavar="N", help="processes (%(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -148,11 +134,7 @@ def run(options: argparse.Namespace) -> int:
     exit_code : int
     """
     model = load_model(options.model)
-    chosen = KindSet("packs", MEASURING, tuple(pack_shapes(options.blend_meshes)))
-    cache = BenchmarkCache(options.cache or default_cache())
-    described = describe_set(
-        chosen, model, options.model, cache, jobs=options.jobs, any_code=options.any_code
-    )
+    described = described_packs(options, model)
     for name, reason in described.failures.items():
         say(f"left out: {name}: {reason}")
     if not described.names:
