@@ -102,8 +102,10 @@ def simplify(mesh: Mesh, budget: int) -> Mesh:
     Returns
     -------
     simplified : Mesh
-        Repaired, with `budget` vertices at most.
+        Repaired, with `budget` vertices at most; the same mesh if it has no more.
     """
+    if len(mesh.vertices) <= budget:
+        return mesh
     collapsed = _collapse(mesh, budget)
     if budget < len(collapsed.vertices) <= FAR_ABOVE_BUDGET * budget:
         collapsed = _collapse(collapsed, int(SECOND_AIM * budget))

@@ -53,3 +53,13 @@ def test_a_damaged_preview_is_refused(cut: int) -> None:
     assert content is not None
     with pytest.raises(ValueError, match="preview"):
         read_preview(content[:cut])
+
+
+@pytest.mark.parametrize("vertices", [40, 300, 515, 525])
+def test_more_faces_than_any_surface_of_so_few_vertices_has(vertices: int) -> None:
+    """At an edge with many faces, there is nothing to collapse."""
+    generator = np.random.default_rng(vertices)
+    corners = np.argsort(generator.random((4000, vertices)), axis=1)[:, :3]
+    mesh = Mesh(generator.random((vertices, 3)), corners.astype(np.int32))
+    small = read_preview(make_preview(mesh) or b"").mesh
+    assert 500 < len(small.faces) <= 2000
