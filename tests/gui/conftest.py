@@ -39,13 +39,14 @@ PANELS = {
 }
 # In pixels, at a scale of the interface of 1: the middle of the first header below the top of the sidebar,
 # the first button below a header's middle, the height of a closed panel with its gap, the tabs at the right,
-# and steps that no button slips through.
+# and steps down the sidebar that no button slips through.
 FIRST_HEADER, FIRST_BUTTON, HEADER, TABS, STEP = 16, 32, 28, 20, 14
 # Where in the width of the sidebar buttons are: in its left and right half, or the small ones of a row.
-HALVES, FIRST, MIDDLE, LAST = (0.25, 0.75), (0.12,), (0.43,), (0.9,)
-# Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing; and
-# until Blender has noticed where the pointer is.
-LIMIT, STILL, NOTICED = 600.0, 1.0, 0.07
+HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
+# Pixels from one place to the next where a small button beside another one is looked for.
+SIDESTEP = 6
+# Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing.
+LIMIT, STILL = 600.0, 1.0
 # Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
 HESITATION = 0.5
 TOOLS = ("Xvfb", "xdotool", "import")
@@ -118,9 +119,13 @@ class Window:
         subprocess.run(["xdotool", *map(str, words)], env=self._environment, check=True, timeout=60)
 
     def move(self, x: float, y: float) -> None:
-        """Put the pointer somewhere."""
-        self.tool("mousemove", round(x), round(y))
-        time.sleep(NOTICED)
+        """Put the pointer somewhere, and wait until Blender has noticed."""
+        place = [round(x), round(y)]
+        self.tool("mousemove", *place)
+        end = time.monotonic() + LIMIT
+        while (seen := self.ask("pointer")) != place:
+            assert time.monotonic() < end, f"the pointer is at {place}, and for Blender at {seen}"
+            time.sleep(0.01)
 
     def click(self, x: float, y: float, *, key: str = "") -> None:
         """Click somewhere, perhaps with a key held down."""
@@ -138,7 +143,9 @@ class Window:
         for _ in range(2):
             self.ask("regions")
         for step in range(1, 9):
-            self.move(x + dx * step / 8, y + dy * step / 8)
+            # While a slider is dragged, Blender keeps the pointer in one place.
+            self.tool("mousemove", round(x + dx * step / 8), round(y + dy * step / 8))
+            time.sleep(0.07)
         self.tool("mouseup", button)
 
     def undo(self) -> None:
@@ -280,6 +287,17 @@ class Window:
         x, y = self.find(action, occurrence=occurrence, columns=columns)
         self.click(x, y)
         return x, y
+
+    def press_beside(self, neighbor: str, action: str) -> None:
+        """Click a small button on the right of another one, wherever the texts of both have put it."""
+        x, y = self.find(neighbor)
+        right = self.ask("regions")["ui"][2] - TABS
+        seen = ""
+        while action not in seen:
+            assert x < right, f"nothing on the right of {neighbor} does {action}"
+            x += SIDESTEP
+            seen = self._button_at(x, y)
+        self.click(x, y)
 
     # -- pictures
 

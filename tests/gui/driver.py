@@ -128,6 +128,27 @@ def view_direction() -> Any:
     return list(view()[1].spaces.active.region_3d.view_rotation)
 
 
+class DRIVER_OT_note_pointer(bpy.types.Operator):
+    """Blender says where the pointer is only to an operator that is invoked."""
+
+    bl_idname = "driver.note_pointer"
+    bl_label = "Note Pointer"
+    place = (-1, -1)
+
+    def invoke(self, _context: Any, event: Any) -> set[str]:
+        """Remember where the pointer was in the last event that Blender handled."""
+        type(self).place = event.mouse_x, event.mouse_y
+        return {"FINISHED"}
+
+
+def pointer() -> Any:
+    """Where the pointer is as far as Blender has noticed, from the top left."""
+    with overridden("UI"):
+        bpy.ops.driver.note_pointer("INVOKE_DEFAULT")
+    x, y = DRIVER_OT_note_pointer.place
+    return [x, bpy.context.window_manager.windows[0].height - 1 - y]
+
+
 def button() -> Any:
     """What the button under the pointer does, as Blender copies it: a command, or the path of a property."""
     manager = bpy.context.window_manager
@@ -297,5 +318,6 @@ def answer(folder: Path) -> Any:
 
 
 if __name__ == "__main__":
+    bpy.utils.register_class(DRIVER_OT_note_pointer)
     FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
     bpy.app.timers.register(lambda: answer(FOLDER), persistent=True)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.creatures import make_creature
-from tests.gui.conftest import CREATURES, FIRST, LAST, MIDDLE, QUERY, colorful
+from tests.gui.conftest import CREATURES, FIRST, LAST, QUERY, colorful
 
 NAME = "Rearing Horse"
 SHAPES = sum(len(poses) for poses in CREATURES.values())
@@ -255,8 +256,12 @@ def begin_transfer(window: Any) -> None:
 
 
 @pytest.fixture
-def transferring(window: Any, found: Any) -> None:
+def transferring(window: Any, found: Any) -> Iterator[None]:
+    """A transfer that waits; whatever comes of the test, nothing waits behind it."""
     begin_transfer(window)
+    yield
+    window.ask("release_worker")
+    window.wait(lambda state: not state["transferring"], "the end of the transfer")
 
 
 def test_transfer_carries_weights_and_is_undone_and_redone(window: Any, transferring: Any) -> None:
@@ -288,7 +293,7 @@ def test_a_transfer_is_cancelled_by_escape_and_in_the_panel(window: Any, transfe
     window.tool("key", "Escape")
     window.wait(lambda state: not state["transferring"], "the transfer cancelled")
     begin_transfer(window)
-    window.press("shape_google.cancel_transfer", columns=MIDDLE)
+    window.press_beside("shape_google.transfer_match", "shape_google.cancel_transfer")
     state = window.wait(lambda state: not state["transferring"], "that one cancelled")
     assert not state["objects"][NAME]["groups"]
 
