@@ -18,6 +18,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from shapegoogle_core.client.address import ServiceAddress
+from shapegoogle_core.client.proxies import proxy_for
 from shapegoogle_core.errors import LibraryError
 
 __all__ = ["Connection", "NotThereError", "understood"]
@@ -42,6 +43,8 @@ class NotThereError(LibraryError):
 class Connection:
     """Requests to one service, which belong to one thread.
 
+    They go through the proxy that the environment variable https_proxy or the computer's settings name.
+
     Parameters
     ----------
     address : ServiceAddress
@@ -55,7 +58,7 @@ class Connection:
     Raises
     ------
     LibraryError
-        If the token or the certificate cannot be used.
+        If the token, the certificate or the proxy cannot be used.
     """
 
     def __init__(
@@ -71,6 +74,7 @@ class Connection:
             raise LibraryError(f"the token for '{address}' has characters that no token has; copy it again")
         self._timeout = timeout
         self._context = _tls(certificate) if address.is_encrypted else None
+        self._proxy = proxy_for(address)
         self._headers = {
             "Accept": "application/json",
             "User-Agent": f"shapegoogle/{metadata.version('shapegoogle-core')}",
@@ -192,18 +196,33 @@ class Connection:
 
     def _connected(self) -> http.client.HTTPConnection:
         host, port = self.address.host, self.address.port
+        connection: http.client.HTTPConnection
         if self._context is None:
             connection = http.client.HTTPConnection(host, port, timeout=CONNECT_SECONDS)
-        else:
+        elif self._proxy is None:
             connection = http.client.HTTPSConnection(
                 host, port, timeout=CONNECT_SECONDS, context=self._context
             )
+        else:
+            connection = http.client.HTTPSConnection(
+                self._proxy.host, self._proxy.port, timeout=CONNECT_SECONDS, context=self._context
+            )
+            connection.set_tunnel(host.encode("idna").decode(), port, self._proxy.headers)
         try:
             connection.connect()
+        except ssl.SSLError:  # of the service itself, see `_failure`
+            raise
         except TimeoutError as error:
             raise LibraryError(
                 f"'{self.address}' cannot be reached within {CONNECT_SECONDS:g} s; check the address and the "
                 "network"
+            ) from error
+        except (OSError, http.client.HTTPException) as error:
+            if self._proxy is None:
+                raise
+            raise LibraryError(
+                f"the proxy '{self._proxy}' leads to no service at '{self.address}'; check the address, and "
+                "the environment variables https_proxy and no_proxy or the proxy of this computer"
             ) from error
         connection.sock.settimeout(self._timeout)
         return connection

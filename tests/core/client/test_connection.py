@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 import os
+import select
 import socket
 import ssl
 import threading
@@ -22,7 +23,7 @@ import pytest
 from PIL import Image
 
 import shapegoogle_core as sg
-from shapegoogle_core.client import Connection, KeptTokens, LibraryAddress, ServiceAddress
+from shapegoogle_core.client import Connection, KeptTokens, LibraryAddress, ServiceAddress, proxies
 from shapegoogle_core.client.connection import NotThereError
 from shapegoogle_core.client.models import model_file, model_of_service
 from shapegoogle_core.client.places import Places
@@ -154,6 +155,66 @@ def test_certificates(serve: Serve, tmp_path: Path) -> None:
     assert "does not speak HTTPS" in refusal(plain.replace("http:", "https:"))
     (tmp_path / "no.pem").write_text("no certificate")
     assert "cannot be read as a certificate" in refusal(address, certificate=str(tmp_path / "no.pem"))
+
+
+@pytest.fixture
+def proxy() -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    """A proxy that needs a name and a password: its address, and what it was asked for by whom."""
+    asked: list[tuple[str, str]] = []
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_CONNECT(self) -> None:
+            name = self.headers.get("Proxy-Authorization", "")
+            asked.append((self.path, base64.b64decode(name.removeprefix("Basic ")).decode()))
+            if not name:
+                self.send_error(407)
+                return
+            host, _, port = self.path.rpartition(":")
+            with socket.create_connection((host, int(port))) as there:
+                self.wfile.write(b"HTTP/1.1 200 OK\r\n\r\n")
+                ends = {self.connection: there, there: self.connection}
+                while ends:
+                    for ready in select.select(list(ends), [], [])[0]:
+                        content = ready.recv(2**16)
+                        if not content:
+                            return
+                        ends[ready].sendall(content)
+
+        def log_message(self, *_: object) -> None:
+            """Keep quiet."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"127.0.0.1:{server.server_port}", asked
+        server.shutdown()
+
+
+def test_proxies(
+    serve: Serve, proxy: tuple[str, list[tuple[str, str]]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, asked = proxy
+    address = serve((200, {}, b'{"a": 1}'), encrypted=True)
+    for variable in ("https_proxy", "http_proxy"):
+        monkeypatch.setenv(variable, f"http://ana:se%20cret@{place}")
+    monkeypatch.delenv("no_proxy", raising=False)
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    for own in (address, serve((200, {}, b'{"a": 1}'))):
+        assert Connection(ServiceAddress.parse(own), "secret", str(CERTIFICATE)).get("info") == {"a": 1}
+    assert asked == [], "a service of this computer is asked without a proxy"
+
+    # Other names than those of this computer lead nowhere here.
+    monkeypatch.setattr(proxies, "is_loopback", lambda _host: False)
+    other = Connection(ServiceAddress.parse(address), "secret", str(CERTIFICATE))
+    assert other.get("info") == {"a": 1}
+    assert asked == [(address.removeprefix("https://"), "ana:se cret")]
+    other.close()
+
+    monkeypatch.setenv("https_proxy", f"http://{place}")
+    assert f"the proxy '{place}' leads to no service" in refusal(address)
+    monkeypatch.setenv("https_proxy", "socks5://127.0.0.1:1080")
+    assert "must be like http://proxy:3128" in refusal(address)
+    monkeypatch.setenv("no_proxy", "localhost")
+    assert "nobody this computer knows has signed" in refusal(address)
 
 
 @pytest.mark.parametrize(
