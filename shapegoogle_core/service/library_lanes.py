@@ -25,6 +25,8 @@ T = TypeVar("T")
 
 # Requests that only read may wait in a longer line: a page of the gallery has a hundred pictures.
 _READERS_PER_SEARCH = 20
+# Seconds that shutting down waits for a search; duplicates of a large library may take an hour.
+_PATIENCE = 1.0
 
 
 class LibraryLanes:
@@ -108,9 +110,10 @@ class LibraryLanes:
         return await self._finished(self._writer, changed)
 
     def close(self) -> None:
-        """Wait for what is running, but not for what was given up, and close the library."""
-        for line in (*self._lanes.values(), self._writer):
-            line.close()
+        """Wait for what changes the library, and a moment for what only reads; close the library."""
+        for line in self._lanes.values():
+            line.close(_PATIENCE)
+        self._writer.close()
 
     async def _finished(self, line: Line, function: Callable[[LibraryThread], T]) -> T:
         future = line.submit(function)

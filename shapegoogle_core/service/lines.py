@@ -125,14 +125,24 @@ class Line:
                 self._thread = None
         self._has_thread()
 
-    def close(self) -> None:
-        """Wait for what is running, but not for what was given up; close the library and end the thread."""
+    def close(self, patience: float | None = None) -> None:
+        """Give up what waits, wait a little for what runs, close the library and end the thread.
+
+        Parameters
+        ----------
+        patience : float, optional
+            Longest time to wait, in seconds. What runs longer ends with the process. None: as long as it
+            takes, so that what changes the library is not broken off.
+        """
         with self._lock:
             self._closed = True
             thread = self._thread
+        for future, request in list(self._waiting.items()):
+            request.outcome.cancel()
+            future.cancel()
         self._requests.put(None)
         if thread is not None:
-            thread.join()
+            thread.join(patience)
 
     def next_request(self, thread: LibraryThread) -> Request[Any] | None:
         """Wait for the next request. Called in a thread, which ends if there is none for it.

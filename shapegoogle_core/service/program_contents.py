@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
 from shapegoogle_core.service.contents import (
     Example,
@@ -75,6 +75,15 @@ class ListRequest(RequestContent):
     where: Where | None = None
     after: Annotated[int, Field(ge=0, le=2**62, description="Number of the last shape before.")] = 0
     limit: Annotated[int, Field(ge=1, le=1_000)] = 100
+
+    @model_validator(mode="after")
+    def _one_way(self) -> ListRequest:
+        of_a_page = {name for name in ("where", "after", "limit") if name in self.model_fields_set}
+        if self.shape_ids is not None and any(getattr(self, name) is not None for name in of_a_page):
+            raise ValueError(
+                "shapes are listed by shape_ids, or in pages by where, after and limit; leave one of them out"
+            )
+        return self
 
 
 class ShapesRequest(RequestContent):

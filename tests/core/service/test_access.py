@@ -18,6 +18,7 @@ import trimesh
 from fastapi.testclient import TestClient
 
 import shapegoogle_core as sg
+from shapegoogle_core.library.library import Library
 from shapegoogle_core.service.access import Access
 from shapegoogle_core.service.app import make_app
 from shapegoogle_core.service.library_lanes import LibraryLanes
@@ -288,6 +289,25 @@ def test_what_was_given_up_while_it_waited_does_not_run() -> None:
 
     asyncio.run(ask())
     assert ran == []
+
+
+def test_shutting_down_does_not_wait_for_duplicates(settings: ServiceSettings) -> None:
+    started, ended = threading.Event(), threading.Event()
+
+    def endless(_library: Library) -> bool:
+        started.set()
+        return ended.wait()
+
+    async def ask() -> bool:
+        lanes = LibraryLanes(settings)
+        running, waiting = lanes.start_long(endless), lanes.start_long(len)
+        await asyncio.to_thread(started.wait)
+        lanes.close()
+        assert not ended.is_set()
+        return running.cancelled() and waiting.cancelled()
+
+    assert asyncio.run(ask())
+    ended.set()
 
 
 def test_an_upload_that_takes_too_long_or_too_much(serve: Serve) -> None:

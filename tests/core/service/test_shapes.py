@@ -30,6 +30,11 @@ def test_lists_of_shapes(client: TestClient) -> None:
     assert {shape["source"]["path"] for shape in found} == {"box.ply", "large box.ply"}
     assert found[0]["source"]["root"] == "models"
     assert client.get("/api/shapes/1").json() == first["shapes"][0]
+    by_number = client.post("/api/shapes", json={"shape_ids": [2, 99, 1]}).json()["shapes"]
+    assert {shape["shape_id"] for shape in by_number} == {1, 2}
+    refused = client.post("/api/shapes", json={"shape_ids": [1], "where": {"name": "ball"}})
+    assert refused.status_code == 422
+    assert "leave one of them out" in refused.json()["error"]
 
 
 def test_pictures_and_previews(client: TestClient) -> None:
