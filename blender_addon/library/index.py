@@ -96,7 +96,8 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             if sources:
-                running.append(BackgroundRun([*_arguments(chosen, sources, path), *self._flags()]))
+                arguments = [*_arguments(chosen, sources, path), *_roots_here(context), *self._flags()]
+                running.append(BackgroundRun(arguments))
             if chosen.use_scene:
                 running.append(SceneIndexing(context, path, chosen.model_name()))
         except OSError as error:
@@ -121,6 +122,14 @@ def _arguments(chosen: Any, sources: Sequence[Path], path: Path) -> list[str]:
     if not path.exists():
         arguments += ["--model", chosen.model_name()]
     return arguments
+
+
+def _roots_here(context: Any) -> list[str]:
+    """Name the folders that roots of the library are on this computer, so that they are no further roots."""
+    known = {root.name for root in session_of(context).roots}
+    return [
+        f"--root={name}={folder}" for name, folder in preferences(context).root_folders() if name in known
+    ]
 
 
 def _look() -> float | None:

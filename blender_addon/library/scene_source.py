@@ -26,6 +26,7 @@ from ..reading.instancers import Instance, collect_instances
 from ..reading.sharing import SharedMeshes
 from ..scene.selection import split_evaluated
 from ..translation import error_text, tr
+from .address import library_address
 from .open_file import is_unsaved, open_source, take_over
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class SceneIndexing:
         self.reported = False
         self._started = time.monotonic()
         self._library = library
+        self._address = library_address(context)
         self._opened = state.current().library.opened
         self._resources = ExitStack()
         self._output = self._resources.enter_context(temporary_folder()) / "shapes.bin"
@@ -325,7 +327,7 @@ class SceneIndexing:
         size = Path(source).stat().st_size if is_file else None
         roots = [source] if is_file else []
         self._stored = [
-            self._storer.submit(store, self._library, source, size, roots, self._described),
+            self._storer.submit(store, self._address, source, size, roots, self._described),
             self._storer.submit(find_neighbours, self._library),
         ]
 

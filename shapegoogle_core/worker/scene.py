@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
@@ -88,14 +89,18 @@ def describe(path: Path, shape: NewShape[Mesh]) -> PackedShape | str:
 
 
 def store(
-    path: Path, source: str, size: int | None, roots: Sequence[str], shapes: Sequence[PackedShape]
+    address: LibraryAddress,
+    source: str,
+    size: int | None,
+    roots: Sequence[str],
+    shapes: Sequence[PackedShape],
 ) -> None:
     """Store the shapes of a scene in place of those stored for it before; see `find_neighbours`.
 
     Parameters
     ----------
-    path : Path
-        The library.
+    address : LibraryAddress
+        Of the library, which is a file.
     source : str
         The file of the scene, or the label of one that was never saved.
     size : int or None
@@ -112,7 +117,9 @@ def store(
     from shapegoogle_core.library.library import Library
 
     described: list[NewShape[ShapeSignature]] = [pickle.loads(shape.content) for shape in shapes]
-    with Library.open(path) as library, library.neighbours_later():
+    opened = address.open(read_only=False)
+    assert isinstance(opened, Library)
+    with opened as library, library.neighbours_later():
         library.add_roots(roots)
         # Without a time or a hash: what is indexed is not what is in the file, which is read again when its
         # folder is indexed.

@@ -49,6 +49,22 @@ def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
     assert session.summary == "4 files unchanged"
 
 
+def test_a_root_that_is_another_folder_here(folder: Path, preferences: Any, session: Any) -> None:
+    for path in folder.iterdir():
+        if path.name != "nut.obj":
+            path.unlink()
+    with Library.open(preferences.library_path()) as library:
+        library.add_root(folder.parent / "as on the server", "props")
+    for lines, path in ((preferences.roots, str(folder)), (session.roots, "")):
+        line = lines.add()
+        line.name, line.path = "props", path
+    add_folder(preferences, folder)
+    bpy.ops.shape_google.index_library()
+    preferences.roots.clear()
+    with Library.open(preferences.library_path()) as library:
+        assert [(root.name, root.source_count) for root in library.roots()] == [("props", 1)]
+
+
 def test_the_scene_itself(preferences: Any, session: Any) -> None:
     lumpy("First", 0)
     lumpy("Second", 1)
