@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,44 +13,18 @@ from typing import Self
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from benchmarks.protocol.cache import (
-    SEARCH_CODE,
-    SIGNATURE_CODE,
-    Arrays,
-    BenchmarkCache,
-    code_digest,
-    digest,
-)
+from benchmarks.protocol.cache import Arrays, BenchmarkCache
 from benchmarks.protocol.collection import BenchmarkShape
 from benchmarks.protocol.matching import Matched, Variant, between, median_seconds, stacked
-from benchmarks.protocol.workshop import Source, Workshop, shape_key
-from shapegoogle_core.indexing import IndexSettings, index_files
-from shapegoogle_core.indexing.files import absolute
+from benchmarks.protocol.workshop import Source, Workshop
+from benchmarks.variants.described import describe_shapes, index_shapes
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.codes.hamming import asymmetric_distances
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.model import ShapeModel, load_model, row_distances
+from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["ModelGroup", "model_group"]
-
-
-@dataclass(frozen=True)
-class _SignatureTask:
-    """Describes a shape with a model."""
-
-    model_file: Path
-    key: str
-    title: str
-    kind: str = "signatures"
-
-    def __call__(self, source: Source, cache: BenchmarkCache) -> Arrays:
-        del cache  # intermediate results of a signature are not kept
-        mesh, model = source.mesh(), _model(self.model_file)
-        started = time.process_time()
-        signature = model.describe(mesh)
-        seconds = time.process_time() - started
-        return {"bags": signature.bags, "code": signature.code, "seconds": np.array(seconds)}
 
 
 @dataclass(frozen=True)
@@ -89,12 +62,7 @@ class _SearchTask:
 _TOP = 10
 
 
-# Worker processes use the same model and library for every shape.
-@lru_cache(maxsize=2)
-def _model(path: Path) -> ShapeModel:
-    return load_model(path)
-
-
+# Worker processes use the same library for every shape.
 @lru_cache(maxsize=1)
 def _library(path: Path) -> Library:
     return Library.open(path, read_only=True)
@@ -129,14 +97,7 @@ class ModelGroup:
         stages: dict[str | int | float, Variant],
     ) -> Iterator[Matched]:
         model = self.model
-        path = workshop.cache.path("models", model.identifier, ".npz")
-        if not path.exists():
-            unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-            model.save(unfinished)
-            unfinished.replace(path)
-        key = digest(model.identifier, code_digest(SIGNATURE_CODE))
-        task = _SignatureTask(path, key, f"{model.name}: signatures")
-        known, asked = workshop.describe(task, database), workshop.describe(task, queries)
+        known, asked = (describe_shapes(workshop, model, shapes) for shapes in (database, queries))
         cost = median_seconds([*known, *asked])
         if "full bags" in stages:
             first, second = (
@@ -169,15 +130,10 @@ class ModelGroup:
         database: Sequence[BenchmarkShape],
         variant: Variant,
     ) -> Matched:
-        paths = [absolute(shape.path) for shape in database]
-        contents = [shape_key(shape) for shape in database]
-        key = digest(self.model.identifier, code_digest(SEARCH_CODE), [str(path) for path in paths], contents)
-        library_file = workshop.cache.path("libraries", key, ".sglib")
-        with Library.open(library_file, self.model) as library:
-            bytes_per_shape = self._index(workshop, library, dict(zip(paths, database, strict=True)))
-        task = _SearchTask(library_file, len(database), key, f"{self.model.name}: search")
+        indexed = index_shapes(workshop, self.model, database)
+        task = _SearchTask(indexed.library_file, len(database), indexed.key, f"{self.model.name}: search")
         answers = workshop.describe(task, queries)
-        column = {str(path): index for index, path in enumerate(paths)}
+        column = {source: index for index, source in enumerate(indexed.sources)}
         distances = np.full((len(queries), len(database)), np.inf)
         times = []
         for row, answer in zip(distances, answers, strict=True):
@@ -186,24 +142,7 @@ class ModelGroup:
                 row[places] = _in_order(answer["distances"])
                 times.append(answer["query_seconds"])
         seconds = float(np.median(times)) if times else float("nan")
-        return Matched(variant, distances, seconds, bytes_per_shape, median_seconds(answers))
-
-    def _index(self, workshop: Workshop, library: Library, shapes: dict[Path, BenchmarkShape]) -> int:
-        """Index the database; return the bytes that the library stores of a shape for matching."""
-        title = f"{self.model.name}: library"
-        bar = iter(workshop.progress(range(len(shapes)), title, len(shapes)))
-        report = index_files(
-            library,
-            list(shapes),
-            IndexSettings(jobs=max(workshop.jobs, 1)),
-            progress=lambda _: next(bar, None),
-        )
-        next(bar, None)  # closes the bar
-        for path, reason in report.failed:
-            workshop.failures[shapes[path].name] = reason
-        size = int(str(library.info()["bytes"])) - len(self.model.to_bytes())
-        size -= sum(len(library.thumbnail(shape.shape_id) or b"") for shape in library.shapes())
-        return max(size, 0) // max(len(library), 1)
+        return Matched(variant, distances, seconds, indexed.bytes_per_shape, median_seconds(answers))
 
 
 def model_group(model: ShapeModel, name: str = "") -> ModelGroup:
