@@ -50,9 +50,8 @@ def test_index_a_folder(folder: Path, preferences: Any, session: Any) -> None:
 
 
 def test_a_root_that_is_another_folder_here(folder: Path, preferences: Any, session: Any) -> None:
-    for path in folder.iterdir():
-        if path.name != "nut.obj":
-            path.unlink()
+    for file in folder.glob("*.blend"):
+        file.unlink()
     with Library.open(preferences.library_path()) as library:
         library.add_root(folder.parent / "as on the server", "props")
     for lines, path in ((preferences.roots, str(folder)), (session.roots, "")):
