@@ -25,10 +25,12 @@ if TYPE_CHECKING:
     from shapegoogle_core.cli.events import Event
     from shapegoogle_core.processes.worker import Worker
 
-__all__ = ["BackgroundRun", "end", "redraw", "stop_all", "watch", "worker"]
+__all__ = ["BackgroundRun", "complete", "end", "redraw", "stop_all", "watch", "worker"]
 
 T = TypeVar("T")
 
+# Seconds that tasks may take that have to be completed when Blender ends.
+PATIENCE = 10.0
 # Seconds between the main thread's checks for results, which draw nothing.
 INTERVAL = 0.02
 # Of the sidebar, the tab that has the add-on's panels.
@@ -75,6 +77,18 @@ def watch(future: Future[T], done: Callable[[T], None], failed: Callable[[BaseEx
         return None
 
     bpy.app.timers.register(look, first_interval=INTERVAL, persistent=True)
+
+
+def complete(future: Future[Any]) -> None:
+    """Have the end of Blender wait for a task, for some seconds at most: what it does would be lost.
+
+    Parameters
+    ----------
+    future : Future
+    """
+    waiting = state.current().jobs.to_complete
+    waiting.append(future)
+    future.add_done_callback(waiting.remove)
 
 
 def redraw() -> None:
@@ -180,7 +194,10 @@ def end(runs: list[Any]) -> None:
 
 def stop_all() -> None:
     """End all background work."""
+    from concurrent.futures import wait
+
     processes = state.current().jobs
+    wait(list(processes.to_complete), PATIENCE)
     end(processes.runs)
     if processes.worker is not None:
         processes.worker.stop()

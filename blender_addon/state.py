@@ -59,10 +59,13 @@ class JobsState:
         The worker process; None until the first task.
     runs : list of BackgroundRun
         Commands that run in other processes.
+    to_complete : list of Future
+        Tasks that the end of Blender waits for.
     """
 
     worker: Worker | None = None
     runs: list[BackgroundRun] = field(default_factory=list)
+    to_complete: list[Future[Any]] = field(default_factory=list)
 
 
 @dataclass

@@ -7,12 +7,12 @@ Only the main thread may touch bpy, so such work cannot go to another process.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from . import jobs
 
-__all__ = ["InSlices"]
+__all__ = ["InSlices", "next_slice"]
 
 # Long enough that little is lost between slices, short enough for the window to answer.
 SECONDS_OF_SLICE = 0.15
@@ -20,8 +20,29 @@ SECONDS_BETWEEN_SLICES = 0.01
 CATEGORY = "Shape Google"
 
 
+def next_slice(steps: Iterator[object], clock: Callable[[], float] = time.monotonic) -> bool:
+    """Do some of the steps of a task, for as long as the window may wait.
+
+    Parameters
+    ----------
+    steps : iterator
+        Does a step each time it is asked for another value. Whatever is true ends the slice at once: the next
+        step, or the last one, takes long by itself.
+    clock : callable, optional
+
+    Returns
+    -------
+    more : bool
+        Whether there may be more steps.
+    """
+    end = clock() + SECONDS_OF_SLICE
+    return any(alone or clock() > end for alone in steps)
+
+
 class InSlices:
     """Base of operators whose work is an iterator that yields wherever it may be interrupted.
+
+    See `next_slice` for what it yields.
 
     While it runs, the window takes clicks in the add-on's sidebar and Esc, and nothing that could change the
     scene.
@@ -34,7 +55,7 @@ class InSlices:
 
     stopped = False
 
-    def begin(self, context: Any, steps: Iterator[None]) -> set[str]:
+    def begin(self, context: Any, steps: Iterator[object]) -> set[str]:
         """Start the work; for `invoke`."""
         self._steps = steps
         manager = context.window_manager
@@ -58,16 +79,15 @@ class InSlices:
             return self.finish(context, cancelled=True)
         if event.type != "TIMER":
             return {"PASS_THROUGH"} if _is_in_sidebar(context, event) else {"RUNNING_MODAL"}
-        end = time.monotonic() + SECONDS_OF_SLICE
         try:
-            for _ in self._steps:
-                if time.monotonic() > end:
-                    self.show_progress(context)
-                    jobs.redraw()
-                    return {"PASS_THROUGH"}
+            more = next_slice(self._steps)
         except BaseException:
             self.cancel(context)
             raise
+        if more:
+            self.show_progress(context)
+            jobs.redraw()
+            return {"PASS_THROUGH"}
         self.cancel(context)
         return self.finish(context, cancelled=False)
 

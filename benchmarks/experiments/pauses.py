@@ -266,13 +266,9 @@ def _link() -> str:
     return "\n".join((find.line("find duplicates"), slices.line("link data", rest)))
 
 
-def _in_slices(steps: Iterator[None], slices: Slices) -> None:
+def _in_slices(steps: Iterator[object], slices: Slices) -> None:
     """Work as `time_slices.InSlices` does."""
-    from blender_addon.time_slices import SECONDS_OF_SLICE
+    from blender_addon.time_slices import next_slice
 
-    def one() -> bool:
-        end = time.thread_time() + SECONDS_OF_SLICE
-        return any(time.thread_time() > end for _ in steps)
-
-    while slices.timed(one):
+    while slices.timed(lambda: next_slice(steps, time.thread_time)):
         pass

@@ -4,23 +4,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .. import jobs
-from ..library.model import model_source
 from ..translation import counted, error_text, tr
 from .properties import show_groups
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import ShapeModel, ShapeSignature
+    from shapegoogle_core import Mesh
+    from shapegoogle_core.worker.grouping import PackedSignature
 
-    from .groups import Group, SceneShapes, Solid
+    from .groups import Solid
 
-__all__ = ["BackgroundSearch", "LibrarySearch", "SimilarSearch", "group_solids", "summary"]
+__all__ = ["BackgroundSearch", "LibrarySearch", "SimilarSearch", "summary"]
 
 # Meshes handed to the worker at once: another query waits for no more than these.
 MESHES_AT_ONCE = 4
@@ -60,16 +61,29 @@ class BackgroundSearch:
 
 
 class SimilarSearch(BackgroundSearch):
-    """Search of a scene: describes its meshes, a few at a time, and groups them."""
+    """Search of a scene: has its meshes described, a few at a time, and grouped.
 
-    def __init__(self, model: ShapeModel, found: SceneShapes, least: float) -> None:
-        from .groups import solid_shapes
+    Parameters
+    ----------
+    source : Path or str
+        The model, see `model_source`.
+    solids : sequence of Solid
+        The geometries of the scene.
+    meshes : sequence of Mesh
+        Of each.
+    hidden : int
+        Number of objects that Blender does not evaluate.
+    least : float
+        Least similarity to the first of a group.
+    """
 
+    def __init__(
+        self, source: Path | str, solids: Sequence[Solid], meshes: Sequence[Mesh], hidden: int, least: float
+    ) -> None:
         super().__init__()
-        self._model, self._least, self._hidden = model, least, len(found.hidden)
-        self._source = model_source(bpy.context)
-        self._solids, self._meshes = solid_shapes(found)
-        self._signatures: list[ShapeSignature | str] = []
+        self._source, self._solids, self._meshes = source, solids, meshes
+        self._hidden, self._least = hidden, least
+        self._described: list[PackedSignature | str] = []
 
     def begin(self) -> None:
         """Start with the first meshes."""
@@ -77,31 +91,34 @@ class SimilarSearch(BackgroundSearch):
         self.go_on()
 
     def go_on(self) -> None:
-        """Describe the next meshes; after the last ones, group them and show the groups."""
-        from shapegoogle_core.worker.requests import describe_meshes
+        """Have the next meshes described; after the last ones, all of them grouped."""
+        from shapegoogle_core.worker.grouping import describe_meshes, group_meshes
 
-        count = len(self._signatures)
+        count = len(self._described)
         if count < len(self._meshes):
             batch = self._meshes[count : count + MESHES_AT_ONCE]
             self.submit(self._take, describe_meshes, self._source, batch)
-            return
-        shown = bpy.context.window_manager.shape_google_duplicates
-        show_groups(
-            shown, group_solids(self._model, self._solids, self._signatures, self._least), "SCENE", add=True
-        )
-        self.end(summary(shown, self._hidden))
+        else:
+            self.submit(self._show, group_meshes, self._source, self._described, self._least)
 
     def _progress(self) -> str:
         return tr("Comparing shapes: {done} of {count}").format(
-            done=len(self._signatures), count=len(self._meshes)
+            done=len(self._described), count=len(self._meshes)
         )
 
-    def _take(self, signatures: list[ShapeSignature | str]) -> None:
-        self._signatures += signatures
+    def _take(self, described: list[PackedSignature | str]) -> None:
+        self._described += described
         shown = bpy.context.window_manager.shape_google_duplicates
-        shown.progress = len(self._signatures) / len(self._meshes)
+        shown.progress = len(self._described) / len(self._meshes)
         shown.status = self._progress()
         self.go_on()
+
+    def _show(self, groups: list[list[tuple[int, float]]]) -> None:
+        from .groups import similar_groups
+
+        shown = bpy.context.window_manager.shape_google_duplicates
+        show_groups(shown, similar_groups(self._solids, groups), "SCENE", add=True)
+        self.end(summary(shown, self._hidden))
 
 
 class LibrarySearch(BackgroundSearch):
@@ -114,41 +131,6 @@ class LibrarySearch(BackgroundSearch):
         shown = bpy.context.window_manager.shape_google_duplicates
         show_groups(shown, library_groups(groups), "LIBRARY")
         self.end(summary(shown))
-
-
-def group_solids(
-    model: ShapeModel,
-    solids: Sequence[Solid],
-    signatures: Sequence[ShapeSignature | str],
-    least: float,
-) -> list[Group]:
-    """Group the geometries of a scene by their signatures.
-
-    Parameters
-    ----------
-    model : ShapeModel
-        The one that made the signatures.
-    solids : sequence of Solid
-    signatures : sequence of ShapeSignature or str
-        Of each solid; a sentence in place of one that cannot be described, which is then in no group.
-    least : float
-        Least similarity to the first of a group.
-
-    Returns
-    -------
-    groups : list of Group
-    """
-    from shapegoogle_core.library.duplicates.similar import group_similar
-
-    from .groups import similar_groups
-
-    described = [
-        (solid, signature)
-        for solid, signature in zip(solids, signatures, strict=True)
-        if not isinstance(signature, str)
-    ]
-    groups = group_similar(model, [signature for _, signature in described], least)
-    return similar_groups([solid for solid, _ in described], groups)
 
 
 def summary(shown: Any, hidden: int = 0) -> str:

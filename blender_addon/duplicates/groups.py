@@ -256,29 +256,28 @@ def scene_groups(found: SceneShapes) -> list[Group]:
     return sorted(groups, key=lambda group: -group.saved_faces)
 
 
-def solid_shapes(found: SceneShapes) -> tuple[list[Solid], list[Mesh]]:
-    """Meshes to describe for `similar_groups`: the first one of each geometry that has faces.
+def solid_shapes(found: SceneShapes) -> Iterator[tuple[Solid, Mesh]]:
+    """Read the meshes to describe for `similar_groups`: the first one of each geometry that has faces.
 
     Parameters
     ----------
     found : SceneShapes
 
-    Returns
-    -------
-    solids : list of Solid
-    meshes : list of Mesh
-        Of each, at world scale, before modifiers.
+    Yields
+    ------
+    solid : Solid
+    mesh : Mesh
+        At world scale, before modifiers. Objects must not change between two of them.
     """
-    firsts = [shape.first for shape in found.shapes if shape.first.faces]
-    solids = [
-        Solid(tuple(Member(item.name, _library(item)) for item in mesh.objects), mesh.faces)
-        for mesh in firsts
-    ]
-    return solids, [base_mesh(mesh.objects[0]) for mesh in firsts]
+    for shape in found.shapes:
+        first = shape.first
+        if first.faces:
+            members = tuple(Member(item.name, _library(item)) for item in first.objects)
+            yield Solid(members, first.faces), base_mesh(first.objects[0])
 
 
 def similar_groups(solids: Sequence[Solid], groups: Sequence[Sequence[tuple[int, float]]]) -> list[Group]:
-    """Convert the result of the core's `group_similar` to groups of objects.
+    """Convert the result of the core's `group_meshes` to groups of objects.
 
     Parameters
     ----------

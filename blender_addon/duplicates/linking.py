@@ -8,7 +8,7 @@ meshes are compared first, then exchanged in portions with one update each, and 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,6 +33,8 @@ HIDDEN = marked(
 PORTIONS = 4
 # After a change of meshes Blender rebuilds the relations of all objects, however few have changed.
 LEAST_PORTION = 250
+# Vertices seen of deformed objects, which are compared in one go after the update.
+MOST_POINTS = 500_000
 
 
 @dataclass(frozen=True)
@@ -110,21 +112,42 @@ class LinkRun:
         """Number of objects that are linked or refused."""
         return len(self.result.linked) + len(self.result.refused)
 
-    def steps(self) -> Iterator[None]:
-        """Link; the caller may do something else after each step, but not change objects."""
+    def steps(self) -> Iterator[bool]:
+        """Link; the caller may do something else after each step, but not change objects.
+
+        Yields
+        ------
+        alone : bool
+            Whether the next step, or the last one, updates the whole scene.
+        """
         for stage in self._stages:
             exchanges: list[Exchange] = []
             for group in stage:
                 for exchange in self._compare(group):
                     if exchange is not None:
                         exchanges.append(exchange)
-                    yield
+                    yield False
             exchanges = self._without_referred(exchanges)
             for exchanges_of_depth in _by_depth(exchanges):
-                size = max(LEAST_PORTION, -(-len(exchanges_of_depth) // PORTIONS))
-                for first in range(0, len(exchanges_of_depth), size):
-                    self._exchange(exchanges_of_depth[first : first + size])
-                    yield
+                yield from self._exchange_all(exchanges_of_depth)
+
+    def _exchange_all(self, exchanges: Sequence[Exchange]) -> Iterator[bool]:
+        """Exchange the meshes of objects of which none is below another, in portions."""
+        size = max(LEAST_PORTION, -(-len(exchanges) // PORTIONS))
+        portion: list[Exchange] = []
+        seen: dict[Any, FloatArray] = {}
+        points = 0
+        for exchange in exchanges:
+            portion.append(exchange)
+            if is_deformed(exchange.item):
+                seen[exchange.item] = points_seen(self._context, exchange.item)
+                points += len(seen[exchange.item])
+                yield False
+            if len(portion) == size or points > MOST_POINTS or exchange is exchanges[-1]:
+                yield True
+                self._exchange(portion, seen)
+                yield True
+                portion, seen, points = [], {}, 0
 
     def _refuse(self, item: Any, reason: str) -> None:
         self.result.refused.append((item.name, reason))
@@ -207,14 +230,12 @@ class LinkRun:
                 kept.append(exchange)
         return kept
 
-    def _exchange(self, exchanges: Sequence[Exchange]) -> None:
-        """Exchange the meshes of objects of which none is below another; what would move is as before."""
+    def _exchange(self, exchanges: Sequence[Exchange], seen: Mapping[Any, FloatArray]) -> None:
+        """Exchange the meshes of some objects; what would move is as before.
+
+        `seen` has the vertices of those that may be seen otherwise than their meshes say.
+        """
         context = self._context
-        seen = {
-            exchange.item: points_seen(context, exchange.item)
-            for exchange in exchanges
-            if is_deformed(exchange.item)
-        }
         kept = [Kept(exchange.item, self._children.get(exchange.item, [])) for exchange in exchanges]
         for exchange, old in zip(exchanges, kept, strict=True):
             exchange.item.data = exchange.data

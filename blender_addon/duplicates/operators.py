@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import bpy
@@ -12,18 +12,18 @@ from bpy.props import IntProperty
 
 from .. import jobs, state
 from ..library.address import library_address, library_missing
-from ..library.model import current_model
+from ..library.model import model_source
 from ..library.present import when_it_goes
 from ..time_slices import InSlices
 from ..translation import counted, error_text, tr
-from .background import BackgroundSearch, LibrarySearch, SimilarSearch, group_solids, summary
+from .background import BackgroundSearch, LibrarySearch, SimilarSearch, summary
 from .members import is_in_object_mode, objects_by_name, objects_of
 from .properties import show_groups
 
 if TYPE_CHECKING:
-    from shapegoogle_core import ShapeModel
+    from shapegoogle_core import Mesh
 
-    from .groups import SceneShapes
+    from .groups import SceneShapes, Solid
 
 __all__ = ["register", "unregister"]
 
@@ -88,9 +88,20 @@ class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
         from .groups import Collecting
 
         self._collecting = Collecting(context, context.scene.objects)
+        self._solids: list[tuple[Solid, Mesh]] = []
         shown.running, shown.progress = True, 0.0
         state.current().duplicates.collecting = self
-        return self.begin(context, self._collecting.steps())
+        return self.begin(context, self._steps_of(similar=shown.similar))
+
+    def _steps_of(self, *, similar: bool) -> Iterator[None]:
+        """Compare the meshes with each other; read those to describe."""
+        from .groups import solid_shapes
+
+        yield from self._collecting.steps()
+        if similar:
+            for solid in solid_shapes(self._collecting.found):
+                self._solids.append(solid)
+                yield
 
     def show_progress(self, context: Any) -> None:
         """Show the share of the meshes that have been compared."""
@@ -116,11 +127,10 @@ class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
             return {"CANCELLED"}
         found = self._collecting.found
         self._list_same(context, found)
-        if shown.similar:
-            model = self._model(context)
-            if model is None:
-                return {"CANCELLED"}
-            similar = SimilarSearch(model, found, shown.min_similarity)
+        if self._solids:
+            solids, meshes = zip(*self._solids, strict=True)
+            source = model_source(context)
+            similar = SimilarSearch(source, solids, meshes, len(found.hidden), shown.min_similarity)
             _begin(similar)
             similar.begin()
         return {"FINISHED"}
@@ -128,36 +138,40 @@ class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Find all groups before returning."""
         from shapegoogle_core import ShapeGoogleError
-        from shapegoogle_core.worker.requests import describe_meshes, library_duplicates
-
-        from .groups import collect_shapes, library_groups, solid_shapes
 
         shown = context.window_manager.shape_google_duplicates
         _cancel_running()
-        hidden = 0
-        if shown.scope == "LIBRARY":
-            try:
-                asked = library_address(context), shown.min_similarity
-                groups = jobs.worker().submit(library_duplicates, *asked).result()
-            except ShapeGoogleError as error:
-                self.report({"ERROR"}, error_text(error))
-                return {"CANCELLED"}
-            show_groups(shown, library_groups(groups), "LIBRARY")
-        else:
-            found = collect_shapes(context, context.scene.objects)
-            self._list_same(context, found)
-            hidden = len(found.hidden)
-            if shown.similar:
-                model = self._model(context)
-                if model is None:
-                    return {"CANCELLED"}
-                solids, meshes = solid_shapes(found)
-                signatures = describe_meshes(model, meshes)
-                similar = group_solids(model, solids, signatures, shown.min_similarity)
-                show_groups(shown, similar, "SCENE", add=True)
+        try:
+            hidden = self._find(context)
+        except ShapeGoogleError as error:
+            self.report({"ERROR"}, error_text(error))
+            return {"CANCELLED"}
         shown.status = summary(shown, hidden)
         self.report({"INFO"}, shown.status)
         return {"FINISHED"}
+
+    def _find(self, context: Any) -> int:
+        """Find all groups, waiting for the worker; returns the number of objects left out."""
+        from shapegoogle_core.worker.grouping import describe_meshes, group_meshes
+        from shapegoogle_core.worker.requests import library_duplicates
+
+        from .groups import collect_shapes, library_groups, similar_groups, solid_shapes
+
+        shown, worker = context.window_manager.shape_google_duplicates, jobs.worker()
+        least = shown.min_similarity
+        if shown.scope == "LIBRARY":
+            groups = worker.submit(library_duplicates, library_address(context), least).result()
+            show_groups(shown, library_groups(groups), "LIBRARY")
+            return 0
+        found = collect_shapes(context, context.scene.objects)
+        self._list_same(context, found)
+        read = list(solid_shapes(found)) if shown.similar else []
+        if read:
+            source = model_source(context)
+            described = worker.submit(describe_meshes, source, [mesh for _, mesh in read]).result()
+            similar = worker.submit(group_meshes, source, described, least).result()
+            show_groups(shown, similar_groups([solid for solid, _ in read], similar), "SCENE", add=True)
+        return len(found.hidden)
 
     def _list_same(self, context: Any, found: SceneShapes) -> None:
         """List the groups of congruent meshes of the scene."""
@@ -183,15 +197,6 @@ class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
                     names=_some(found.skipped),
                 ),
             )
-
-    def _model(self, context: Any) -> ShapeModel | None:
-        from shapegoogle_core import ShapeGoogleError
-
-        try:
-            return current_model(context)
-        except ShapeGoogleError as error:
-            self.report({"ERROR"}, error_text(error))
-            return None
 
 
 class SHAPEGOOGLE_OT_cancel_duplicates(bpy.types.Operator):

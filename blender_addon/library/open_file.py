@@ -12,14 +12,19 @@ from __future__ import annotations
 
 import os
 import uuid
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import state
+from .. import jobs, state
 from ..state import session_of
+
+if TYPE_CHECKING:
+    from shapegoogle_core.processes.worker import Worker
 
 __all__ = ["UNSAVED", "is_open_file", "is_unsaved", "open_source", "register", "take_over", "unregister"]
 
@@ -54,24 +59,40 @@ def is_open_file(source: str) -> bool:
     )
 
 
-def take_over() -> None:
+def take_over(worker: Worker | None = None) -> None:
     """Have the shapes of a file that has been saved for the first time become those of the saved file.
 
-    Libraries that cannot be written at the moment are tried again when the scene is next indexed.
+    A worker process writes the libraries; without a window it is waited for. Libraries that cannot be written
+    at the moment are tried again when the scene is next indexed.
+
+    Parameters
+    ----------
+    worker : Worker, optional
+        By default that of `jobs.worker`.
     """
-    from shapegoogle_core import Library, LibraryError
+    from shapegoogle_core import ShapeGoogleError
+    from shapegoogle_core.worker.scene import rename_source
 
     renamed = state.current().library.renamed
     for entry in list(renamed):
-        path, old, new = entry
-        try:
-            if path.is_file():
-                with Library.open(path) as library:
-                    library.add_roots([new])
-                    library.rename_source(old, new)
-        except LibraryError:
-            continue
+        future = (worker or jobs.worker()).submit(rename_source, *entry)
+        if bpy.app.background:
+            with suppress(ShapeGoogleError):  # then it stays in the list
+                future.result()
+                renamed.remove(entry)
+        else:
+            jobs.complete(future)
+            jobs.watch(future, partial(_is_renamed, entry), _stays)
+
+
+def _is_renamed(entry: tuple[Path, str, str], _result: None) -> None:
+    renamed = state.current().library.renamed
+    if entry in renamed:
         renamed.remove(entry)
+
+
+def _stays(_error: BaseException) -> None:
+    """Leave the library in the list of those in which the source has its first name."""
 
 
 @persistent

@@ -315,7 +315,7 @@ class SceneIndexing:
         from shapegoogle_core.worker.scene import find_neighbours, store
 
         # First, since a file saved meanwhile is another source than before.
-        take_over()
+        take_over(self._storer)
         self._source = source = open_source()
         known = state.current().library.objects
         uids = {item.name: item.uid for item in self._items.values() if item.is_local}

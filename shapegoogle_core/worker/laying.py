@@ -24,7 +24,7 @@ def lay_meshes(
     Parameters
     ----------
     model : ShapeModel, Path or str
-        As for `describe_meshes`.
+        As for `model_of`.
     targets : sequence of Mesh
     mesh : Mesh
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shapegoogle_core.client import LibraryAddress
-from shapegoogle_core.errors import LibraryError, MeshError
+from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.library.filter import Filter
@@ -29,7 +29,6 @@ __all__ = [
     "Answer",
     "StoredExample",
     "changing",
-    "describe_meshes",
     "explain",
     "library_duplicates",
     "library_state",
@@ -245,22 +244,18 @@ def _stored_signature(library: SearchableLibrary, example: StoredExample) -> Sha
         ) from error
 
 
-def describe_meshes(
-    model: ShapeModel | LibraryAddress | Path | str, meshes: Sequence[Mesh]
-) -> list[ShapeSignature | str]:
-    """Describe several meshes; one that cannot be described costs only itself.
+def model_of(model: ShapeModel | LibraryAddress | Path | str) -> ShapeModel:
+    """Return a model, that of a library, or one by its name.
 
     Parameters
     ----------
     model : ShapeModel, LibraryAddress, Path or str
         An address or a path is that of a library with its model in it; a text is a name or path as for
         `load_model`.
-    meshes : sequence of Mesh
 
     Returns
     -------
-    signatures : list of ShapeSignature or str
-        In the order of the meshes; a sentence for a mesh that cannot be described.
+    model : ShapeModel
 
     Raises
     ------
@@ -269,18 +264,6 @@ def describe_meshes(
     ModelError
         If the model cannot be loaded.
     """
-    model = model_of(model)
-    described: list[ShapeSignature | str] = []
-    for mesh in meshes:
-        try:
-            described.append(model.describe(mesh))
-        except MeshError as error:
-            described.append(str(error))
-    return described
-
-
-def model_of(model: ShapeModel | LibraryAddress | Path | str) -> ShapeModel:
-    """Return a model, that of a library, or one by its name; see `describe_meshes`."""
     if isinstance(model, Path | LibraryAddress):
         return _SESSION.library(model).model
     return _SESSION.model(model) if isinstance(model, str) else model

@@ -15,7 +15,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature
 from shapegoogle_core.worker.requests import open_library
 
-__all__ = ["PackedShape", "create_library", "describe", "find_neighbours", "store"]
+__all__ = ["PackedShape", "create_library", "describe", "find_neighbours", "rename_source", "store"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,3 +151,29 @@ def find_neighbours(path: Path) -> int:
     with Library.open(path) as library:
         library.update_neighbours()
         return len(library)
+
+
+def rename_source(path: Path, source: str, file: str) -> None:
+    """Have the shapes of a scene that had never been saved become those of its file.
+
+    Parameters
+    ----------
+    path : Path
+        The library. Nothing happens if it is not there any more, or does not know the source.
+    source : str
+        The label of the scene.
+    file : str
+        Path of the file, which is added to the roots of the library.
+
+    Raises
+    ------
+    LibraryError
+        If the library cannot be read or written.
+    """
+    from shapegoogle_core.library.library import Library
+
+    if not path.is_file():
+        return
+    with Library.open(path) as library:
+        library.add_roots([file])
+        library.rename_source(source, file)

@@ -28,6 +28,7 @@ TEXTS = {
     "{name!r}: all points of its faces coincide; export the mesh again": "{name!r}: alle Punkte der Flächen fallen zusammen; die Masche erneut exportieren",
     "{name!r}: its faces have no area (all points lie on a line); export the mesh again": "{name!r}: die Flächen haben keinen Flächeninhalt (alle Punkte liegen auf einer Geraden); die Masche erneut exportieren",
     "{name!r}: all its points lie on a line; a shape needs points of a surface": "{name!r}: alle Punkte liegen auf einer Geraden; eine Form braucht Punkte einer Oberfläche",
+    "the model {name!r} has taken the place of the one that described the meshes; find duplicates again": "das Modell {name!r} steht an der Stelle dessen, das die Maschen beschrieben hat; Duplikate erneut finden",
     "the process that computes has ended unexpectedly ({cause}); try again with a simpler shape": "der rechnende Prozess wurde unerwartet beendet ({cause}); mit einer einfacheren Form erneut versuchen",
     "Python cannot be started at {program!r} ({reason}); install Blender again, or use another build of it": "Python unter {program!r} kann nicht gestartet werden ({reason}); Blender erneut installieren, oder einen anderen Build verwenden",
     "the example {name!r} cannot be used: {reason}; remove it from the list of examples": "das Beispiel {name!r} kann nicht verwendet werden: {reason}; es aus der Liste der Beispiele entfernen",
