@@ -51,14 +51,19 @@ def spin_images(
     images : (k, bins) array
         Weight of the cloud in each bin, flattened; a row sums to the weight inside the support.
     """
-    heights = np.abs(normals @ cloud.T - (normals * points).sum(axis=1)[:, None])
-    squares = (cloud**2).sum(axis=1) + (points**2).sum(axis=1)[:, None] - 2 * points @ cloud.T
-    distances = np.sqrt(np.maximum(squares - heights**2, 0))
+    heights = normals @ cloud.T
+    heights -= (normals * points).sum(axis=1)[:, None]
+    np.abs(heights, out=heights)
+    squares = (cloud**2).sum(axis=1) + (points**2).sum(axis=1)[:, None]
+    squares -= 2 * points @ cloud.T
+    squares -= heights * heights
     rows, columns = bins
-    inside = (distances < radius) & (heights < radius)
-    row = (distances[inside] * (rows / radius)).astype(np.int64)
-    column = (heights[inside] * (columns / radius)).astype(np.int64)
-    image, point = np.nonzero(inside)
+    # Most points are outside, so roots are taken of the others only.
+    places = np.flatnonzero((heights < radius) & (squares < radius**2))
+    heights, squares = heights.ravel()[places], squares.ravel()[places]
+    row = (np.sqrt(np.maximum(squares, 0)) * (rows / radius)).astype(np.int64)
+    column = (heights * (columns / radius)).astype(np.int64)
+    image, point = np.divmod(places, len(cloud))
     cell = (image * rows + np.minimum(row, rows - 1)) * columns + np.minimum(column, columns - 1)
     summed = np.bincount(cell, weights[point], minlength=len(points) * rows * columns)
     return np.asarray(summed.reshape(len(points), -1), dtype=np.float64)

@@ -85,14 +85,16 @@ def similarity_transformations(
     weights = weights / weights.sum(axis=1, keepdims=True)
     first_mean = (weights[:, None] @ first)[:, 0]
     second_mean = (weights[:, None] @ second)[:, 0]
-    first, second = first - first_mean[:, None], second - second_mean[:, None]
-    covariances = (weights[..., None] * second).transpose(0, 2, 1) @ first
+    centred = first - first_mean[:, None]
+    weighted = weights[..., None] * centred
+    # These sum to zero, so the other points need not be centred.
+    covariances = second.transpose(0, 2, 1) @ weighted
     left, values, right = np.linalg.svd(covariances)
     sign = np.sign(np.linalg.det(left) * np.linalg.det(right))
     left[:, :, 2] *= sign[:, None]
     values[:, 2] *= sign
     rotations = left @ right
-    spread = (weights * (first**2).sum(axis=2)).sum(axis=1)
+    spread = np.einsum("bni,bni->b", weighted, centred)
     scales = values.sum(axis=1) / np.maximum(spread, np.finfo(float).tiny)
     translations = second_mean - scales[:, None] * (rotations @ first_mean[..., None])[..., 0]
     return scales, rotations, translations

@@ -21,6 +21,7 @@ def point_distances(points: NDArray[np.float32]) -> NDArray[np.float32]:
     distances : (..., n, n) array of float32
         By one matrix product: fast, and exact to the square root of the rounding error.
     """
-    squares = (points**2).sum(axis=-1)
-    squared = squares[..., :, None] + squares[..., None, :] - 2 * points @ points.swapaxes(-1, -2)
+    squares = np.einsum("...i,...i->...", points, points)
+    squared = squares[..., :, None] + squares[..., None, :]
+    squared -= 2 * points @ points.swapaxes(-1, -2)
     return np.asarray(np.sqrt(np.maximum(squared, 0, out=squared), out=squared))

@@ -69,10 +69,12 @@ def supports(
     descriptors = np.stack([candidate.descriptors for candidate in chosen])
     half_squares = np.einsum("bkd,bkd->bk", descriptors, descriptors) / 2
     few = slice(descriptors.shape[1])
-    points, centers = (
-        np.stack([getattr(candidate, name)[few] for candidate in chosen]).astype(np.float32)
-        for name in ("points", "centers")
+    places, normals = (
+        np.stack([getattr(one, name)[few] for one in chosen]) for name in ("points", "normals")
     )
+    # As `SurfaceSample.centers`, but only of the keypoints: most candidates are looked at but once.
+    radii = np.stack([one.radii[few] for one in chosen])[..., None]
+    points, centers = places.astype(np.float32), (places - radii * normals).astype(np.float32)
     for scale in range(compared.shape[1]):
         asked = np.flatnonzero(compared[rows, scale])
         for start in range(0, len(asked), batch_size):

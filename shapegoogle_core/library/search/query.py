@@ -32,6 +32,7 @@ from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, is_mesh_like
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
+from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import SHARED_SCALES, PreparedSample, SurfaceSample
 
@@ -113,19 +114,21 @@ class Query:
             signature.sample for signature in like if signature.sample is not None
         ]
 
-    def distances(self, bags: NDArray[np.float32]) -> FloatArray:
+    def distances(self, bags: NDArray[np.float32], embedded: FloatBags | None = None) -> FloatArray:
         """Compute the distances of shapes from the query.
 
         Parameters
         ----------
         bags : (n, B) array
+        embedded : (n, p) array, optional
+            `ShapeModel.embed` of them, where it is known already.
 
         Returns
         -------
         distances : (n,) array
             ≥ 0, rounded; infinite for copies of negative examples.
         """
-        vectors = self._model.comparable(bags)
+        vectors = self._model.comparable(bags, embedded)
         distances = pool_distances(self._to(self._like, vectors))
         if self._unlike:
             likeness = self._model.similarity(self._to(self._unlike, vectors).min(axis=0))
@@ -136,19 +139,23 @@ class Query:
             distances[copies] = np.inf
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
-    def typical_distances(self, bags: NDArray[np.float32]) -> FloatArray | None:
+    def typical_distances(
+        self, bags: NDArray[np.float32], embedded: FloatBags | None = None
+    ) -> FloatArray | None:
         """Compute the typical distances of shapes and query, see `ShapeModel.typical_distances`.
 
         Parameters
         ----------
         bags : (n, B) array
+        embedded : (n, p) array, optional
+            As for `distances`.
 
         Returns
         -------
         typical : (n,) array or None
             Pooled over the examples as `distances` are; None for a model without a background.
         """
-        others = self._model.background_distances(bags)
+        others = self._model.background_distances(bags, embedded)
         if others is None or self._background_distance is None:
             return None
         return np.sqrt(self._background_distance * others)

@@ -108,14 +108,15 @@ class Reranker:
         self, best: list[Match], query: Query, shape_ids: list[int], bags: NDArray[np.float32], count: int
     ) -> list[Match]:
         """Compare a portion of the library with the query and keep the `count` best so far."""
-        distances = query.distances(bags)
+        embedded = self._model.embed(bags)
+        distances = query.distances(bags, embedded)
         if len(distances) > count:
             # Equals of the last one are kept: their names decide, and names are read only for these few.
             chosen = np.flatnonzero(distances <= np.partition(distances, count - 1)[count - 1])
         else:
             chosen = np.arange(len(distances))
         records = self._store.shapes([shape_ids[position] for position in chosen])
-        typical = query.typical_distances(bags[chosen])
+        typical = query.typical_distances(bags[chosen], embedded[chosen])
         similarities = self._model.similarity(distances[chosen], typical)
         matches = [
             Match(

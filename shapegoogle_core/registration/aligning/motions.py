@@ -119,8 +119,12 @@ def compatibility(
     compatible : (..., k, k) array of float32
         1 for compatible pairs, else 0.
     """
-    compatible = np.abs(distances - point_distances(points)) < tolerance
-    compatible &= np.abs(center_distances - point_distances(centers)) < tolerance
+    differences = point_distances(points)
+    differences -= distances
+    compatible = np.abs(differences, out=differences) < tolerance
+    differences = point_distances(centers)
+    differences -= center_distances
+    compatible &= np.abs(differences, out=differences) < tolerance
     # Two keypoints with the same counterpart contradict each other.
     compatible &= counterparts[..., :, None] != counterparts[..., None, :]
     return np.asarray(compatible, np.float32)
@@ -226,7 +230,9 @@ def reverse_motions(
         likeness = candidates.descriptors[some, :count] @ descriptors.T
         likeness -= half_squares
         counterparts = likeness.argmax(axis=2)
-        points, centers = query.key_points[counterparts], query.key_centers[counterparts]
+        points, centers = (
+            places.take(counterparts, axis=0) for places in (query.key_points, query.key_centers)
+        )
         distances, center_distances = (array[some, :count, :count] for array in candidates.distances)
         compatible = compatibility(
             counterparts, distances, center_distances, growth * points, growth * centers, _TOLERANCE

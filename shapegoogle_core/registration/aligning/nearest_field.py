@@ -66,7 +66,11 @@ class NearestField:
         nearest : (...) array of int32
             Indices of `points`.
         """
-        cells = (places - self._origin) * self._per_unit
-        np.clip(cells, 0, self._last, out=cells)
-        x, y, z = (cells[..., axis].astype(np.int32) for axis in range(3))
-        return np.asarray(self._grid[x * self._strides[0] + y * self._strides[1] + z])
+        # Axis by axis: numpy is slow where the innermost of its loops has three steps.
+        voxels = np.zeros(places.shape[:-1], np.int32)
+        for axis in range(3):
+            cells = places[..., axis] - self._origin[axis]
+            cells *= self._per_unit
+            np.clip(cells, 0, self._last[axis], out=cells)
+            voxels += cells.astype(np.int32) * self._strides[axis]
+        return self._grid.take(voxels)

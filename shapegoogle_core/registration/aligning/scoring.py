@@ -164,7 +164,7 @@ def _shares(
         weights, nearest, _ = _near(field, everything[some.rows, :count], some, resolution.tolerance)
         if of_surface:
             weights *= np.abs(_cosines(query, candidates, some, nearest))
-        places = labels[nearest] + (cells + 1) * np.arange(len(some))[:, None]
+        places = labels.take(nearest) + (cells + 1) * np.arange(len(some))[:, None]
         hits = np.bincount(places.ravel(), weights.ravel(), (cells + 1) * len(some))
         # The hits of a cell that is covered: a smaller query has fewer of the candidate's points.
         expected = _REACHED * np.maximum(count / cells * some.scales**2, 0.5)
@@ -179,7 +179,7 @@ def _cosines(
 ) -> NDArray[np.float32]:
     """Return the cosines between the normals of the first points and those of the nearest points."""
     turned = candidates.normals[motions.rows, : nearest.shape[1]] @ motions.rotations.astype(np.float32)
-    return np.asarray(np.einsum("hni,hni->hn", turned, query.field_normals[nearest]))
+    return np.asarray(np.einsum("hni,hni->hn", turned, query.field_normals.take(nearest, axis=0)))
 
 
 def _near(
@@ -188,7 +188,7 @@ def _near(
     """Weigh points by their distance from the query; return the nearest ones too, and their positions."""
     moved = _moved_back(points, motions)
     nearest = field.nearest(moved)
-    counterparts = field.points[nearest]
+    counterparts = field.points.take(nearest, axis=0)
     moved -= counterparts
     factors = -((motions.scales / tolerance) ** 2)
     squares = np.einsum("hni,hni->hn", moved, moved)
