@@ -64,15 +64,20 @@ class LibraryFolders:
             raise LibraryError(f"'{self.name}' is a database, not a file; use its name")
         return Path(self.name)
 
-    def roots(self) -> list[Root]:
+    def roots(self, *, counted: bool = True) -> list[Root]:
         """Return the named folders that the indexed files lie below.
+
+        Parameters
+        ----------
+        counted : bool, optional
+            Whether to count the sources below each, which takes a while if there are millions.
 
         Returns
         -------
         roots : list of Root
             In the order of their names.
         """
-        return self._store.roots(counted=True)
+        return self._store.roots(counted=counted)
 
     def add_root(self, folder: PathLike, name: str = "") -> Root:
         """Make a folder a root; the files below it that are already in the library lie below it from then on.

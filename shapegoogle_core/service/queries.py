@@ -115,8 +115,7 @@ class Queries:
         matches = self._search(library, answer.request, request.limit, request.evidence)
         answer.append(matches)
         answer.complete = len(matches) < request.limit
-        for position, match in enumerate(matches[: request.evidence]):
-            answer.shown[position] = self.shown(library, match)
+        answer.shown[: request.evidence] = self.shown(library, matches[: request.evidence])
         return self._page(library, self._spool.new_name(), answer, 0, request.limit, 0)
 
     def page(self, library: Library, name: str, offset: int, limit: int, evidence: int) -> dict[str, Any]:
@@ -176,11 +175,10 @@ class Queries:
             if record["shape_id"] == shape_id:
                 examples = self.signatures(library, answer.request.like)
                 found = library.versions(examples, _match(record), explain=len(record["version_ids"]) + 1)
-                matches = [self.shown(library, match) for match in found]
                 return {
                     "query": name,
                     "offset": 0,
-                    "matches": matches,
+                    "matches": self.shown(library, found),
                     "next": None,
                     "shapes": len(library),
                 }
@@ -255,30 +253,29 @@ class Queries:
             where = filter_from(answer.request.where, library)
             matches = [_match(answer.matches[position]) for position in missing]
             explained = library.explain(examples, matches, len(matches), where=where)
-            for position, match in zip(missing, explained, strict=True):
-                answer.shown[position] = self.shown(library, match)
+            for position, shown in zip(missing, self.shown(library, explained), strict=True):
+                answer.shown[position] = shown
         self._spool.put(name, _PART, answer.to_bytes())
-        shown = [
-            answer.shown[position] or self.shown(library, _match(answer.matches[position]))
-            for position in positions
-        ]
+        others = [position for position in positions if answer.shown[position] is None]
+        unexplained = self.shown(library, [_match(answer.matches[position]) for position in others])
+        records = dict(zip(others, unexplained, strict=True))
+        shown_here = [answer.shown[position] or records[position] for position in positions]
         end = offset + limit
         more = end < len(answer.matches) or (not answer.complete and end < MOST_MATCHES)
         return {
             "query": name,
             "offset": offset,
-            "matches": shown,
+            "matches": shown_here,
             "next": end if more else None,
             "shapes": len(library),
         }
 
-    def shown(self, library: Library, match: Match) -> dict[str, Any]:
-        """Return a match for `MatchRecord`, with the tags that its shape has now."""
-        try:
-            tags = library.shape(match.shape_id).tags
-        except LibraryError:  # removed by another program since
-            tags = ()
-        return match_record(match, tags, library.roots())
+    def shown(self, library: Library, matches: Sequence[Match]) -> list[dict[str, Any]]:
+        """Return matches for `MatchRecord`, with the tags that their shapes have now."""
+        roots = library.roots(counted=False)
+        # Without those that another program has removed since.
+        tags = {record.shape_id: record.tags for record in library.records([m.shape_id for m in matches])}
+        return [match_record(match, tags.get(match.shape_id, ()), roots) for match in matches]
 
 
 def known_shape(library: Library, shape_id: int) -> None:

@@ -107,7 +107,7 @@ def filter_from(where: Where | None, library: Library) -> Filter | None:
     if where is None:
         return None
     conditions = where.model_dump(exclude_none=True)
-    roots = library.roots()
+    roots = library.roots(counted=False)
     if where.folder is not None:
         conditions["folder"] = _folder(where.folder, roots)
     for field, places in (("sources", where.sources), ("not_sources", where.not_sources)):

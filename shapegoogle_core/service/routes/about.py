@@ -54,7 +54,7 @@ async def info(request: Request) -> Info:
                 "library": short_name(library.name),
                 "version": metadata.version("shapegoogle-core"),
                 "api": API_VERSION,
-                "roots": [root.name for root in library.roots()],
+                "roots": [root.name for root in library.roots(counted=False)],
                 "allow_download": settings.allow_download,
                 "max_upload": settings.max_upload * 2**20,
                 "formats": sorted(MESH_SUFFIXES),

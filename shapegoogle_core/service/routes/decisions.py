@@ -48,7 +48,7 @@ async def decide(
             known_shape(library, new.shape.shape_id)
             shape = new.shape.shape_id
         try:
-            source = "" if new.source is None else source_from(new.source, library.roots())
+            source = "" if new.source is None else source_from(new.source, library.roots(counted=False))
             about = {"name": new.name, "source": source} if new.shape.shape_id is None else {}
             return library.decide(new.kind, shape, new.other, tag=new.tag, author=author, **about)
         except ValueError as error:

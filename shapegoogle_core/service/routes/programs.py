@@ -43,7 +43,7 @@ async def compare(request: Request, asked: ComparisonRequest) -> ComparisonAnswe
             explain=asked.evidence,
             where=filter_from(asked.where, library),
         )
-        return {"matches": [queries.shown(library, match) for match in matches]}
+        return {"matches": queries.shown(library, matches)}
 
     return ComparisonAnswer.model_validate(await parts_of(request).lanes.run("search", compared))
 
@@ -70,7 +70,7 @@ async def list_some_shapes(request: Request, asked: ListRequest) -> ShapeList:
     """List shapes by their numbers, or those that meet conditions."""
 
     def listed(library: Library) -> dict[str, Any]:
-        roots = library.roots()
+        roots = library.roots(counted=False)
         if asked.shape_ids is not None:
             shapes = library.records(asked.shape_ids)
             return {"shapes": [shape_record(shape, roots) for shape in shapes], "next": None}

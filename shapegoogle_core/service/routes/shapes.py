@@ -48,7 +48,7 @@ async def list_shapes(
     def listed(library: Library) -> ShapeList:
         where = Filter(text=search if search.strip() else None, tag=tag if tag.strip() else None)
         shapes = library.find(where, after=after, limit=limit + 1)
-        roots = library.roots()
+        roots = library.roots(counted=False)
         return ShapeList.model_validate(
             {
                 "shapes": [shape_record(shape, roots) for shape in shapes[:limit]],
@@ -65,7 +65,9 @@ async def show_shape(request: Request, shape_id: ShapeNumber) -> ShapeDetails:
 
     def found(library: Library) -> ShapeDetails:
         known_shape(library, shape_id)
-        return ShapeDetails.model_validate(shape_record(library.shape(shape_id), library.roots()))
+        return ShapeDetails.model_validate(
+            shape_record(library.shape(shape_id), library.roots(counted=False))
+        )
 
     return await parts_of(request).lanes.run("read", found)
 
@@ -136,7 +138,7 @@ async def list_duplicates(
     )
     if groups is None:
         return DuplicateList(ready=False, total=0, offset=0, groups=[], next=None)
-    roots = await parts.lanes.run("read", lambda library: library.roots())
+    roots = await parts.lanes.run("read", lambda library: library.roots(counted=False))
     end = offset + limit
     return DuplicateList.model_validate(
         {
