@@ -155,7 +155,9 @@ class ServerPreferences:
         column.prop(self, "certificate")
         # Below the fields, not below their names.
         split = layout.split(factor=0.4)
-        split.label(text=tr("Folders of Roots"))
+        label = split.row()
+        label.alignment = "RIGHT"
+        label.label(text=tr("Folders of Roots"))
         row = split.row()
         row.use_property_split = False
         row.template_list("SHAPEGOOGLE_UL_roots", "", self, "roots", self, "active_root", rows=2, maxrows=4)

@@ -166,13 +166,12 @@ def draw_service(layout: Any, context: Any) -> None:
     """
     session = session_of(context)
     reason = refusal(context)
-    row = layout.row()
-    row.enabled = bool(reason)
-    row.operator(
+    # The token, the certificate and the consent are there, so also where the server refuses.
+    layout.operator(
         "preferences.addon_show", text="Open Preferences", icon="PREFERENCES"
     ).module = __package__.rpartition(".")[0]
     text = reason or session.connection or tr("Shapes are added on the server; here you search and decide")
-    fixed_text(layout, text, context)
+    fixed_text(layout, f"{text[:1].upper()}{text[1:]}", context)
     draw_roots(layout, context)
 
 
