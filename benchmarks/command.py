@@ -122,6 +122,12 @@ COMMANDS = (
         ("bpy",),
     ),
     Command(
+        "foretold",
+        "benchmarks.experiments.foretold",
+        "how right the time left is while a file of many objects is indexed (needs bpy)",
+        ("bpy",),
+    ),
+    Command(
         "files",
         "benchmarks.experiments.files.command",
         "read model files with the product and other readers, and list where they differ",

@@ -26,7 +26,7 @@ from benchmarks.blender import enable_addon
 from benchmarks.experiments.large_scene import pairs
 from shapegoogle_core.cli.arguments import number_from
 
-__all__ = ["Slices", "add_options", "foretold", "run"]
+__all__ = ["Slices", "add_options", "foretold", "run", "watch"]
 
 T = TypeVar("T")
 
@@ -154,8 +154,25 @@ def _lines(preferences: Any, file: Path) -> Iterator[str]:
     yield _link()
 
 
-def _watch(task: Any, slices: Slices) -> str:
-    """Take the events of a run of indexing until it ends."""
+def watch(task: Any, slices: Slices) -> str:
+    """Take the events of a run of indexing until it ends.
+
+    Parameters
+    ----------
+    task : BackgroundRun or SceneIndexing
+    slices : Slices
+        Gets the times that this takes.
+
+    Returns
+    -------
+    text : str
+        How wrong its progress was, and how long it took; see `foretold`.
+
+    Raises
+    ------
+    RuntimeError
+        If it fails.
+    """
     from shapegoogle_core.indexing import IndexingProgress
 
     started = time.monotonic()
@@ -177,7 +194,7 @@ def _index_file(preferences: Any, file: Path) -> str:
     slices = Slices()
     arguments = ["index", str(file.parent), "--library", preferences.library]
     task = slices.timed(lambda: BackgroundRun(arguments))
-    return slices.line("index the file", _watch(task, slices))
+    return slices.line("index the file", watch(task, slices))
 
 
 def _index_scene(preferences: Any) -> str:
@@ -188,7 +205,7 @@ def _index_scene(preferences: Any) -> str:
     slices = Slices()
     path = Path(preferences.library)
     task = slices.timed(lambda: SceneIndexing(bpy.context, path, "default"))
-    return slices.line("index the scene", _watch(task, slices))
+    return slices.line("index the scene", watch(task, slices))
 
 
 def _find(preferences: Any) -> Iterator[str]:

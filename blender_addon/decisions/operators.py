@@ -244,6 +244,11 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
         if shown.running:
             cls.poll_message_set(tr("Wait until the search or the linking has ended, or cancel it"))
             return False
+        if shown.found_in == "SCENE":
+            cls.poll_message_set(
+                tr("A library remembers decisions: index this scene, and find duplicates in the library")
+            )
+            return False
         if shown.found_in != "LIBRARY" or _chosen_member(shown) is None:
             cls.poll_message_set(tr("Find duplicates in the library, and choose a member of a group"))
             return False

@@ -55,8 +55,8 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     for name, icon in BUTTONS:
         grid.operator(f"shape_google.{name}_match", icon=icon)
     draw_transfer(grid.row(align=True))
-    row = box.row(align=True)
-    row.operator("shape_google.replace_with_match", icon="UV_SYNC_SELECT")
+    row = grid.row(align=True)
+    row.operator("shape_google.replace_with_match", text="Replace", icon="UV_SYNC_SELECT")
     row.menu("SHAPEGOOGLE_MT_decide", text="", icon="DOWNARROW_HLT")
     marks = [
         example.unlike

@@ -45,6 +45,9 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         row = layout.row(align=True)
         row.scale_y = 1.3
         row.operator("shape_google.find_similar", icon="VIEWZOOM")
+        # A row of its own would push the pictures below the edge of a small screen.
+        is_open = any(map(area.is_gallery, context.screen.areas))
+        row.operator("shape_google.open_gallery", text="", icon="ASSET_MANAGER", depress=is_open)
         row.operator("shape_google.cancel_search", text="", icon="X")
         row = layout.row(heading="Several")
         row.enabled = context.mode == "OBJECT" and len(query_objects(context.selected_objects)) > 1
@@ -53,8 +56,6 @@ class SHAPEGOOGLE_PT_search(bpy.types.Panel):
         _draw_examples(layout, session, library_key(context))
         layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
-        is_open = any(map(area.is_gallery, context.screen.areas))
-        layout.operator("shape_google.open_gallery", icon="ASSET_MANAGER", depress=is_open)
         gallery.draw_match(layout, session, active_match(context))
         # Only at full width, so not in the box.
         draw_choices(layout, session)

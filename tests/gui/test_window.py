@@ -187,7 +187,7 @@ def test_a_match_is_chosen_and_appended(window: Any, found: Any) -> None:
 
 def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any) -> None:
     sidebar = window.ask("regions")["ui"]
-    window.press("shape_google.open_gallery")
+    window.press_beside("shape_google.find_similar", "shape_google.open_gallery")
     window.wait(lambda _: window.ask("gallery"), "the gallery")
     window.settle()
     # The sidebar is where it was, and in the gallery are pictures.

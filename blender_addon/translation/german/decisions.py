@@ -23,6 +23,7 @@ TEXTS = {
     "Replace the selection by the match, or remember what you decide about it": "Die Auswahl durch den Treffer ersetzen, oder merken, was über ihn entschieden wird",
     "Decide about the chosen match.": "Über den gewählten Treffer entscheiden.",
     "Decide about the chosen member of the group.": "Über das gewählte Mitglied der Gruppe entscheiden.",
+    "A library remembers decisions: index this scene, and find duplicates in the library": "Eine Bibliothek merkt sich Entscheidungen: diese Szene indizieren und Duplikate in der Bibliothek finden",
     "Find duplicates in the library, and choose a member of a group": "Duplikate in der Bibliothek finden und ein Mitglied einer Gruppe wählen",
     "Not a Match": "Kein Treffer",
     "Searches with this query do not find this shape any more, nor the versions collapsed with it. The panel Decisions takes it back": "Suchen mit dieser Anfrage finden diese Form nicht mehr, auch nicht die mit ihr zusammengefassten Versionen. Das Panel Entscheidungen nimmt es zurück",
