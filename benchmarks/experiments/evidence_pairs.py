@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from benchmarks.creatures import CREATURE_KINDS, make_creature
-from shapegoogle_core.mesh import Mesh
+from shapegoogle_core.mesh import Mesh, unique_edges
 from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.preprocessing.resampling import simplify
@@ -20,8 +20,8 @@ __all__ = ["EvidencePair", "cut", "make_pairs", "remeshed", "subdivided"]
 
 # Offsets of the seeds of other individuals, beyond all seeds of queries.
 _SIBLING, _STRANGER = 50_000, 70_000
-# Vertices of a mesh that is made to be subdivided.
-_COARSE = 300
+# Vertices of a mesh that is made to be subdivided: the first number that leaves no edge between three faces.
+_COARSE = range(300, 400, 10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
     size = float(random.choice([1.0, random.uniform(0.3, 3)]))
     part = cut(mesh, random.normal(size=3), random.uniform(0.35, 0.85))
     share = part.area / mesh.area
-    coarse = simplify(mesh, _COARSE)
+    coarse = _base(mesh)
     reflected = Mesh(mesh.vertices * [-1, 1, 1], mesh.faces[:, ::-1].copy(), mesh.name)
 
     def pair(
@@ -101,6 +101,11 @@ def make_pairs(creature: str, seed: int) -> list[EvidencePair]:
         EvidencePair("version", "subdivided", coarse, _moved(subdivided(coarse), random)),
         EvidencePair("version", "the base of it", _moved(subdivided(coarse), random), coarse),
     ]
+
+
+def _base(mesh: Mesh) -> Mesh:
+    coarse = (simplify(mesh, count) for count in _COARSE)
+    return next(base for base in coarse if unique_edges(base)[1].max() <= 2)
 
 
 def subdivided(mesh: Mesh, levels: int = 2) -> Mesh:
