@@ -136,10 +136,10 @@ class VerificationSettings:
     next_relatives: int = 16
     support_gain: float = 5.0
     finely: int = 24
-    rough_fits: int = 80
-    exact_fits: int = 10
+    rough_fits: int = 120
+    exact_fits: int = 24
     exact_fits_of_aligned: int = 8
-    exact_from: float = 0.5
+    exact_from: float = 0.4
     exact_gain: float = 8.0
     surely_exact: float = 0.7
 
