@@ -4,8 +4,9 @@
     python -m benchmarks studio [--sections NAME,…] [--shapes N] [--queries N] [--sizes N,…] [--output FILE]
 
 answers   the queries of the evaluation data (see `retrieval`) to a file, a database and its service: whether
-          the best ten are the same. 1,120 shapes are described at first, which takes hours on two cores; what
-          was described is kept in --cache. --shapes and --queries take evenly chosen ones instead.
+          the best ten are the same. Signatures and the library are those of `retrieval`, kept in --cache;
+          without them 652 shapes are described and 468 indexed first. --shapes and --queries take evenly
+          chosen ones instead.
 clients   requests of 1, 8 and 32 clients at once to the service of a library of made-up shapes: times of
           answers, and processor time of one
 storing   made-up shapes that 1 and 2 processes store per second, one in a transaction and fifty
