@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 
+from .sidebar import SidebarPanel
 from .translation import tr
 from .wrapped_text import split_lines
 
@@ -64,13 +65,10 @@ def draw_sentence(layout: Any, text: str, letters: int, icon: str = "ERROR") -> 
         column.label(text=line, translate=False, icon="BLANK1" if number else icon)
 
 
-class SHAPEGOOGLE_PT_needs(bpy.types.Panel):
+class SHAPEGOOGLE_PT_needs(SidebarPanel, bpy.types.Panel):
     """What is missing; registered in place of all other panels."""
 
     bl_label = "Shape Google"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
 
     def draw(self, context: Any) -> None:
         """Lay the panel out."""

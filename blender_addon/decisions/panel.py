@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 
 from ..library.present import follow
+from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..wrapped_text import fixed_text
 
@@ -36,13 +37,10 @@ class SHAPEGOOGLE_UL_decisions(bpy.types.UIList):
         row.label(text=item.name, icon=item.icon, translate=False)
 
 
-class SHAPEGOOGLE_PT_decisions(bpy.types.Panel):
+class SHAPEGOOGLE_PT_decisions(SidebarPanel, bpy.types.Panel):
     """See what was decided about shapes of the library, and take it back."""
 
     bl_label = "Decisions"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 45
     bl_options = {"DEFAULT_CLOSED"}
 

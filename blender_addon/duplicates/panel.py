@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from ..library.present import follow
+from ..sidebar import SidebarPanel
 from ..translation import tr
 from ..wrapped_text import fixed_text
 from .properties import KINDS, saving_text
@@ -46,13 +47,10 @@ class SHAPEGOOGLE_UL_duplicates(bpy.types.UIList):
         numbers.label(text=f"{item.meshes} ×")
 
 
-class SHAPEGOOGLE_PT_duplicates(bpy.types.Panel):
+class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
     """Find the same and similar shapes, and let identical ones share one mesh."""
 
     bl_label = "Duplicates"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 40
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -14,6 +14,7 @@ import bpy
 
 from .. import connections
 from ..preferences import preferences
+from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..translation import counted, tr
 from ..wrapped_text import fixed_text
@@ -61,13 +62,10 @@ class SHAPEGOOGLE_UL_errors(bpy.types.UIList):
         layout.label(text=item.name, translate=False, icon="FILE")
 
 
-class SHAPEGOOGLE_PT_library(bpy.types.Panel):
+class SHAPEGOOGLE_PT_library(SidebarPanel, bpy.types.Panel):
     """Choose the library, its sources, and index them."""
 
     bl_label = "Library"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 10
 
     def draw_header_preset(self, context: Any) -> None:

@@ -13,6 +13,7 @@ import bpy
 
 from ..gallery.labels import details, title
 from ..library.present import follow
+from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..translation import tr
 from ..wrapped_text import fixed_text
@@ -41,13 +42,10 @@ class SHAPEGOOGLE_UL_new_objects(bpy.types.UIList):
         row.label(text=item.match.kind, translate=False)
 
 
-class SHAPEGOOGLE_PT_new_objects(bpy.types.Panel):
+class SHAPEGOOGLE_PT_new_objects(SidebarPanel, bpy.types.Panel):
     """Find out whether what was imported or appended is in the library already."""
 
     bl_label = "New Objects"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 42
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -17,6 +17,7 @@ from ..gallery.on_match import active_match
 from ..library.address import library_key
 from ..library.present import follow
 from ..scene.selection import query_objects
+from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..transfer.panel import draw_choices
 from ..translation import OWN_CONTEXT, tr
@@ -26,15 +27,12 @@ from .properties import examples_of
 __all__ = ["register", "unregister"]
 
 
-class SHAPEGOOGLE_PT_search(bpy.types.Panel):
+class SHAPEGOOGLE_PT_search(SidebarPanel, bpy.types.Panel):
     """Find the selected shape again."""
 
     bl_label = "Search"
     # Blender's own German for this word means an area to search.
     bl_translation_context = OWN_CONTEXT
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 20
 
     def draw(self, context: Any) -> None:

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import bpy
 
 from ..library.present import follow
+from ..sidebar import SidebarPanel
 from ..translation import tr
 from . import bag_chart, distance
 from .picked import picked_text
@@ -34,13 +35,10 @@ CHART_MARGIN = 4.0
 LARGEST_CHART = 14.0
 
 
-class SHAPEGOOGLE_PT_signature(bpy.types.Panel):
+class SHAPEGOOGLE_PT_signature(SidebarPanel, bpy.types.Panel):
     """Paint signatures and words, and look at the bag of the active object."""
 
     bl_label = "Signature"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_order = 30
 
     def draw(self, context: Any) -> None:
@@ -80,13 +78,10 @@ def _note(kind: str, item: Any, context: Any) -> dict[str, str]:
     return {"text": text or tr("Paint to see how far it spreads"), "icon": "DRIVER_DISTANCE"}
 
 
-class SHAPEGOOGLE_PT_signature_bag(bpy.types.Panel):
+class SHAPEGOOGLE_PT_signature_bag(SidebarPanel, bpy.types.Panel):
     """The bag of words of the active object."""
 
     bl_label = "Bag of Words"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_parent_id = "SHAPEGOOGLE_PT_signature"
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
@@ -105,13 +100,10 @@ class SHAPEGOOGLE_PT_signature_bag(bpy.types.Panel):
         layout.template_icon(icon, scale=min(max(units - CHART_MARGIN, 1.0), LARGEST_CHART))
 
 
-class SHAPEGOOGLE_PT_signature_computation(bpy.types.Panel):
+class SHAPEGOOGLE_PT_signature_computation(SidebarPanel, bpy.types.Panel):
     """How spectra are computed."""
 
     bl_label = "Computation"
-    bl_category = "Shape Google"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_parent_id = "SHAPEGOOGLE_PT_signature"
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
