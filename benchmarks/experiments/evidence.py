@@ -123,7 +123,9 @@ def print_tables(outcomes: Sequence[Outcome]) -> None:
     print("|---|" + "---|" * (len(KINDS) + 1))
     for kind in KINDS:
         row = [counts[kind, column] for column in KINDS]
-        right = 100 * counts[kind, kind] / max(1, sum(row))
+        if not any(row):  # no pair is of this kind
+            continue
+        right = 100 * counts[kind, kind] / sum(row)
         print(f"| {kind} | " + " | ".join(str(count or "") for count in row) + f" | {right:.1f} % |")
     right = sum(count for (kind, said), count in counts.items() if kind == said)
     print(f"\nright: {100 * right / len(outcomes):.1f} %")
