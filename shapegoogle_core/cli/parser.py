@@ -15,7 +15,9 @@ from importlib import metadata
 from typing import TYPE_CHECKING, NoReturn
 
 from shapegoogle_core.api.text import one_line
-from shapegoogle_core.cli import (
+from shapegoogle_core.cli.arguments import add_value, numbers
+from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
+from shapegoogle_core.cli.commands import (
     copy,
     database,
     decisions,
@@ -31,8 +33,6 @@ from shapegoogle_core.cli import (
     train,
     upgrade,
 )
-from shapegoogle_core.cli.arguments import add_value, numbers
-from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
 from shapegoogle_core.cli.events import CommandError, Event, event_to_json
 from shapegoogle_core.cli.text import put, say, say_lines
 from shapegoogle_core.errors import ShapeGoogleError

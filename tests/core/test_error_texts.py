@@ -23,7 +23,7 @@ BLENDERS = {"RuntimeError"}
 SENTENCES = {
     "benchmarks/training/blend_meshes.py",
     "benchmarks/variants/bag_tasks.py",
-    "shapegoogle_core/cli/index.py",
+    "shapegoogle_core/cli/commands/index.py",
     "shapegoogle_core/model/settings.py",
     "shapegoogle_core/model/shape_bags.py",
     "shapegoogle_core/service/queries.py",
