@@ -43,8 +43,9 @@ PANELS = {
 FIRST_HEADER, FIRST_BUTTON, HEADER, TABS, STEP = 16, 32, 28, 20, 14
 # Where in the width of the sidebar buttons are: in its left and right half, or the small ones of a row.
 HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
-# Pixels from one place to the next where a small button beside another one is looked for.
-SIDESTEP = 6
+# Pixels from one place to the next where a small button beside another one is looked for, and an entry of a
+# menu, to the right of where the menu was opened.
+SIDESTEP, MENU_STEP, MENU_INDENT = 6, 10, 30
 # Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing.
 LIMIT, STILL = 600.0, 1.0
 # Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
@@ -298,6 +299,24 @@ class Window:
             x += SIDESTEP
             seen = self._button_at(x, y)
         self.click(x, y)
+
+    # -- menus
+
+    def choose(self, action: str) -> None:
+        """Click an entry of the menu that is open at the pointer, found by what Ctrl-C copies of it."""
+        x, y = self.ask("pointer")
+        seen: list[str] = []
+        for place in [*range(y, SIZE[1], MENU_STEP), *range(y, 0, -MENU_STEP)]:
+            self.move(x + MENU_INDENT, place)
+            self.ask("empty_clipboard")
+            self.tool("key", "ctrl+c")
+            self.settle()
+            copied = self.ask("clipboard")
+            if action in copied:
+                self.click(x + MENU_INDENT, place)
+                return
+            seen.append(f"{copied.strip()} at {place}")
+        raise AssertionError(f"no entry does {action!r}: {', '.join(seen)}")
 
     # -- pictures
 

@@ -84,6 +84,12 @@ def stands_at(name: str) -> Any:
     return [regions["WINDOW"].x + x, window.height - regions["WINDOW"].y - y]
 
 
+def begin_moving(old: str, new: str) -> None:
+    """Open the dialog that tells the library where a folder is now."""
+    with overridden("WINDOW"):
+        bpy.ops.shape_google.move_sources("INVOKE_DEFAULT", old=old, new=new)
+
+
 def show_sidebar() -> None:
     """Open the sidebar; its tabs are there only after it was drawn once."""
     view()[1].spaces.active.show_region_ui = True
@@ -160,6 +166,16 @@ def button() -> Any:
                 if manager.clipboard != NOTHING:
                     return manager.clipboard
     return None
+
+
+def empty_clipboard() -> None:
+    """Put what no button does into the clipboard."""
+    bpy.context.window_manager.clipboard = NOTHING
+
+
+def clipboard() -> Any:
+    """What is in the clipboard."""
+    return bpy.context.window_manager.clipboard
 
 
 def state() -> Any:

@@ -223,6 +223,36 @@ def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any
     assert window.ask("regions")["ui"] == sidebar
 
 
+def test_find_similar_is_in_the_context_menu_of_the_object(window: Any, found: Any) -> None:
+    window.run("bpy.context.window_manager.shape_google.matches.clear()")
+    window.move(*window.ask("stands_at", NAME))
+    window.tool("click", 3)
+    window.settle()
+    window.choose("shape_google.find_similar")
+    state = window.wait(lambda state: state["matches"] and not state["session"]["searching"], "an answer")
+    assert all(name.startswith("Horse") for name in horses(state))
+
+
+def test_moved_sources_are_found_in_their_new_place(window: Any, found: Any, shapes: Path) -> None:
+    moved = shapes.rename(shapes.with_name("moved shapes"))
+
+    def move(old: Path, new: Path) -> None:
+        window.ask("begin_moving", str(old), str(new))
+        window.settle()
+        window.tool("key", "Return")
+        window.wait(lambda state: f"moved to '{new}'" in state["session"]["summary"], "the sources moved")
+
+    move(shapes, moved)
+    window.open("Search")
+    window.press("shape_google.choose_match", occurrence=1)
+    state = window.wait(lambda state: state["session"]["active_match"] > 0, "another match chosen")
+    name = state["matches"][state["session"]["active_match"]]["object_name"]
+    window.press("shape_google.append_match")
+    window.wait(lambda state: name in state["objects"], f"{name}, from the new place")
+    moved.rename(shapes)
+    move(moved, shapes)
+
+
 def test_mark_shows_both_shapes_in_the_same_colours(window: Any, found: Any) -> None:
     before = window.picture("window")
     window.press("shape_google.mark_match")
