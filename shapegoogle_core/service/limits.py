@@ -106,6 +106,10 @@ class Limits:
             raise _RefusedError(500, TOKENS_UNREADABLE) from error
 
     def _limited(self, scope: MutableMapping[str, Any], receive: Receive, most: int) -> Receive:
+        if scope["method"] in ("GET", "HEAD"):
+            # Nobody reads their body. What is received is only that the client goes away, perhaps while a
+            # file of the page is sent to it, for which no token is needed.
+            return receive
         received = 0
         until = time.monotonic() + self._settings.upload_seconds
         complete = False

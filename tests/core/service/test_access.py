@@ -59,6 +59,14 @@ def test_tokens_have_scopes_and_can_be_revoked(serve: Serve, tokens: TokenFile, 
     assert reading not in tokens.path.read_text()
 
 
+def test_the_page_itself_needs_no_token(serve: Serve, tokens: TokenFile) -> None:
+    tokens.create("ana", "read")
+    client = serve(token_file=str(tokens.path))
+    page = client.get("/")
+    assert (page.status_code, "sign-in" in page.text) == (200, True)
+    assert client.get("/style.css").status_code == 200
+
+
 def test_the_page_keeps_a_token_in_a_cookie(serve: Serve, tokens: TokenFile) -> None:
     token = tokens.create("ana", "read")
     client = serve(token_file=str(tokens.path))
