@@ -334,7 +334,9 @@ def _local_cluster(workers: int) -> Iterator[LocalCluster]:
 
     configuration = {
         "distributed.worker.daemon": False,
-        "distributed.logging.distributed": "error",
+        # A task that fails raises in the client. What is left are workers that miss their scheduler when a
+        # run is interrupted, each with a traceback.
+        "distributed.logging.distributed": "critical",
         # Pages for browsers, which would show files and tasks to everybody on this machine.
         "distributed.scheduler.http.routes": [],
         "distributed.worker.http.routes": [],
