@@ -13,6 +13,7 @@ those of a local one, so its messages are encrypted with a key that only its pro
 from __future__ import annotations
 
 import ipaddress
+import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -334,9 +335,6 @@ def _local_cluster(workers: int) -> Iterator[LocalCluster]:
 
     configuration = {
         "distributed.worker.daemon": False,
-        # A task that fails raises in the client. What is left are workers that miss their scheduler when a
-        # run is interrupted, each with a traceback.
-        "distributed.logging.distributed": "critical",
         # Pages for browsers, which would show files and tasks to everybody on this machine.
         "distributed.scheduler.http.routes": [],
         "distributed.worker.http.routes": [],
@@ -350,6 +348,9 @@ def _local_cluster(workers: int) -> Iterator[LocalCluster]:
             protocol="tls",
             security=Security.temporary(),
             dashboard_address=None,
+            # A task that fails raises in the client. What is left are workers that miss their scheduler when
+            # a run is interrupted, each with a traceback.
+            silence_logs=logging.CRITICAL,
         ) as cluster,
     ):
         yield cluster
