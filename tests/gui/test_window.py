@@ -197,6 +197,7 @@ def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any
     window.click(x, y)
     state = window.wait(lambda state: state["session"]["active_match"] == 1, "the second match chosen")
     name = state["matches"][1]["object_name"]
+    window.settle()  # longer than a double click takes: three clicks would be two of them
     window.tool("click", "--repeat", 2, "--delay", 100, 1)
     window.wait(lambda state: set(state["objects"]) == {NAME, name}, f"{name} appended")
     window.undo()
