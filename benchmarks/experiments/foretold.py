@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.blender import enable_addon
-from benchmarks.experiments.pauses import Slices, watch
+from benchmarks.experiments.pauses import Slices, add_options, watch
 from benchmarks.objects import OBJECT_KINDS, make_object
-from shapegoogle_core.cli.arguments import number_from
 
 __all__ = ["add_options", "fill_scene", "run"]
 
@@ -78,22 +77,6 @@ def _new_mesh(name: str, number: int) -> Any:
     data = bpy.data.meshes.new(name)
     data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
     return data
-
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the subcommand.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-    """
-    parser.add_argument(
-        "--objects",
-        metavar="N",
-        type=number_from(4),
-        default=2_000,
-        help="number of objects (%(default)s)",
-    )
 
 
 def run(options: argparse.Namespace) -> int:
