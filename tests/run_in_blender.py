@@ -10,6 +10,7 @@ pytest and the packages that the add-on needs must be on that Blender's path: `s
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -35,5 +36,7 @@ if __name__ == "__main__":
     code = pytest.main(arguments())
     sys.stdout.flush()
     sys.stderr.flush()
+    # As Blender does when it shuts down.
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
     # Ends here: Blender would go on, and the bpy modules of 4.2 and 4.5 can crash while Python shuts down.
     os._exit(int(code))

@@ -14,12 +14,13 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
+import shutil
 import sys
 from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
 
-__all__ = ["load_addon", "run"]
+__all__ = ["end_module", "load_addon", "run"]
 
 EXTENSION = "shape_google"
 PACKAGE = "blender_addon"
@@ -78,13 +79,27 @@ def run(module: str, *first: str, **options: str) -> NoReturn:
         code = importlib.import_module(f"{addon.__name__}.{module}").main([*first, *_arguments()], **options)
     except SystemExit as stop:  # argparse's, after --help or wrong usage
         code = stop.code
-    sys.stdout.flush()
-    sys.stderr.flush()
     import bpy
 
     if bpy.app.binary_path:
         sys.exit(code)
-    # The bpy modules of 4.2 and 4.5 can crash while Python shuts down, which would hide the exit code.
+    end_module(code)
+
+
+def end_module(code: int) -> NoReturn:
+    """End a Python with the module bpy at once: those of 4.2 and 4.5 can crash while Python shuts down.
+
+    Parameters
+    ----------
+    code : int
+        Exit code, which a crash would hide.
+    """
+    import bpy
+
+    # Blender removes its folder for temporary files only when it shuts down.
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
     os._exit(code)
 
 

@@ -9,8 +9,6 @@
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -34,5 +32,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 if __name__ == "__main__":
     code = main()
-    sys.stdout.flush()
-    os._exit(code)  # the bpy modules of 4.2 and 4.5 can crash while Python shuts down
+    from lib.addon_package import end_module
+
+    end_module(code)

@@ -30,6 +30,7 @@ are parts of one shape::
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
@@ -160,6 +161,8 @@ class ReaderProcess:
     def __init__(self, reader: ExternalReader) -> None:
         self._reader = reader
         self._program: Program | None = None
+        # The present one: workers have another one for each file, which the program outlasts.
+        self._folder = Path(tempfile.gettempdir())
 
     def read(self, path: Path) -> Iterator[NewShape[Mesh] | FileNotes | str]:
         """Read the shapes of a file one by one.
@@ -227,6 +230,7 @@ class ReaderProcess:
                     self._reader.command,
                     environment={**os.environ, **dict(self._reader.environment)},
                     with_input=True,
+                    within=self._folder,
                 )
             except OSError as error:
                 raise self._not_started(error.strerror or "the system refuses") from error

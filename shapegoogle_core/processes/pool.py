@@ -28,6 +28,7 @@ from shapegoogle_core.processes.launching import (
     limit_memory,
     single_threaded,
 )
+from shapegoogle_core.processes.temporary import VARIABLES
 
 __all__ = ["CrashError", "Pool", "PoolTask", "Spent", "TimeLimitError"]
 
@@ -364,7 +365,7 @@ def _start(
     # Output of libraries must not end up in the middle of `--json`.
     os.close(divert_output())
     if folder is not None:
-        os.environ.update(dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(folder)))
+        os.environ.update(dict.fromkeys(VARIABLES, str(folder)))
     if start is not None:
         _ThisProcess.started = (start(*arguments),)
     if memory_limit is not None:

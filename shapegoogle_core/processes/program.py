@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from pathlib import Path
 from typing import Any
 
 from shapegoogle_core.processes.launching import cause_of_death, launch
 from shapegoogle_core.processes.messages import IncompleteMessageError, WrongMessageError, read_document
+from shapegoogle_core.processes.temporary import VARIABLES, temporary_folder
 
 __all__ = ["Program"]
 
@@ -28,6 +31,9 @@ LINE_LENGTH = 1000
 class Program:
     """A running program that sends messages on a pipe of their own; what it prints is kept for errors.
 
+    Its temporary files lie in a folder of their own, which is removed when it has ended, however it ended:
+    Blender, for one, leaves folders behind when it is killed.
+
     Parameters
     ----------
     command : sequence of str
@@ -36,6 +42,8 @@ class Program:
         All its environment variables; by default those of this process.
     with_input : bool, optional
         Whether requests can be sent to it.
+    within : Path, optional
+        Existing folder that outlasts it, for the folder of its temporary files.
 
     Attributes
     ----------
@@ -74,10 +82,19 @@ class Program:
         *,
         environment: Mapping[str, str] | None = None,
         with_input: bool = False,
+        within: Path | None = None,
     ) -> None:
         self.printed: deque[str] = deque(maxlen=KEPT_LINES)
         self._late = threading.Event()
-        self._process, self._messages = launch(command, environment=environment, with_input=with_input)
+        self._resources = ExitStack()
+        folder = self._resources.enter_context(temporary_folder(within))
+        variables = {**(os.environ if environment is None else environment)}
+        variables.update(dict.fromkeys(VARIABLES, str(folder)))
+        try:
+            self._process, self._messages = launch(command, environment=variables, with_input=with_input)
+        except BaseException:
+            self._resources.close()
+            raise
         # All the time: a program whose output nobody reads waits for ever once its pipe is full.
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
@@ -195,6 +212,7 @@ class Program:
         exit_code = self._wait()
         self._listener.join(PATIENCE_FOR_LINES)
         self._messages.close()
+        self._resources.close()
         return exit_code
 
     def terminate(self) -> int:
@@ -208,7 +226,9 @@ class Program:
         """
         if self._process.poll() is None:
             self._process.terminate()
-        return self._wait()
+        exit_code = self._wait()
+        self._resources.close()
+        return exit_code
 
     def wait(self) -> int:
         """Wait until the program has ended.
@@ -217,7 +237,9 @@ class Program:
         -------
         exit_code : int
         """
-        return self._process.wait()
+        exit_code = self._process.wait()
+        self._resources.close()
+        return exit_code
 
     def _listen(self) -> None:
         """Keep the last lines of what it prints."""

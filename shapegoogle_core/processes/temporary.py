@@ -20,7 +20,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-__all__ = ["locked", "remove_abandoned_folders", "temporary_folder"]
+__all__ = ["VARIABLES", "locked", "remove_abandoned_folders", "temporary_folder"]
+
+VARIABLES = ("TMPDIR", "TEMP", "TMP")
+"""Environment variables for the folder of temporary files; which of them counts depends on the system."""
 
 PREFIX = "shapegoogle-"
 OWNER = "owner"
@@ -33,10 +36,15 @@ _LOCKED_BYTE = 2**20
 
 
 @contextmanager
-def temporary_folder() -> Iterator[Path]:
+def temporary_folder(within: Path | None = None) -> Iterator[Path]:
     """Create a folder for temporary files, and remove it at the end of the block.
 
     If this process is killed, the next program that uses such a folder removes it.
+
+    Parameters
+    ----------
+    within : Path, optional
+        Existing folder to create it in; by default the system's folder for temporary files.
 
     Yields
     ------
@@ -53,7 +61,7 @@ def temporary_folder() -> Iterator[Path]:
     """
     remove_abandoned_folders()
     # A process that is killed may still be writing there when the folder is removed.
-    with tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True) as name:
+    with tempfile.TemporaryDirectory(prefix=PREFIX, dir=within, ignore_cleanup_errors=True) as name:
         folder = Path(name)
         descriptor = os.open(folder / OWNER, os.O_RDWR | os.O_CREAT, 0o600)
         try:

@@ -7,6 +7,7 @@ import importlib
 import importlib.metadata
 import json
 import os
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -91,4 +92,5 @@ def main(path: str) -> dict[str, Any]:
 report = main(sys.argv[-1])
 print(f"\nshape-google-report {json.dumps(report)}", flush=True)
 sys.stdout.flush()
+shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
 os._exit(0)

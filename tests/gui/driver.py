@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
 import traceback
@@ -314,8 +315,13 @@ def _signal_worker(number: Any) -> Any:
 
 
 def quit_blender() -> None:
-    """End without a question for unsaved changes."""
-    bpy.app.timers.register(lambda: os._exit(0), first_interval=0.2)
+    """End without a question for unsaved changes, and leave no temporary files behind."""
+
+    def end() -> None:
+        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+        os._exit(0)
+
+    bpy.app.timers.register(end, first_interval=0.2)
 
 
 def answer(folder: Path) -> Any:

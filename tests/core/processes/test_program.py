@@ -159,3 +159,12 @@ with open(int(os.environ["SHAPEGOOGLE_MESSAGES"]), "w") as messages:
     program = Program([sys.executable, "-c", code], environment={"WORD": "horse", "SYSTEMROOT": ""})
     assert list(program.messages()) == ["horse"]
     program.close()
+
+
+@pytest.mark.parametrize("end", ["close", "terminate", "wait"])
+def test_temporary_files_do_not_outlast_it(tmp_path: Path, end: str) -> None:
+    code = "import tempfile; write(tempfile.mkdtemp()); os.kill(os.getpid(), signal.SIGKILL)"
+    program = Program([sys.executable, "-c", START + code], with_input=True, within=tmp_path)
+    assert tmp_path in Path(program.message()).parents
+    getattr(program, end)()
+    assert not list(tmp_path.iterdir())
