@@ -15,7 +15,13 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
 from . import connections, needs
-from .server import ServerPreferences, is_database_address, is_server_address, user_folder
+from .server import (
+    ServerPreferences,
+    is_database_address,
+    is_server_address,
+    keep_password,
+    user_folder,
+)
 
 __all__ = ["preferences", "register", "unregister"]
 
@@ -43,6 +49,8 @@ def _absolute(name: str, *, of_library: bool = False) -> Callable[[Any, Any], No
         path = getattr(group, name)
         absolute = path.strip()
         is_path = not (of_library and (is_server_address(absolute) or is_database_address(absolute)))
+        if of_library:
+            absolute = keep_password(absolute)
         if path and is_path:
             absolute = os.path.abspath(bpy.path.abspath(path))  # noqa: PTH100 - keeps links
         if path != absolute:
@@ -103,7 +111,7 @@ class SHAPEGOOGLE_preferences(ServerPreferences, bpy.types.AddonPreferences):
         name="Library",
         description=(
             "File that stores the signatures of all shapes, created when you first index into it; or the "
-            "address of a server, such as https://shapes.example"
+            "address of a server or a database, such as https://shapes.example"
         ),
         subtype="FILE_PATH",
         maxlen=1024,

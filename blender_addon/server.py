@@ -16,6 +16,7 @@ __all__ = [
     "ServerPreferences",
     "is_database_address",
     "is_server_address",
+    "keep_password",
     "register",
     "unregister",
     "user_folder",
@@ -40,6 +41,28 @@ def is_server_address(place: str) -> bool:
 def is_database_address(place: str) -> bool:
     """Whether a library is named by the address of a database."""
     return place.startswith(_DATABASES)
+
+
+def keep_password(place: str) -> str:
+    """Keep the password in the address of a database where tokens are kept, and return the rest.
+
+    Parameters
+    ----------
+    place : str
+        Any place of a library.
+
+    Returns
+    -------
+    place : str
+    """
+    if not is_database_address(place):
+        return place
+    from shapegoogle_core.library.storage.address import split_password
+
+    place, password = split_password(place)
+    if password:
+        _keep(place, password)
+    return place
 
 
 def user_folder(name: str) -> Path:
@@ -76,15 +99,18 @@ def _token(group: Any) -> str:
 
 
 def _keep_token(group: Any, text: str) -> None:
+    _keep(group.library, text)
+
+
+def _keep(place: str, text: str) -> None:
     from shapegoogle_core import LibraryError
 
-    kept = state.current().library.tokens
     try:
-        _tokens().keep(group.library, text)
+        _tokens().keep(place, text)
     except LibraryError as error:
         # A property cannot report; the token is known until Blender ends.
         print(f"shapegoogle: {error}")
-    kept[group.library] = text.strip()
+    state.current().library.tokens[place] = text.strip()
 
 
 def _look_again(_group: Any, context: Any) -> None:
@@ -117,8 +143,8 @@ class ServerPreferences:
     token: StringProperty(
         name="Token",
         description=(
-            "Of the server in Library, from whoever runs it. It is kept in a file of the add-on that only "
-            "you may read, not in Blender's preferences"
+            "Of the server in Library, from whoever runs it; of a database the password. It is kept in a "
+            "file of the add-on that only you may read, not in Blender's preferences"
         ),
         subtype="PASSWORD",
         maxlen=200,
@@ -150,9 +176,11 @@ class ServerPreferences:
         if self.allow_network and not bpy.app.online_access:
             column.label(text="Blender is offline; Allow Online Access is in its preferences, under System")
         column = column.column()
-        column.enabled = is_server_address(self.library)
-        column.prop(self, "token")
-        column.prop(self, "certificate")
+        is_database = is_database_address(self.library)
+        column.enabled = is_database or is_server_address(self.library)
+        column.prop(self, "token", text="Password" if is_database else "Token")
+        if not is_database:  # its address names it: ?sslrootcert=
+            column.prop(self, "certificate")
         # Below the fields, not below their names.
         split = layout.split(factor=0.4)
         label = split.row()

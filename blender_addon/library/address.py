@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -76,10 +75,12 @@ def library_address(context: Any) -> LibraryAddress:
     chosen = preferences(context)
     if not is_service(context):
         return LibraryAddress(chosen.library_path(), chosen.root_folders())
+    is_database = is_database_address(chosen.library)
     return LibraryAddress(
         chosen.library,
         chosen.root_folders(),
-        token=chosen.token,
+        token="" if is_database else chosen.token,
+        password=chosen.token if is_database else "",
         certificate=bpy.path.abspath(chosen.certificate) if chosen.certificate else "",
         cache=str(user_folder("models")),
         refusal=refusal(context),
@@ -99,14 +100,7 @@ def refusal(context: Any) -> str:
         Empty if it may be asked, and for a file.
     """
     chosen = preferences(context)
-    if is_database_address(chosen.library):
-        if importlib.util.find_spec("psycopg") is not None:
-            return ""
-        return tr(
-            "Blender cannot open a database: ask whoever runs it for the address of a service, which "
-            "shapegoogle serve starts, and connect to that"
-        )
-    if not is_server_address(chosen.library):
+    if not is_service(context):
         return ""
     if not chosen.allow_network:
         return tr("Turn on Search on a Server in the add-on's preferences; its tooltip says what is sent")

@@ -11,7 +11,7 @@ from bpy.props import BoolProperty, StringProperty
 
 from ..needs import draw_sentence
 from ..preferences import preferences
-from ..server import WHAT_IS_SENT, is_server_address
+from ..server import WHAT_IS_SENT, is_database_address, keep_password
 from ..state import session_of
 from ..translation import error_text, tr
 from ..wrapped_text import fixed_text
@@ -28,14 +28,21 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
 
     bl_idname = "shape_google.connect_service"
     bl_label = "Connect to Server"
-    bl_description = "Search a library that a server offers, which shapegoogle serve runs there"
+    bl_description = (
+        "Search a library that a server offers, which shapegoogle serve runs there, or a database"
+    )
 
     address: StringProperty(
-        name="Address", description="Such as https://shapes.example", options={"SKIP_SAVE"}
+        name="Address",
+        description="Such as https://shapes.example, or postgresql://artist@server/shapes of a database",
+        options={"SKIP_SAVE"},
     )
     token: StringProperty(
         name="Token",
-        description="From whoever runs the server; leave it empty if you have one there already",
+        description=(
+            "From whoever runs the server, or the password of the database; leave it empty if you have one "
+            "there already"
+        ),
         subtype="PASSWORD",
         options={"SKIP_SAVE"},
     )
@@ -44,7 +51,7 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Ask for the address."""
         chosen = preferences(context)
-        if is_server_address(chosen.library):
+        if is_service(context):
             self.address = chosen.library
         self.allow = chosen.allow_network
         answer: set[str] = context.window_manager.invoke_props_dialog(self, width=WIDTH)
@@ -65,8 +72,12 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
         from shapegoogle_core.client import ServiceAddress
 
         chosen = preferences(context)
+        address = self.address.strip()
         try:
-            address = str(ServiceAddress.parse(self.address))
+            if is_database_address(address):
+                address = keep_password(address)
+            else:
+                address = str(ServiceAddress.parse(address))
         except LibraryError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}

@@ -13,7 +13,14 @@ from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.searchable import SearchableLibrary
-from shapegoogle_core.library.storage.address import Place, as_place, is_service, shown_place
+from shapegoogle_core.library.storage.address import (
+    Place,
+    as_place,
+    is_database,
+    is_service,
+    shown_place,
+    with_password,
+)
 from shapegoogle_core.library.storage.opening import check_exists
 
 __all__ = ["TOKEN_VARIABLE", "LibraryAddress", "open_library", "token_from_environment"]
@@ -35,6 +42,8 @@ class LibraryAddress:
         are left out.
     token : str
         Of a service.
+    password : str
+        Of a database, unless the address has one.
     certificate, cache : str
         See `ServiceLibrary.connect`.
     refusal : str
@@ -51,6 +60,7 @@ class LibraryAddress:
     place: Place
     roots: tuple[tuple[str, str], ...] = ()
     token: str = field(default="", repr=False)
+    password: str = field(default="", repr=False)
     certificate: str = ""
     cache: str = ""
     refusal: str = ""
@@ -97,7 +107,8 @@ class LibraryAddress:
         else:
             if not read_only:
                 check_exists(self.place)
-            opened = Library.open(self.place, read_only=read_only, search=search)
+            place = with_password(str(self.place), self.password) if is_database(self.place) else self.place
+            opened = Library.open(place, read_only=read_only, search=search)
         known = {root.name for root in opened.roots()} if self.roots else set()
         for name, folder in self.roots:
             if name in known:

@@ -6,11 +6,21 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from urllib.parse import parse_qsl, quote, urlencode, urlsplit
+from urllib.parse import parse_qsl, quote, unquote, urlencode, urlsplit
 
 from shapegoogle_core.api.arguments import as_path, path_text
 
-__all__ = ["Place", "as_place", "is_database", "is_service", "shown_place", "without_passwords"]
+__all__ = [
+    "Place",
+    "as_place",
+    "database_url",
+    "is_database",
+    "is_service",
+    "shown_place",
+    "split_password",
+    "with_password",
+    "without_passwords",
+]
 
 Place = Path | str
 """Path of a library file, or URL of a database or a service."""
@@ -107,8 +117,86 @@ def shown_place(place: str | os.PathLike[str]) -> str:
         return f"{_SCHEMES[0]}…"
     who, at, server = parts.netloc.rpartition("@")
     user = who.partition(":")[0]
-    shown = f"{_SCHEMES[0]}{user}{at if user else ''}{server}{parts.path}"
-    return f"{shown}?{urlencode(options, quote_via=quote, safe='/')}" if options else shown
+    return database_url(f"{user}{at if user else ''}{server}", parts.path, options)
+
+
+def split_password(place: str) -> tuple[str, str]:
+    """Split the address of a database into what may be shown and kept anywhere, and the password in it.
+
+    Parameters
+    ----------
+    place : str
+
+    Returns
+    -------
+    place, password : str
+        The password is empty, and the address as it was, if it has none or cannot be understood.
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.storage.address import split_password
+    >>> split_password("postgresql://ana:se%40cret@server/shapes?schema=props")
+    ('postgresql://ana@server/shapes?schema=props', 'se@cret')
+    """
+    try:
+        parts = urlsplit(place)
+        options = parse_qsl(parts.query, keep_blank_values=True)
+    except ValueError:
+        return place, ""
+    who, at, server = parts.netloc.rpartition("@")
+    user, _, password = who.partition(":")
+    password = unquote(password) or dict(options).get("password", "")
+    if not is_database(place) or not password:
+        return place, ""
+    others = [(key, value) for key, value in options if key != "password"]
+    return database_url(f"{user}{at if user else ''}{server}", parts.path, others), password
+
+
+def database_url(server: str, path: str, options: list[tuple[str, str]]) -> str:
+    """Put the URL of a database together; `urllib.parse.urlunsplit` loses the slashes before an empty server.
+
+    Parameters
+    ----------
+    server : str
+        Such as ``ana@server:5432``; may be empty.
+    path : str
+        Such as ``/shapes``; may be empty.
+    options : list of (str, str)
+
+    Returns
+    -------
+    url : str
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.storage.address import database_url
+    >>> database_url("", "/shapes", [("host", "/tmp")])
+    'postgresql:///shapes?host=/tmp'
+    """
+    url = f"{_SCHEMES[0]}{server}{path}"
+    return f"{url}?{urlencode(options, quote_via=quote, safe='/')}" if options else url
+
+
+def with_password(place: str, password: str) -> str:
+    """Return the address of a database with a password, unless it has one.
+
+    Parameters
+    ----------
+    place, password : str
+
+    Returns
+    -------
+    place : str
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.storage.address import with_password
+    >>> with_password("postgresql://ana@server/shapes?schema=props", "se&cret")
+    'postgresql://ana@server/shapes?schema=props&password=se%26cret'
+    """
+    if not password or split_password(place)[1]:
+        return place
+    return f"{place}{'&' if '?' in place else '?'}password={quote(password, safe='')}"
 
 
 def without_passwords(argument: str) -> str:

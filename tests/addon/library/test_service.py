@@ -115,15 +115,6 @@ def test_the_token_is_not_in_the_preferences(service: Running, preferences: Any)
     assert preferences.token
 
 
-def test_a_database_needs_a_service(
-    address: ModuleType, preferences: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    preferences.library = "postgresql://server/shapes"
-    assert preferences.library == "postgresql://server/shapes"
-    assert "ask whoever runs it for the address of a service" in address.library_missing(bpy.context)
-
-
 def test_addresses_are_told_as_the_core_does(addon: ModuleType) -> None:
     server = importlib.import_module(f"{addon.__name__}.server")
     for place in ("https://a", "HTTP://a", "postgresql://a", "postgres://a", "/a/b.sglib", "C:\\a.sglib", ""):

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
+from urllib.parse import parse_qsl, urlsplit
 
 from psycopg import Error
 from psycopg.conninfo import conninfo_to_dict
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.storage.address import shown_place
+from shapegoogle_core.library.storage.address import database_url, shown_place
 
 __all__ = ["DEFAULT_SCHEMA", "DatabaseAddress", "parse_address"]
 
@@ -62,8 +62,8 @@ def parse_address(url: str) -> DatabaseAddress:
         parts = urlsplit(url)
         options = parse_qsl(parts.query, keep_blank_values=True)
         schema = dict(options).get("schema", DEFAULT_SCHEMA)
-        rest = urlencode([(key, value) for key, value in options if key != "schema"], quote_via=quote)
-        parameters = conninfo_to_dict(urlunsplit(parts._replace(query=rest)))
+        others = [(key, value) for key, value in options if key != "schema"]
+        parameters = conninfo_to_dict(database_url(parts.netloc, parts.path, others))
     except (ValueError, Error):
         # Neither the URL nor the client's text is shown: both may have the password in them.
         raise LibraryError(
