@@ -40,7 +40,7 @@ def is_server_address(place: str) -> bool:
 
 def is_database_address(place: str) -> bool:
     """Whether a library is named by the address of a database."""
-    return place.startswith(_DATABASES)
+    return place.lower().startswith(_DATABASES)
 
 
 def keep_password(place: str) -> str:

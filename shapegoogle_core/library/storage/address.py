@@ -27,7 +27,7 @@ Place = Path | str
 
 _SCHEMES = ("postgresql://", "postgres://")
 _SERVICES = ("https://", "http://")
-_ADDRESS = re.compile(r"postgres(?:ql)?://.*", re.DOTALL)
+_ADDRESS = re.compile(r"postgres(?:ql)?://.*", re.DOTALL | re.IGNORECASE)
 # Options of an address that are shown; others may be secret.
 _SHOWN = ("service", "host", "port", "schema")
 
@@ -49,7 +49,7 @@ def is_database(place: str | os.PathLike[str]) -> bool:
     >>> is_database("postgresql://server/shapes"), is_database("shapes.sglib")
     (True, False)
     """
-    return isinstance(place, str) and place.startswith(_SCHEMES)
+    return isinstance(place, str) and place.lower().startswith(_SCHEMES)
 
 
 def is_service(place: str | os.PathLike[str]) -> bool:

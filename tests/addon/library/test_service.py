@@ -117,6 +117,6 @@ def test_the_token_is_not_in_the_preferences(service: Running, preferences: Any)
 
 def test_addresses_are_told_as_the_core_does(addon: ModuleType) -> None:
     server = importlib.import_module(f"{addon.__name__}.server")
-    for place in ("https://a", "HTTP://a", "postgresql://a", "postgres://a", "/a/b.sglib", "C:\\a.sglib", ""):
+    for place in ("https://a", "HTTP://a", "postgresql://a", "Postgres://a", "/a/b.sglib", "C:\\a.sglib", ""):
         assert server.is_server_address(place) == addresses.is_service(place)
         assert server.is_database_address(place) == addresses.is_database(place)

@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 from psycopg.conninfo import conninfo_to_dict
 
 from shapegoogle_core.client import LibraryAddress
-from shapegoogle_core.library.storage.address import shown_place, split_password, with_password
+from shapegoogle_core.library.storage.address import (
+    shown_place,
+    split_password,
+    with_password,
+    without_passwords,
+)
 from shapegoogle_core.library.storage.postgresql.address import parse_address
 
 SECRETS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), min_size=1, max_size=12)
@@ -19,6 +24,7 @@ ADDRESSES = (
     "postgres://ana@/shapes?host=/tmp/server&schema=props",
     "postgresql://ana@one,two:5433/shapes?sslmode=require",
     "postgresql://",
+    "PostgreSQL://ana@[::1]:5432/shapes?service=studio",
 )
 
 
@@ -45,6 +51,7 @@ def test_passwords_are_found_wherever_an_address_has_them(given: str, rest: str)
     assert split_password(given) == (rest, "se@cret")
     assert with_password(given, "other") == given
     assert "cret" not in shown_place(given)
+    assert "cret" not in without_passwords(f"--library={given.replace('postgresql', 'PostgreSQL')}")
 
 
 @pytest.mark.parametrize("place", ["postgresql://[", "https://ana:secret@server", "/a/b.sglib", ""])
