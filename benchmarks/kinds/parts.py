@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.kinds.describing import DescribedSet
 from shapegoogle_core.library.library import Library
-from shapegoogle_core.library.search.traits import TraitDistances, Traits
+from shapegoogle_core.library.search.traits.distances import TraitDistances, Traits
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.processes.progress import progress_bar

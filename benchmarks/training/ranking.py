@@ -28,7 +28,7 @@ from benchmarks.kinds.sets import DEVELOPMENT, KindSet, pack_sets, procedural_se
 from benchmarks.protocol.cache import BenchmarkCache
 from benchmarks.training import background
 from shapegoogle_core.cli.text import say
-from shapegoogle_core.library.search.traits import TraitDistances
+from shapegoogle_core.library.search.traits.distances import TraitDistances
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.ranking import Ranking, figures_of

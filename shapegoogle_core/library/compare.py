@@ -16,7 +16,7 @@ from shapegoogle_core.library.search.fusion import list_distances
 from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.traits import TraitDistances
+from shapegoogle_core.library.search.traits.distances import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier, known_alignment
 from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh import MeshLike, as_mesh

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
-from shapegoogle_core.library.search.traits import PairDistances as StoredTraits
-from shapegoogle_core.library.search.traits import Traits, joined
+from shapegoogle_core.library.search.traits.distances import PairDistances as StoredTraits
+from shapegoogle_core.library.search.traits.distances import Traits, joined
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances

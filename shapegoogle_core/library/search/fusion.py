@@ -20,7 +20,7 @@ from shapegoogle_core.library.search.candidates import NearestViews
 from shapegoogle_core.library.search.query import FARTHEST, Query, pool_distances
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import Rank, SearchSettings
-from shapegoogle_core.library.search.traits import PairDistances, Traits
+from shapegoogle_core.library.search.traits.distances import PairDistances, Traits
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel

@@ -27,7 +27,7 @@ from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.stages import CANDIDATE_STAGES, OWN_STAGE, CandidateStage, chosen
 from shapegoogle_core.library.search.surfaces import stored_samples
-from shapegoogle_core.library.search.traits import TraitDistances
+from shapegoogle_core.library.search.traits.distances import TraitDistances
 from shapegoogle_core.library.search.verify import Sharing, Verifier
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
