@@ -108,10 +108,10 @@ def _near_pairs(model: sg.ShapeModel, individuals: int, poses: int) -> dict[str,
         for seed in range(individuals):
             creature = make_creature(kind, seed, 2_000)
             shapes += [(creature.rest.name, model.describe(creature.pose(pose))) for pose in range(poses)]
-    bags = np.stack([signature.bags for _, signature in shapes])
+    vectors = model.comparable(np.stack([signature.bags for _, signature in shapes]))
     differences: dict[bool, list[float]] = {True: [], False: []}
     for number, (name, signature) in enumerate(shapes):
-        similar = model.similarity(Query(model, [signature]).distances(bags[:number]))
+        similar = model.similarity(Query(model, [signature]).distances(vectors[:number]))
         for other in np.flatnonzero(similar >= FamilySettings.min_similarity):
             one, two = signature.sample, shapes[other][1].sample
             if one is not None and two is not None:

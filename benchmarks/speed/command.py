@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Measure times and memory, and compare spectra with those of other packages.
 
-    python -m benchmarks speed [--sections NAME,…] [--sizes N,…] [--repeats N] [--output FOLDER]
+    python -m benchmarks speed [--sections NAME,…] [--sizes N,…] [--repeats N] [--keep FOLDER]
+                               [--output FOLDER]
 
 spectra     eigenpairs from vertices and faces, compared with LaPy (with and without CHOLMOD) and pyfmaps
 describing  from a file to a signature, stage by stage
 search      codes and libraries by their size
-kinds       the kinds of the best 10 and 50 matches
+kinds       searches, and the kinds of the best 10 and 50 matches, compared with describing the query
 indexing    one worker compared with two, memory over a long run
 blender     waiting times in Blender; needs the module bpy
 
@@ -57,6 +58,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--library", type=Path, metavar="FILE", help="a real library, for the recall of search"
+    )
+    parser.add_argument(
+        "--keep", type=Path, metavar="FOLDER", help="for the libraries of kinds, used again by the next run"
     )
     parser.add_argument("--output", type=Path, metavar="FOLDER", help="for the .json and .png files")
 
@@ -116,7 +120,11 @@ def _measure(section: str, options: argparse.Namespace) -> None:
     rows = []
     with tempfile.TemporaryDirectory(dir=options.output) as folder:
         asked = Options(
-            options.sizes or module.SIZES, options.repeats or module.REPEATS, Path(folder), options.library
+            options.sizes or module.SIZES,
+            options.repeats or module.REPEATS,
+            Path(folder),
+            options.library,
+            options.keep,
         )
         for row in module.measure(asked):
             rows.append(row)

@@ -32,12 +32,15 @@ class Options:
         For temporary files.
     library : Path or None
         A real library, for the recall of "search".
+    keep : Path or None
+        For the libraries of "kinds", which the next run uses again.
     """
 
     sizes: tuple[int, ...]
     repeats: int
     folder: Path
     library: Path | None = None
+    keep: Path | None = None
 
 
 @dataclass(frozen=True)

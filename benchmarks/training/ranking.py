@@ -127,9 +127,12 @@ def learn_ranking(model: ShapeModel, groups: Sequence[Group]) -> tuple[Ranking, 
         What it reaches on these shapes.
     """
     assert model.background is not None
-    figures = [
-        figures_of(each.measures, each.area, each.extents) for group in groups for each in group.signatures
-    ]
+    described = [each for group in groups for each in group.signatures]
+    figures = figures_of(
+        [each.measures for each in described],
+        [each.area for each in described],
+        [each.extents for each in described],
+    )
     ranking = Ranking(
         view_weight=1.0,
         bag_weight=0.0,

@@ -83,7 +83,9 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
     signature, other = model.describe(first, keep_surface=True), model.describe(second)
     query = Query(model, [signature])
     bags = round_bags(other.bags)[None]
-    distances, typical = query.distances(bags), query.typical_distances(bags)
+    embedded = model.embed(bags)
+    distances = query.distances(model.comparable(bags, embedded))
+    typical = query.typical_distances(model.background_distances(bags, embedded))
     usual = None if typical is None else float(typical[0])
     match = Match(
         name=second.name,

@@ -66,8 +66,12 @@ class Origin:
         """
         if self.shape_type is not None:
             return self
+        if self == UNKNOWN:  # nearly all shapes; a search completes hundreds
+            return _OBJECT if object_name else _FILE
         return replace(self, shape_type="object" if object_name else "file")
 
 
 UNKNOWN = Origin()
 """Of a shape that was added without any."""
+
+_OBJECT, _FILE = Origin("object"), Origin("file")

@@ -58,7 +58,14 @@ class LibrarySearch(LibraryContents):
         self._search = Search(store, model, self._settings)
         # A model without views knows only whether two shapes are the same, which bags alone decide.
         self._graph = None if model.views is None else self._search.neighbour_graph()
-        self._fusion = Fusion(store, model, self._settings, self._search.nearest_views)
+        self._fusion = Fusion(
+            store,
+            model,
+            self._settings,
+            self._search.nearest_views,
+            self._search.reranker,
+            self._search.traits,
+        )
         self._reranker: MatchReranker | None = None
         if self._settings.rerank.reranker is not None:
             self._reranker = chosen(RERANKERS, self._settings.rerank.reranker)(store, model, self._settings)

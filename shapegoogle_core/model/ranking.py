@@ -16,6 +16,7 @@ bags say little about them, and must agree even more closely.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration import MeshMeasures
+from shapegoogle_core.registration import MeshMeasures, stacked_moments
 
 __all__ = ["FIGURES", "Ranking", "figures_of"]
 
@@ -181,32 +182,35 @@ class Ranking:
 
 
 def figures_of(
-    measures: MeshMeasures | None, area: float, extents: tuple[float, float, float]
+    measures: Sequence[MeshMeasures | None], areas: ArrayLike, extents: ArrayLike
 ) -> NDArray[np.float32]:
-    """Compute simple measures of a shape, which do not depend on its size.
+    """Compute simple measures of shapes, which do not depend on their size.
 
     Parameters
     ----------
-    measures : MeshMeasures or None
-    area : float
-    extents : (float, float, float)
-        Side lengths of the bounding box; zeros if they are not known.
+    measures : sequence of n (MeshMeasures or None)
+    areas : (n,) array_like
+    extents : (n, 3) array_like
+        Side lengths of the bounding boxes; zeros if they are not known.
 
     Returns
     -------
-    figures : (12,) array of float32
+    figures : (n, 12) array of float32
         Moments of the points and of the normals; proportions of the bounding box, area for its size, share of
         curved surface. NaN where they are not known.
     """
-    figures = np.full(FIGURES, np.nan, np.float32)
-    if measures is not None and measures.area > 0:
-        moments = measures.moments
-        positive = np.log(np.maximum(moments[[0, 1, 2, 6, 7]], _TINY))
-        figures[:8] = np.concatenate([positive, moments[3:6]])
-        figures[8] = measures.curved
-    shortest, middle, longest = sorted(extents)
-    if longest > 0:
-        figures[9] = np.log(max(middle / longest, 1e-3))
-        figures[10] = np.log(shortest / longest + 1e-2)
-        figures[11] = np.log(max(area / longest**2, _TINY))
+    figures = np.full((len(measures), FIGURES), np.nan, np.float32)
+    known = [(row, own) for row, own in enumerate(measures) if own is not None and own.area > 0]
+    if known:
+        rows = [row for row, _ in known]
+        moments = stacked_moments([own for _, own in known])
+        figures[rows, :5] = np.log(np.maximum(moments[:, [0, 1, 2, 6, 7]], _TINY))
+        figures[rows, 5:8] = moments[:, 3:6]
+        figures[rows, 8] = [own.curved for _, own in known]
+    sides = np.sort(np.asarray(extents, np.float64).reshape(len(measures), 3), axis=1)
+    sized = sides[:, 2] > 0
+    shortest, middle, longest = sides[sized].T
+    figures[sized, 9] = np.log(np.maximum(middle / longest, 1e-3))
+    figures[sized, 10] = np.log(shortest / longest + 1e-2)
+    figures[sized, 11] = np.log(np.maximum(np.asarray(areas, np.float64)[sized] / longest**2, _TINY))
     return figures

@@ -105,20 +105,39 @@ class GradientViews:
             [parts[:, index] @ part for index, part in enumerate(self._projections)], axis=1
         )
 
-    def distances(self, query: Floats, others: Floats) -> Floats:
-        """Compute 1 − cos of corresponding pictures in the best positions, weighted over both poses.
+    def positions(self, query: Floats) -> Floats:
+        """Turn and mirror the pictures of a shape in all ways.
 
         Parameters
         ----------
         query : (2, 12, d) array
-            Vectors of unit length, or zeros.
+
+        Returns
+        -------
+        turned : (2, 48, 12 d) array
+        """
+        turned = np.stack([query[:, s.pictures] * signs for s, signs in self._signed], axis=1)
+        return turned.reshape(POSES, len(_SYMMETRIES), -1)
+
+    @staticmethod
+    def distances(query: Floats, others: Floats) -> Floats:
+        """Compute 1 − cos of corresponding pictures in the best positions, weighted over both poses.
+
+        Parameters
+        ----------
+        query : (2, 48, 12 d) array
+            From `positions`; vectors of pictures have unit length, or are zeros.
         others : (n, 2, 12, d) array
+            Likewise.
 
         Returns
         -------
         distances : (n,) array
         """
-        best = [self._greatest_cosines(query[pose], others[:, pose]) for pose in range(POSES)]
+        best = []
+        for pose in range(POSES):
+            products = query[pose] @ others[:, pose].reshape(len(others), -1).T
+            best.append(products.max(axis=0) / DIRECTIONS)
         return np.asarray(1 - _WEIGHTS @ np.stack(best), np.float32)
 
     def code(self, descriptors: NDArray[np.int8]) -> NDArray[np.uint8]:
@@ -135,12 +154,6 @@ class GradientViews:
         )
         return _packed(straight > 0), _packed(principal > 0)
 
-    def _greatest_cosines(self, query: Floats, others: Floats) -> Floats:
-        """Mean cosines of pictures (12, d) with those of others (n, 12, d) in the best positions."""
-        turned = np.stack([query[s.pictures] * self._signs(s) for s in _SYMMETRIES])
-        products = turned.reshape(len(turned), -1) @ others.reshape(len(others), -1).T
-        return np.asarray(products.max(axis=0) / DIRECTIONS, np.float32)
-
     @cached_property
     def _projections(self) -> tuple[Floats, ...]:
         return tuple(part.astype(np.float32) for part in self.projections)
@@ -151,6 +164,10 @@ class GradientViews:
         widths = [part.shape[1] for part in self.projections]
         across, over = (np.repeat(np.sign(_PARTS[row]), widths).astype(np.int8) for row in (1, 2))
         return across, over
+
+    @cached_property
+    def _signed(self) -> list[tuple[Symmetry, NDArray[np.int8]]]:
+        return [(symmetry, self._signs(symmetry)) for symmetry in _SYMMETRIES]
 
     def _signs(self, symmetry: Symmetry) -> NDArray[np.int8]:
         """Signs (12, d) that the components of each picture take on."""

@@ -45,6 +45,9 @@ _NETWORK_SHARE = 0.7
 # Spreads the distances of shapes that look alike, for sums with others; it changes no order by views.
 _POWER = 1.4
 
+# Shapes whose views are compared at once: as floats they take 2 MB.
+_AT_ONCE = 64
+
 _POINTS = 30_000
 _PIXELS = 128
 
@@ -189,11 +192,17 @@ class ViewModel:
                 f"({query.made_by}) are {query.descriptors.shape} and the others {stored.shape[1:]}; "
                 "describe all shapes with this model"
             )
-        own, others = self._parts(query.descriptors[None]), self._parts(stored)
-        gradients = self.gradients.distances(next(own)[0], next(others))
-        if self.network is None:
-            return gradients, None
-        return gradients, self.network.distances(next(own)[0], next(others))
+        own, own_network = (part[0] for part in self._parts(query.descriptors[None]))
+        positions = self.gradients.positions(own)
+        gradients = np.empty(len(stored), np.float32)
+        network = None if self.network is None else np.empty(len(stored), np.float32)
+        for start in range(0, len(stored), _AT_ONCE):
+            portion = slice(start, start + _AT_ONCE)
+            others = self._parts(stored[portion])
+            gradients[portion] = self.gradients.distances(positions, next(others))
+            if self.network is not None and network is not None:
+                network[portion] = self.network.distances(own_network, next(others))
+        return gradients, network
 
     def code(self, views: ShapeViews) -> NDArray[np.uint8]:
         """Compute the binary code of a shape's views: the signs of the gradients' main components.
@@ -273,6 +282,9 @@ def _rounded(components: Floats) -> NDArray[np.int8]:
 
 def _directions_of(descriptors: NDArray[np.int8]) -> Floats:
     """Scale the vector of each picture to unit length; zeros stay zeros."""
-    vectors = descriptors.astype(np.float32)
-    norms = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.where(norms > 0, norms, 1), np.float32)
+    vectors: Floats = descriptors.astype(np.float32)
+    # A sum of small integers is exact in any order.
+    norms = np.sqrt(np.einsum("...d,...d->...", vectors, vectors))[..., None]
+    norms[norms == 0] = 1
+    vectors /= norms
+    return vectors

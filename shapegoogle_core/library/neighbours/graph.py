@@ -18,6 +18,7 @@ from shapegoogle_core.library.neighbours.walk import (
     COPY_DISTANCE,
     link_weights,
     links_of,
+    links_of_all,
     visits,
     walked_distances,
 )
@@ -163,25 +164,25 @@ class NeighbourGraph:
 
     def _visits(self, near: list[int], away: FloatArray, rows: Mapping[int, Neighbours]) -> FloatArray:
         """Count the visits of the matches `near` in a walk from the query."""
-        places = {shape_id: place for place, shape_id in enumerate([*near, *sorted(rows.keys() - set(near))])}
-        query = len(places)
-        links: list[tuple[int, int, float]] = []
+        shape_ids = np.array([*near, *sorted(rows.keys() - set(near))], np.int64)
+        query = len(shape_ids)
+        places = {shape_id: place for place, shape_id in enumerate(shape_ids.tolist())}
+        owners = np.repeat([places[shape_id] for shape_id in rows], [len(ids) for ids, _ in rows.values()])
+        ids = np.concatenate([np.empty(0, np.int64), *(ids for ids, _ in rows.values())])
+        lengths = np.concatenate([np.empty(0), *(distances for _, distances in rows.values())])
+        ends = np.array([places.get(other, -1) for other in ids.tolist()], np.int64)
+        is_known = ends >= 0
+        owners, ends, lengths = owners[is_known].astype(np.int64), ends[is_known], lengths[is_known]
+        own = links_of_all(owners, lengths, self._settings)
         chosen = links_of(away, self._settings)
-        links += [(query, int(place), float(away[place])) for place in chosen]
-        for shape_id, (ids, distances) in rows.items():
-            known = [k for k, other in enumerate(ids.tolist()) if other in places]
-            lengths = distances[known].astype(float)
-            place = places[shape_id]
-            own = links_of(lengths, self._settings)
-            links += [(place, places[int(ids[known[k]])], float(lengths[k])) for k in own]
-            # The query would be one of the neighbours of this match if it were in the library.
-            farthest = lengths[own].max(initial=0.0)
-            if place < len(near) and COPY_DISTANCE < away[place] <= farthest:
-                links.append((place, query, float(away[place])))
+        # The query would be one of the neighbours of these matches if it were in the library.
+        farthest = np.zeros(query)
+        np.maximum.at(farthest, owners[own], lengths[own])
+        back = np.flatnonzero((away > COPY_DISTANCE) & (away <= farthest[: len(near)]))
         weights = link_weights(
-            [first for first, _, _ in links],
-            [second for _, second, _ in links],
-            [length for _, _, length in links],
+            np.concatenate([np.full(len(chosen), query), owners[own], back]),
+            np.concatenate([chosen, ends[own], np.full(len(back), query)]),
+            np.concatenate([away[chosen], lengths[own], away[back]]),
             query + 1,
         )
         return visits(weights, query, self._settings.damping)[: len(near)]

@@ -9,12 +9,10 @@ from typing import Protocol
 import numpy as np
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
-from shapegoogle_core.library.search.traits.distances import PairDistances as StoredTraits
-from shapegoogle_core.library.search.traits.distances import Traits, joined
+from shapegoogle_core.library.search.traits.stored import StoredBags, StoredTraits
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
-from shapegoogle_core.model.shape_bags import FloatBags
 
 __all__ = ["BagPairs", "PairDistances", "TraitPairs", "distances_among"]
 
@@ -77,75 +75,45 @@ def distances_among(
 
 
 class BagPairs:
-    """Distances of bags, which are kept in memory as far as there is room.
+    """Distances of bags.
 
     Parameters
     ----------
-    store : Store
     model : ShapeModel
-    most : int, optional
-        Number of shapes in memory.
+    bags : StoredBags
+        Of the library.
     """
 
-    def __init__(self, store: Store, model: ShapeModel, most: int = 20_000) -> None:
-        self._store = store
+    def __init__(self, model: ShapeModel, bags: StoredBags) -> None:
         self._model = model
-        self._most = most
-        self._vectors: dict[int, FloatBags] = {}
+        self._bags = bags
 
     def between(self, shape_id: int, others: Sequence[int]) -> FloatArray:
         """Compute the distances of a shape from others, see `PairDistances`."""
-        self._read([shape_id, *others])
+        there, vectors, _ = self._bags.read([shape_id, *others])
         distances = np.full(len(others), np.inf)
-        known = [place for place, other in enumerate(others) if other in self._vectors]
-        if shape_id in self._vectors and known:
-            vectors = np.stack([self._vectors[others[place]] for place in known])
-            away = row_distances(self._model.settings.metric, self._vectors[shape_id][None], vectors)
-            distances[known] = np.round(away, DISTANCE_DECIMALS)
+        if len(there) and there[0] == shape_id:
+            away = row_distances(self._model.settings.metric, vectors[:1], vectors[1:])
+            distances[np.isin(others, there)] = np.round(away, DISTANCE_DECIMALS)
         return distances
-
-    def _read(self, shape_ids: Sequence[int]) -> None:
-        if len(self._vectors) > self._most:
-            self._vectors.clear()
-        missing = [shape_id for shape_id in shape_ids if shape_id not in self._vectors]
-        if missing:
-            found, bags = self._store.bags(missing, self._model.bag_size)
-            self._vectors.update(zip(found, self._model.comparable(bags), strict=True))
 
 
 class TraitPairs:
-    """Distances that a search by shape and kind sorts by, with what they need in memory if there is room.
+    """Distances that a search by shape and kind sorts by.
 
     Parameters
     ----------
-    store : Store
-    model : ShapeModel
-        With a ranking and a background.
-    most : int, optional
-        Number of shapes in memory.
+    traits : StoredTraits
+        Of the library.
     """
 
-    def __init__(self, store: Store, model: ShapeModel, most: int = 5_000) -> None:
-        self._stored = StoredTraits(store, model)
-        self._most = most
-        self._known: dict[int, Traits] = {}
+    def __init__(self, traits: StoredTraits) -> None:
+        self._traits = traits
 
     def between(self, shape_id: int, others: Sequence[int]) -> FloatArray:
         """Compute the distances of a shape from others, see `PairDistances`."""
-        self._read([shape_id, *others])
+        traits = self._traits.read([shape_id, *others])
         distances = np.full(len(others), np.inf)
-        there = [place for place, other in enumerate(others) if other in self._known]
-        if shape_id in self._known and there:
-            compared = joined([self._known[others[place]] for place in there])
-            distances[there] = self._stored.distances(self._known[shape_id], 0, compared)
+        if len(traits.ids) and traits.ids[0] == shape_id:
+            distances[np.isin(others, traits.ids)] = self._traits.distances(traits, 0, traits)[1:]
         return distances
-
-    def _read(self, shape_ids: Sequence[int]) -> None:
-        if len(self._known) > self._most:
-            self._known.clear()
-        missing = [shape_id for shape_id in dict.fromkeys(shape_ids) if shape_id not in self._known]
-        if missing:
-            found = self._stored.read(missing)
-            self._known.update(
-                (int(shape_id), found.row(number)) for number, shape_id in enumerate(found.ids)
-            )

@@ -24,7 +24,7 @@ from scipy import sparse
 from shapegoogle_core.library.search.settings import WalkSettings
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["COPY_DISTANCE", "link_weights", "links_of", "visits", "walked_distances"]
+__all__ = ["COPY_DISTANCE", "link_weights", "links_of", "links_of_all", "visits", "walked_distances"]
 
 COPY_DISTANCE = 1e-6
 """Largest distance of a copy: distances are rounded to this."""
@@ -53,6 +53,38 @@ def links_of(distances: ArrayLike, settings: WalkSettings) -> NDArray[np.int64]:
     order = np.argsort(away, kind="stable")
     is_copy = away[order] <= COPY_DISTANCE
     return np.concatenate([order[is_copy][: settings.copies], order[~is_copy][: settings.links]])
+
+
+def links_of_all(owners: ArrayLike, distances: ArrayLike, settings: WalkSettings) -> NDArray[np.int64]:
+    """Choose the shapes that several shapes are linked with, as `links_of` does for one.
+
+    Parameters
+    ----------
+    owners : (n,) array_like of int
+        Number of the shape that each distance is from.
+    distances : (n,) array_like
+    settings : WalkSettings
+
+    Returns
+    -------
+    positions : (l,) array of int64
+        Those of each shape in the order of `links_of`.
+
+    Examples
+    --------
+    >>> owners, distances = [7, 7, 7, 3, 3], [0.5, 0, 0.2, 0.1, 0.4]
+    >>> links_of_all(owners, distances, WalkSettings(links=1, copies=2)).tolist()
+    [3, 1, 2]
+    """
+    owners, away = np.asarray(owners, np.int64), np.asarray(distances, float)
+    order = np.lexsort((away, owners))
+    is_copy = away[order] <= COPY_DISTANCE
+    numbers = np.arange(len(order))
+    is_first = np.diff(owners[order], prepend=owners.min(initial=0) - 1) != 0
+    first = np.maximum.accumulate(np.where(is_first, numbers, 0))
+    copies: NDArray[np.int64] = np.cumsum(is_copy) - is_copy  # before each place
+    rank = np.where(is_copy, numbers - first, numbers - first - (copies - copies[first]))
+    return order[rank < np.where(is_copy, settings.copies, settings.links)]
 
 
 def link_weights(links: ArrayLike, ends: ArrayLike, distances: ArrayLike, count: int) -> sparse.csr_array:

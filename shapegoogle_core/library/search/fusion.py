@@ -20,7 +20,8 @@ from shapegoogle_core.library.search.candidates import NearestViews
 from shapegoogle_core.library.search.query import FARTHEST, Query, pool_distances
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import Rank, SearchSettings
-from shapegoogle_core.library.search.traits.distances import PairDistances, Traits
+from shapegoogle_core.library.search.traits.distances import Traits
+from shapegoogle_core.library.search.traits.stored import StoredTraits
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
@@ -44,15 +45,25 @@ class Fusion:
     settings : SearchSettings
     views : NearestViews
         Candidates by their views.
+    reranker : Reranker
+        Compares their bags.
+    traits : StoredTraits or None
+        None for a model without them.
     """
 
     def __init__(
-        self, store: Store, model: ShapeModel, settings: SearchSettings, views: NearestViews
+        self,
+        store: Store,
+        model: ShapeModel,
+        settings: SearchSettings,
+        views: NearestViews,
+        reranker: Reranker,
+        traits: StoredTraits | None,
     ) -> None:
         self._store, self._model = store, model
-        self._pairs = PairDistances(store, model) if PairDistances.possible(model) else None
+        self._pairs = traits
         self._views = views
-        self._reranker = Reranker(store, model, settings.rerank)
+        self._reranker = reranker
         self._unlike_weight = settings.rerank.unlike_weight
 
     def with_likeness(self, like: Sequence[ShapeSignature], matches: Sequence[Match]) -> list[Match]:
@@ -130,8 +141,8 @@ class Fusion:
             distances = list_distances(self._model, ranking, distances, joined)
         distances = np.round(np.minimum(distances, FARTHEST), DISTANCE_DECIMALS)
         ordered = [
-            replace(match, distance=float(distance), likeness=float(alike))
-            for match, distance, alike in zip(joined, distances, likeness, strict=True)
+            match.ranked(distance, alike)
+            for match, distance, alike in zip(joined, distances.tolist(), likeness.tolist(), strict=True)
         ]
         return sorted(ordered, key=lambda match: match.rank_key)
 

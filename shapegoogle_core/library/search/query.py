@@ -114,21 +114,19 @@ class Query:
             signature.sample for signature in like if signature.sample is not None
         ]
 
-    def distances(self, bags: NDArray[np.float32], embedded: FloatBags | None = None) -> FloatArray:
+    def distances(self, vectors: FloatBags) -> FloatArray:
         """Compute the distances of shapes from the query.
 
         Parameters
         ----------
-        bags : (n, B) array
-        embedded : (n, p) array, optional
-            `ShapeModel.embed` of them, where it is known already.
+        vectors : (n, p) array
+            Their bags, from `ShapeModel.comparable`.
 
         Returns
         -------
         distances : (n,) array
             ≥ 0, rounded; infinite for copies of negative examples.
         """
-        vectors = self._model.comparable(bags, embedded)
         distances = pool_distances(self._to(self._like, vectors))
         if self._unlike:
             likeness = self._model.similarity(self._to(self._unlike, vectors).min(axis=0))
@@ -139,40 +137,36 @@ class Query:
             distances[copies] = np.inf
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
 
-    def typical_distances(
-        self, bags: NDArray[np.float32], embedded: FloatBags | None = None
-    ) -> FloatArray | None:
+    def typical_distances(self, background: FloatArray | None) -> FloatArray | None:
         """Compute the typical distances of shapes and query, see `ShapeModel.typical_distances`.
 
         Parameters
         ----------
-        bags : (n, B) array
-        embedded : (n, p) array, optional
-            As for `distances`.
+        background : (n,) array or None
+            Of the shapes, from `ShapeModel.background_distances`.
 
         Returns
         -------
         typical : (n,) array or None
             Pooled over the examples as `distances` are; None for a model without a background.
         """
-        others = self._model.background_distances(bags, embedded)
-        if others is None or self._background_distance is None:
+        if background is None or self._background_distance is None:
             return None
-        return np.sqrt(self._background_distance * others)
+        return np.sqrt(self._background_distance * background)
 
-    def nearest_samples(self, bags: NDArray[np.float32]) -> NDArray[np.intp]:
+    def nearest_samples(self, vectors: FloatBags) -> NDArray[np.intp]:
         """Find the nearest example of each shape, among those with a surface.
 
         Parameters
         ----------
-        bags : (n, B) array
+        vectors : (n, p) array
+            As for `distances`.
 
         Returns
         -------
         positions : (n,) array of int
             Positions in `samples`.
         """
-        vectors = self._model.comparable(bags)
         examples = [self._like[index] for index in self._sampled]
         nearest: NDArray[np.intp] = self._to(examples, vectors).argmin(axis=0)
         return nearest

@@ -27,7 +27,7 @@ from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.stages import CANDIDATE_STAGES, OWN_STAGE, CandidateStage, chosen
 from shapegoogle_core.library.search.surfaces import stored_samples
-from shapegoogle_core.library.search.traits.distances import TraitDistances
+from shapegoogle_core.library.search.traits.stored import StoredBags, StoredTraits
 from shapegoogle_core.library.search.verify import Sharing, Verifier
 from shapegoogle_core.library.storage.store import Store
 from shapegoogle_core.model import ShapeModel
@@ -51,6 +51,10 @@ class Search:
     ----------
     nearest_views : NearestViews
         Candidates by their views; its codes are in memory once.
+    reranker : Reranker
+        Second stage.
+    traits : StoredTraits or None
+        Traits of the shapes; None for a model that orders by shape only.
     """
 
     def __init__(self, store: Store, model: ShapeModel, settings: SearchSettings) -> None:
@@ -67,16 +71,17 @@ class Search:
         ]
         self.nearest_views = NearestViews(store, model, settings.candidates)
         self._shared_words = SharedWords(store, model, settings.candidates)
-        self._reranker = Reranker(store, model, settings.rerank)
+        self._bags = StoredBags(store, model)
+        self.traits = StoredTraits(store, model, self._bags) if StoredTraits.possible(model) else None
+        self.reranker = Reranker(store, model, settings.rerank, self._bags)
         self._verifier = Verifier(partial(stored_samples, store, model), model, settings.verification)
 
     def neighbour_graph(self) -> NeighbourGraph:
         """Make the neighbour graph of the library, which shares the codes in memory."""
-        pairs = TraitPairs if TraitDistances.possible(self._model) else BagPairs
         return NeighbourGraph(
             self._store,
             StoredCandidates(self._store, self._model, self._nearest_codes.index, self.nearest_views.index),
-            pairs(self._store, self._model),
+            BagPairs(self._model, self._bags) if self.traits is None else TraitPairs(self.traits),
             self._settings.walk,
             self._model.code_bits // 8,
         )
@@ -106,7 +111,7 @@ class Search:
     def among_all(self, query: Query, top: int, among: ShapeIds | None = None) -> list[Match]:
         """Compare the full bags of all shapes; otherwise like `among_nearest_codes`."""
         while True:
-            best = self._reranker.rank_all(query, self._kept(query, top), among)
+            best = self.reranker.rank_all(query, self._kept(query, top), among)
             if len(self._store.shapes([match.shape_id for match in best])) == len(best):
                 return self._verified(query, best, among)
             # A writer removed one of the best meanwhile; the shape that it displaced must come in, so start
@@ -135,7 +140,7 @@ class Search:
             Best first: `best`, and the others after it.
         """
         if exact:
-            ranked = self._reranker.rank_all(query, count, among)
+            ranked = self.reranker.rank_all(query, count, among)
         else:
             find = partial(self._candidates, query, count, among)
             with self._store.snapshot():
@@ -167,14 +172,14 @@ class Search:
     ) -> list[Match]:
         """Compare the bags of the shapes that are found in an index of codes."""
         for _ in range(2):
-            matches, gone = self._reranker.rank(query, find(), count)
+            matches, gone = self.reranker.rank(query, find(), count)
             if not gone:
                 return matches
             # Removed since their codes were read; other shapes take their places.
             index.discard(gone)
         # More were removed than just these, so read all codes again.
         index.forget()
-        return self._reranker.rank(query, find(), count)[0]
+        return self.reranker.rank(query, find(), count)[0]
 
     def _verified(self, query: Query, matches: list[Match], among: ShapeIds | None) -> list[Match]:
         if query.samples:
@@ -183,7 +188,7 @@ class Search:
             rest = matches[len(copies) :]
             if rest and self._verifier.is_needed(rest[0], query.several):
                 known = {match.shape_id for match in matches}
-                samples = QuerySamples(query.samples, partial(self._reranker.nearest_samples, query))
+                samples = QuerySamples(query.samples, partial(self.reranker.nearest_samples, query))
                 find_sharing = partial(self._sharing, query, samples, known, among)
                 rest = self._verifier.verify(samples, rest, find_sharing)
             matches = [*copies, *rest]

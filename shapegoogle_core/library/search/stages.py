@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Protocol, TypeVar, cast
 
 import numpy as np
@@ -210,7 +209,7 @@ def reorder(reranker: MatchReranker, query: Query, matches: Sequence[Match]) -> 
     """
     distances = np.asarray(reranker.distances(query, matches), np.float64).round(DISTANCE_DECIMALS)
     ranked = [
-        match if match.distance == distance else replace(match, distance=distance)
+        match.ranked(distance, match.likeness)
         for match, distance in zip(matches, distances.tolist(), strict=True)
     ]
     # Stable: copies at the least distance have an order of their own.

@@ -14,6 +14,7 @@ is a tenth longer. Integrals over all triangles do not. Two groups of numbers ar
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -24,7 +25,7 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
-__all__ = ["WAVELENGTHS", "MeshMeasures", "full", "measure_mesh"]
+__all__ = ["WAVELENGTHS", "MeshMeasures", "full", "measure_mesh", "stacked_moments"]
 
 # Longest wavelength of the spectra, and their number; each is a quarter of the last.
 _LONGEST, _QUARTERS = 8e-3, 3
@@ -100,13 +101,7 @@ class MeshMeasures:
     @cached_property
     def moments(self) -> FloatArray:
         """(8,) measures of the surface that do not depend on place and size: eigenvalues, fourth, support."""
-        return np.concatenate(
-            [
-                np.linalg.eigvalsh(full(self.second)),
-                np.linalg.eigvalsh(full(self.normals)),
-                [self.fourth, self.support],
-            ]
-        )
+        return np.asarray(stacked_moments([self])[0])
 
     @cached_property
     def handedness(self) -> FloatArray:
@@ -186,9 +181,10 @@ class MeshMeasures:
             raise ValueError(f"measures have {expected} bytes, not {len(data)}")
         values = np.frombuffer(data, "<f8", offset=_HEADER.size).astype(np.float64)
         area, rounding, coarseness, curved, fourth, support = values[:6].tolist()
-        parts = np.split(values[6:], [3, 9, 15, 18, 24])
         vertices, faces, hashed = _HEADER.unpack_from(data)
         counts = int(vertices), int(faces), int(hashed)
+        starts, ends = (6, 9, 15, 21, 24, 30), (9, 15, 21, 24, 30, _COUNT)
+        parts = (values[start:end] for start, end in zip(starts, ends, strict=True))
         center, second, normals, third, twist, spectra = parts
         return cls(
             *counts,
@@ -359,6 +355,27 @@ def _volume(*vectors: FloatArray) -> float:
     )
 
 
+def stacked_moments(measures: Sequence[MeshMeasures]) -> FloatArray:
+    """Compute `MeshMeasures.moments` of several meshes at once.
+
+    Parameters
+    ----------
+    measures : sequence of n MeshMeasures
+
+    Returns
+    -------
+    moments : (n, 8) array
+    """
+    matrices = np.array([(own.second, own.normals) for own in measures]).reshape(-1, 2, 6)
+    roots = np.linalg.eigvalsh(matrices[..., _FULL].reshape(-1, 2, 3, 3))
+    others = np.array([(own.fourth, own.support) for own in measures]).reshape(-1, 2)
+    return np.concatenate([roots.reshape(-1, 6), others], axis=1)
+
+
+# Places in an upper triangle of the entries of its matrix, row by row.
+_FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
+
+
 def full(upper: FloatArray) -> FloatArray:
     """Return the symmetric matrix of an upper triangle.
 
@@ -370,8 +387,7 @@ def full(upper: FloatArray) -> FloatArray:
     -------
     matrix : (3, 3) array
     """
-    a, b, c, d, e, f = upper
-    return np.array([[a, b, c], [b, d, e], [c, e, f]])
+    return np.asarray(np.asarray(upper)[_FULL].reshape(3, 3))
 
 
 def _upper(matrix: FloatArray) -> FloatArray:

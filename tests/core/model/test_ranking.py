@@ -83,12 +83,13 @@ def test_likeness_falls_from_one(ranking: Ranking) -> None:
 def test_simple_measures_depend_on_the_form_only() -> None:
     def figures(mesh: trimesh.Trimesh) -> np.ndarray:
         own = Mesh(mesh.vertices, mesh.faces)
-        return figures_of(measure_mesh(own), own.area, own.extents)
+        return np.asarray(figures_of([measure_mesh(own)], [own.area], [own.extents])[0])
 
     long, larger = trimesh.creation.box((1, 2, 6)), trimesh.creation.box((3, 18, 6))
     np.testing.assert_allclose(figures(long), figures(larger), atol=1e-4)
     assert np.abs(figures(long) - figures(trimesh.creation.icosphere(2))).max() > 0.5
-    assert np.isnan(figures_of(None, 1.0, (0.0, 0.0, 0.0))).all()
+    assert np.isnan(figures_of([None], [1.0], [(0.0, 0.0, 0.0)])).all()
+    assert figures_of([], [], []).shape == (0, FIGURES)
 
 
 def test_what_is_not_known_counts_as_usual(ranking: Ranking) -> None:

@@ -8,15 +8,14 @@ hundreds of shapes take milliseconds.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import ModelError
 from shapegoogle_core.library.match import DISTANCE_DECIMALS
-from shapegoogle_core.library.storage.signatures import round_bags, stored_views, unpack_measures
-from shapegoogle_core.library.storage.store import Store
+from shapegoogle_core.library.storage.signatures import round_bags
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel, row_distances
 from shapegoogle_core.model.background import Background
@@ -25,7 +24,7 @@ from shapegoogle_core.model.shape_bags import FloatBags
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.views import ShapeViews
 
-__all__ = ["PairDistances", "TraitDistances", "Traits", "joined"]
+__all__ = ["TraitDistances", "Traits"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,27 +52,6 @@ class Traits:
     views: NDArray[np.int8]
     seen: NDArray[np.bool_]
     figures: NDArray[np.float32]
-
-    def row(self, number: int) -> Traits:
-        """Return the traits of one of the shapes."""
-        return Traits(
-            **{entry.name: getattr(self, entry.name)[number : number + 1] for entry in fields(self)}
-        )
-
-
-def joined(parts: Sequence[Traits]) -> Traits:
-    """Join traits of shapes, at least one.
-
-    Parameters
-    ----------
-    parts : sequence of Traits
-
-    Returns
-    -------
-    traits : Traits
-    """
-    names = [entry.name for entry in fields(Traits)]
-    return Traits(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
 
 
 class TraitDistances:
@@ -120,28 +98,19 @@ class TraitDistances:
             if signature.views is not None and self._model.views is not None:
                 described[row] = signature.views.descriptors
         bags = np.stack([round_bags(signature.bags) for signature in signatures])
-        figures = [
-            figures_of(signature.measures, signature.area, signature.extents) for signature in signatures
-        ]
-        return self._traits(np.zeros(len(signatures), np.int64), bags, described, seen, figures)
-
-    def _traits(
-        self,
-        ids: NDArray[np.int64],
-        bags: FloatBags,
-        views: NDArray[np.int8],
-        seen: NDArray[np.bool_],
-        figures: Sequence[NDArray[np.float32]],
-    ) -> Traits:
+        figures = figures_of(
+            [signature.measures for signature in signatures],
+            [signature.area for signature in signatures],
+            [signature.extents for signature in signatures],
+        )
         vectors = self._model.comparable(bags)
-        rows = np.array(figures, np.float32).reshape(len(ids), -1)
         return Traits(
-            ids=ids,
+            ids=np.zeros(len(signatures), np.int64),
             vectors=vectors,
             background=self._background.distances(self._model.settings.metric, vectors),
-            views=views,
+            views=described,
             seen=seen,
-            figures=self._ranking.standardised(rows) if len(ids) else rows,
+            figures=self._ranking.standardised(figures),
         )
 
     def kind_distances(self, one: Traits, row: int, others: Traits) -> FloatArray:
@@ -203,58 +172,11 @@ class TraitDistances:
         views = np.full(len(others.ids), np.nan)
         if one.seen[row] and others.seen.any() and self._model.views is not None:
             own = ShapeViews(one.views[row], self._model.views.identifier)
-            views[others.seen] = self._model.views.distances(own, others.views[others.seen])
+            seen = others.views if others.seen.all() else others.views[others.seen]
+            views[others.seen] = self._model.views.distances(own, seen)
         figures = np.sqrt(((others.figures - one.figures[row]) ** 2).mean(axis=1))
         return self._bags(one, row, others), np.sqrt(one.background[row] * others.background), views, figures
 
     def _bags(self, one: Traits, row: int, others: Traits) -> FloatArray:
         distances = row_distances(self._model.settings.metric, one.vectors[row : row + 1], others.vectors)
         return np.asarray(np.round(distances, DISTANCE_DECIMALS))
-
-
-class PairDistances(TraitDistances):
-    """Compares shapes of a library by their traits.
-
-    Parameters
-    ----------
-    store : Store
-    model : ShapeModel
-        Model that described the shapes; with a ranking and a background.
-
-    Raises
-    ------
-    ModelError
-        If it lacks one of them; see `TraitDistances.possible`.
-    """
-
-    def __init__(self, store: Store, model: ShapeModel) -> None:
-        super().__init__(model)
-        self._store = store
-
-    def read(self, shape_ids: Sequence[int]) -> Traits:
-        """Read the traits of shapes of the library.
-
-        Parameters
-        ----------
-        shape_ids : sequence of int
-
-        Returns
-        -------
-        traits : Traits
-            In this order, without shapes that are gone.
-        """
-        with self._store.snapshot():
-            found, bags = self._store.bags(shape_ids, self._model.bag_size)
-            records = {record.shape_id: record for record in self._store.shapes(found)}
-            measures = unpack_measures(self._store, found)
-            with_views, views = stored_views(self._store, self._model, found)
-        rows = {shape_id: row for row, shape_id in enumerate(with_views.tolist())}
-        seen = np.array([shape_id in rows for shape_id in found], bool)
-        described = np.zeros((len(found), *self._view_shape), np.int8)
-        if seen.any():
-            described[seen] = views[[rows[shape_id] for shape_id in found if shape_id in rows]]
-        figures = [
-            figures_of(measures.get(shape_id), records[shape_id].area, records[shape_id].extents)
-            for shape_id in found
-        ]
-        return self._traits(np.array(found, np.int64), bags, described, seen, figures)

@@ -13,6 +13,7 @@ import trimesh
 
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.neighbours.pairs import TraitPairs
+from shapegoogle_core.library.search.traits.stored import StoredTraits
 from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -55,13 +56,13 @@ def neighbours(library: Library) -> dict[int, list[int]]:
 def nearest(library: Library, shape_id: int, count: int) -> list[int]:
     """Nearest shapes by comparing with all."""
     others = [shape.shape_id for shape in library.shapes() if shape.shape_id != shape_id]
-    distances = TraitPairs(library._store, library.model).between(shape_id, others)
+    distances = TraitPairs(StoredTraits(library._store, library.model)).between(shape_id, others)
     return [others[place] for place in np.argsort(distances, kind="stable")[:count]]
 
 
 def check_nearest(library: Library, found: dict[int, list[int]]) -> None:
     """The four nearest have the least distances; some shapes are equally near."""
-    pairs = TraitPairs(library._store, library.model)
+    pairs = TraitPairs(StoredTraits(library._store, library.model))
     for shape_id, ids in found.items():
         expected = pairs.between(shape_id, nearest(library, shape_id, 4))
         np.testing.assert_allclose(pairs.between(shape_id, ids[:4]), expected, atol=2e-6)
@@ -107,7 +108,7 @@ def test_the_list_is_sorted_by_distance_and_similarities_are_those_of_the_pairs(
     distances = [match.distance for match in matches]
     assert distances == sorted(distances)
     others = [match.shape_id for match in matches]
-    unwalked = TraitPairs(library._store, library.model).between(3, others)
+    unwalked = TraitPairs(StoredTraits(library._store, library.model)).between(3, others)
     # The first few keep their places, and the walk only brings shapes nearer.
     np.testing.assert_allclose(distances[:3], np.sort(unwalked)[:3], atol=2e-6)
     assert (np.array(distances) <= unwalked + 2e-6).all()

@@ -15,6 +15,7 @@ from scipy import sparse
 from shapegoogle_core.library.neighbours.walk import (
     link_weights,
     links_of,
+    links_of_all,
     visits,
     walked_distances,
 )
@@ -25,6 +26,17 @@ SETTINGS = WalkSettings()
 
 def distances_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=-1))
+
+
+@given(st.lists(st.tuples(st.integers(0, 4), st.sampled_from([0.0, 1e-7, 0.1, 0.2, 0.3])), max_size=40))
+def test_links_of_several_shapes_are_those_of_each(pairs: list[tuple[int, float]]) -> None:
+    owners = np.array([owner for owner, _ in pairs], int)
+    lengths = np.array([length for _, length in pairs])
+    expected = [
+        own[links_of(lengths[own], SETTINGS)].tolist()
+        for own in (np.flatnonzero(owners == owner) for owner in range(5))
+    ]
+    assert links_of_all(owners, lengths, SETTINGS).tolist() == [place for own in expected for place in own]
 
 
 def graph(distances: NDArray[np.float64], settings: WalkSettings = SETTINGS) -> sparse.csr_array:

@@ -263,8 +263,8 @@ class TestMeshes:
         assert len(aligned) == 3  # all but the copy
         assert len({id(query) for query in aligned}) <= 2
         query = Query(model, examples)
-        bags = np.stack([example.bags for example in examples])
-        assert query.nearest_samples(bags).tolist() == [0, 1]
+        vectors = model.comparable(np.stack([example.bags for example in examples]))
+        assert query.nearest_samples(vectors).tolist() == [0, 1]
 
     def test_verification_is_skipped_where_several_are_certain(
         self, path: Path, library: Library, poses: dict[str, list[Mesh]], monkeypatch: pytest.MonkeyPatch
