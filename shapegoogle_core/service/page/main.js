@@ -12,14 +12,20 @@ import { state } from "./state.js";
 
 const PARTS = { search: () => {}, duplicates: showDuplicates, map: showMap, decisions: showDecisions };
 
+let shown = null;
+
+// Returns whether it is another part than before.
 function showPart() {
+  const before = shown;
   const name = location.hash.slice(1) in PARTS ? location.hash.slice(1) : "search";
   for (const other of Object.keys(PARTS)) byId(other).hidden = other !== name;
   for (const link of document.querySelectorAll("nav a")) {
     if (link.hash === `#${name}`) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
+  shown = name;
   PARTS[name]();
+  return name !== before;
 }
 
 async function start() {
@@ -41,8 +47,7 @@ async function start() {
   prepareMap();
   prepareDecisions();
   addEventListener("hashchange", () => {
-    showPart();
-    byId("content").focus();
+    if (showPart()) byId("content").focus();
   });
   showPart();
 }

@@ -15,6 +15,8 @@ let query = null;
 let next = null;
 let shownCount = 0;
 let running = 0;
+let foundFor = "";
+let entered = null;
 
 export function prepareSearch() {
   const { kind, shape_type: type } = byId("filters").querySelector("form").elements;
@@ -83,6 +85,7 @@ function prepareFind() {
   byId("find").addEventListener("input", (event) => {
     clearTimeout(waiting);
     const text = event.target.value.trim();
+    entered = null;
     last += 1;
     const mine = last;
     waiting = setTimeout(async () => {
@@ -90,12 +93,37 @@ function prepareFind() {
         const answer = text ? await get(`shapes?limit=20&search=${encodeURIComponent(text)}`) : { shapes: [] };
         if (mine !== last) return;
         byId("found").replaceChildren(...answer.shapes.map(foundShape));
+        foundFor = text;
+        if (entered === text) takeFirst();
         if (text && !answer.shapes.length) byId("found").append(make("li", { class: "hint" }, "No shape of this name."));
       } catch (error) {
         say(byId("state"), error.message, true);
       }
     }, 200);
   });
+  byId("find").addEventListener("keydown", (event) => {
+    if (event.isComposing) return;
+    if (event.key === "Enter") {
+      // What was found for an earlier text is not taken; the shapes for this one may still be under way.
+      entered = event.target.value.trim();
+      if (entered === foundFor) takeFirst();
+    } else if (event.key === "ArrowDown") {
+      event.preventDefault();
+      byId("found").querySelector("button")?.focus();
+    }
+  });
+  byId("found").addEventListener("keydown", (event) => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const choices = [byId("find"), ...byId("found").querySelectorAll("button")];
+    choices[choices.indexOf(document.activeElement) + step]?.focus();
+  });
+}
+
+function takeFirst() {
+  entered = null;
+  byId("found").querySelector("button")?.click();
 }
 
 function foundShape(shape) {
@@ -103,6 +131,7 @@ function foundShape(shape) {
     byId("found").replaceChildren();
     byId("find").value = "";
     searchFor(shape);
+    byId("find").focus(); // after the address has changed, which takes the focus away
   };
   return choice({ shape_id: shape.shape_id, name: title(shape), note: place(shape.source) }, use);
 }
