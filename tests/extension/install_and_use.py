@@ -23,7 +23,17 @@ BUNDLED: tuple[str, ...] = (
     "robust_laplacian",
     "fast_simplification",
 )
-BUNDLED += ("trimesh", "mapbox_earcut", "onnxruntime", "PIL", "pebble", "tqdm", "shapegoogle_core")
+BUNDLED += (
+    "trimesh",
+    "mapbox_earcut",
+    "onnxruntime",
+    "PIL",
+    "pebble",
+    "tqdm",
+    "psycopg",
+    "psycopg_binary",
+    "shapegoogle_core",
+)
 
 
 def is_known() -> Any:
