@@ -83,7 +83,7 @@ def find(page: Page, name: str) -> None:
 def test_searching_comparing_and_turning(open_page: Open, service: Running) -> None:
     page = open_page(service.address)
     expect(page.locator("#library")).to_have_text("shapes.sglib: 7 shapes")
-    # By the keyboard: Enter takes the first shape found, also if it comes a moment later; the arrows another one.
+    # By the keyboard: Enter takes the first shape found, also if it comes later; the arrows another one.
     page.fill("#find", "r")
     page.keyboard.press("Enter")
     cards = page.locator("#matches .card")
