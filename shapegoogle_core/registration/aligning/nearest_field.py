@@ -40,14 +40,17 @@ class NearestField:
         low, high = points.min(axis=0) - _REACH, points.max(axis=0) + _REACH
         voxel = max(_VOXEL, float(np.prod(high - low) / _MOST_VOXELS) ** (1 / 3))
         shape = np.ceil((high - low) / voxel).astype(np.int32)
-        middles = low + voxel * (np.indices(shape).reshape(3, -1).T + 0.5)
-        _, nearest = cKDTree(points).query(middles, distance_upper_bound=_REACH)
+        near = np.argwhere(_within_reach(points, low, voxel, shape))
+        # A search tree takes longer to find that nothing is near than to find what is.
+        nearest = np.full(shape, len(points), np.int32)
+        _, found = cKDTree(points).query(low + voxel * (near + 0.5), distance_upper_bound=_REACH)
+        nearest[tuple(near.T)] = found
         self.points: NDArray[np.float32] = np.concatenate([points, np.full((1, 3), _NOWHERE)]).astype(
             np.float32
         )
         # A border of one voxel, in which nothing is near, takes everything outside.
         grid = np.full(shape + 2, len(points), np.int32)
-        grid[1:-1, 1:-1, 1:-1] = nearest.reshape(shape)
+        grid[1:-1, 1:-1, 1:-1] = nearest
         self._grid = grid.ravel()
         self._last = (shape + 1).astype(np.float32)
         self._strides = np.array([grid.shape[1] * grid.shape[2], grid.shape[2], 1], np.int32)
@@ -74,3 +77,19 @@ class NearestField:
             np.clip(cells, 0, self._last[axis], out=cells)
             voxels += cells.astype(np.int32) * self._strides[axis]
         return self._grid.take(voxels)
+
+
+def _within_reach(
+    points: FloatArray, low: FloatArray, voxel: float, shape: NDArray[np.int32]
+) -> NDArray[np.bool_]:
+    """Mark the voxels around points; all whose middles are within reach of one are among them."""
+    marked = np.zeros(shape, bool)
+    marked[tuple(((points - low) / voxel).astype(int).T)] = True
+    steps = int(_REACH / voxel + 0.5 + 1e-6)
+    for axis in range(3):
+        before = np.moveaxis(marked.copy(), axis, 0)
+        after = np.moveaxis(marked, axis, 0)
+        for step in range(1, steps + 1):
+            after[step:] |= before[:-step]
+            after[:-step] |= before[step:]
+    return marked

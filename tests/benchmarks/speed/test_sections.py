@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.speed import describing, indexing, measuring, meshes, processes, reporting, search
+from benchmarks.speed import describing, indexing, kinds, measuring, meshes, processes, reporting, search
+from shapegoogle_core import Library
 from shapegoogle_core.mesh import read_mesh
 
 
@@ -74,6 +75,24 @@ def test_from_a_file_to_a_signature(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
     reporting.write_figure("describing", describing.draw(rows), tmp_path)
     assert (tmp_path / "speed-describing.png").stat().st_size > 10_000
+
+
+@pytest.mark.long
+def test_searches_and_kinds_by_the_size_of_the_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kinds, "LIBRARY_VERTICES", 500)
+    monkeypatch.setattr(kinds, "QUERY_VERTICES", 600)
+    monkeypatch.setattr(kinds, "INDIVIDUALS", ("human",))
+    for sizes in ((3,), (3, 5)):  # the second run copies the shapes of the first
+        rows = list(kinds.measure(measuring.Options(sizes, 1, tmp_path, keep=tmp_path / "kept")))
+    assert [row["shapes"] for row in rows] == 3 * [3] + 3 * [5]
+    for row in rows:
+        assert row["search_ratio"] == pytest.approx(row["search"] / row["describe"], abs=0.05)
+    small, large = sorted((tmp_path / "kept").iterdir())
+    with Library.open(small, read_only=True) as one, Library.open(large, read_only=True) as other:
+        assert [shape.name for shape in other.shapes()][:3] == [shape.name for shape in one.shapes()]
+    reporting.write_figure("kinds", kinds.draw(rows), tmp_path)
 
 
 def test_a_creature_has_the_vertices_that_were_asked_for() -> None:
