@@ -30,6 +30,10 @@ FEATURES = 1280
 NETWORK_DIGEST = "211d71bfc5c71a86"
 """First 16 hexadecimal digits of the network's SHA-256; only features of the same network can be compared."""
 
+# Pictures at once. The intermediate results of three fit into the processor's cache; of twelve they do not, and
+# the same features take a fifth longer.
+_BATCH = 3
+
 # Errors only: warnings are about processors and graphics cards, and would reach the user's terminal.
 _LOG_LEVEL = 3
 
@@ -62,8 +66,10 @@ def network_features(pictures: Floats) -> Floats:
     nothing = ~np.any(pictures, axis=3, keepdims=True)
     images = np.ascontiguousarray(np.moveaxis(pictures, 3, 1), np.float32)
     np.copyto(images, np.float32(1), where=np.moveaxis(nothing, 3, 1))
-    (features,) = _session().run(["features"], {"pictures": images})
-    return np.asarray(np.sqrt(np.maximum(features, 0)), np.float32)
+    session = _session()
+    batches = [images[first : first + _BATCH] for first in range(0, len(images), _BATCH)]
+    features = [session.run(["features"], {"pictures": batch})[0] for batch in batches]
+    return np.asarray(np.sqrt(np.maximum(np.concatenate(features), 0)), np.float32)
 
 
 @cache
