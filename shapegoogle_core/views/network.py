@@ -30,8 +30,8 @@ FEATURES = 1280
 NETWORK_DIGEST = "211d71bfc5c71a86"
 """First 16 hexadecimal digits of the network's SHA-256; only features of the same network can be compared."""
 
-# Pictures at once. The intermediate results of three fit into the processor's cache; of twelve they do not, and
-# the same features take a fifth longer.
+# Pictures at once. The intermediate results of three fit into the processor's cache; of twelve they do not,
+# and the same features take a fifth longer.
 _BATCH = 3
 
 # Errors only: warnings are about processors and graphics cards, and would reach the user's terminal.

@@ -37,7 +37,7 @@ _SAME_SURFACE = 0.99
 _LIKELY = 0.5
 # Agreement in a rough position from which a thorough alignment may find more.
 _WORTHWHILE = 0.3
-# Largest likeness of shapes that have nothing in common.
+# Largest likeness and similarity of shapes that have nothing in common.
 _UNLIKE = 0.2
 
 
@@ -269,10 +269,10 @@ def with_kind(evidence: Evidence, similarity: float, likeness: float | None) -> 
     -------
     evidence : Evidence
         "similar" is "same kind" or "nothing in common" if the likeness is clear; two shapes that are probably
-        the same stay "similar".
+        the same stay "similar", and so do those that may well be the same, and are not alike.
     """
     if evidence.kind != "similar" or likeness is None or similarity >= _LIKELY:
         return evidence
     if likeness >= _LIKELY:
         return replace(evidence, kind="same kind")
-    return replace(evidence, kind="nothing in common") if likeness <= _UNLIKE else evidence
+    return replace(evidence, kind="nothing in common") if max(likeness, similarity) <= _UNLIKE else evidence

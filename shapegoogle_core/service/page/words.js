@@ -8,16 +8,20 @@ export const KINDS = [
 export const TYPES = [
   "file", "object", "point cloud", "curve", "text", "surface", "metaball", "collection", "instance", "scatter",
 ];
+// Kinds of two different surfaces, whose sizes say nothing.
 const WEAK = new Set(["similar", "same kind", "nothing in common"]);
+const SHOWN_FACTOR = 0.02;
 
 export const percent = (share) => `${Math.round(100 * share)} %`;
 
+// As `evidence_text` of shapegoogle_core/rendering/text.py.
 export function kindText(evidence) {
   if (!evidence) return "";
-  const parts = [evidence.kind];
-  if (evidence.factor && Math.abs(evidence.factor - 1) > 0.001) parts.push(`×${Number(evidence.factor.toPrecision(3))}`);
-  if (evidence.share) parts.push(percent(evidence.share));
-  return parts.join(" ");
+  const { kind, share = null, factor = 1 } = evidence;
+  let text = kind;
+  if (share !== null) text = kind === "part of" ? `the query is ${percent(share)} of it` : `${percent(share)} of the query`;
+  const hasSize = !WEAK.has(kind) && Math.abs(factor - 1) > SHOWN_FACTOR;
+  return hasSize ? `${text} ×${Number(factor.toPrecision(3))}` : text;
 }
 
 export const isWeak = (evidence) => !evidence || WEAK.has(evidence.kind);

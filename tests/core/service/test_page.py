@@ -13,8 +13,9 @@ import pytest
 import trimesh
 from playwright.sync_api import Browser, Page, Route, expect, sync_playwright
 
-from shapegoogle_core.library.evidence import KINDS
+from shapegoogle_core.library.evidence import KINDS, Evidence
 from shapegoogle_core.library.origin import SHAPE_TYPES
+from shapegoogle_core.rendering.text import evidence_text
 from shapegoogle_core.service.app import PAGE
 from shapegoogle_core.service.tokens import TokenFile
 from tests.core.service.conftest import SHAPES
@@ -24,6 +25,15 @@ CHROMIUM = shutil.which("chromium")
 # Without a graphics card; and as root there is no sandbox.
 OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WAIT = 60_000
+
+SAID_AS_ELSEWHERE = (
+    Evidence("identical"),
+    Evidence("scaled", factor=2.541),
+    Evidence("re-posed", factor=1.001, probability=0.9),
+    Evidence("part of", factor=0.2, share=0.494),
+    Evidence("contains", share=0.1),
+    Evidence("nothing in common", factor=1.88),
+)
 
 needs_chromium = pytest.mark.skipif(
     CHROMIUM is None, reason="there is no chromium (Debian: apt install chromium)"
@@ -98,6 +108,9 @@ def test_searching_comparing_and_turning(open_page: Open, service: Running) -> N
     expect(page.locator("#examples")).to_contain_text("ring")
     expect(cards).to_have_count(7, timeout=WAIT)
     expect(cards.first).to_contain_text("identical")
+    words = "async (evidence) => (await import('/words.js')).kindText(evidence)"
+    for evidence in SAID_AS_ELSEWHERE:
+        assert page.evaluate(words, evidence.to_json()) == evidence_text(evidence)
     cards.nth(2).locator(".open").click()
     canvases = page.locator("#viewers canvas")
     expect(canvases).to_have_count(2, timeout=WAIT)
