@@ -5,10 +5,11 @@
 
 Needs a Python with the module bpy. A scene of N objects, half of them copies of the other half, is saved and
 indexed from its file in another process, then indexed as it is, searched, checked for new objects and linked,
-each as the window does it: in slices on the main thread. Prints for each the number of slices, their longest
-in milliseconds of processor time of the main thread, which does not count what other programs do, and of wall
-time; for indexing also the difference between the time that the progress foretold and the time it took, at a
-quarter, half and three quarters of it. Searches print the processor time of the worker process.
+each as the window does it: in slices on the main thread, after another thread has imported the core. Prints
+for each the number of slices, their longest in milliseconds of processor time of the main thread, which does
+not count what other programs do, and of wall time; for indexing also the difference between the time that the
+progress foretold and the time it took, at a quarter, half and three quarters of it. Searches print the
+processor time of the worker process.
 """
 
 from __future__ import annotations
@@ -140,6 +141,8 @@ def run(options: argparse.Namespace) -> int:
         file = Path(folder, "scene.blend")
         bpy.ops.wm.save_as_mainfile(filepath=str(file))
         jobs = importlib.import_module("blender_addon.jobs")
+        # The window does so in another thread when a panel is drawn for the first time.
+        importlib.import_module("shapegoogle_core.worker.requests")
         for line in _lines(preferences, file):
             print(line, flush=True)
         jobs.stop_all()

@@ -47,7 +47,7 @@ DECISIONS = (
     ),
     (
         "MASTER",
-        "This Is the Master",
+        "Set as Master",
         "The shape comes first among its duplicates: the others may be replaced by it. The panel Decisions "
         "takes it back",
         "FUND",

@@ -83,7 +83,7 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
         row.operator("shape_google.link_duplicates", icon="LINKED")
         row = layout.row(align=True)
         row.operator("shape_google.decide_duplicate", text="Keep Both", icon="DUPLICATE").kind = "KEEP_BOTH"
-        master = row.operator("shape_google.decide_duplicate", text="This Is the Master", icon="FUND")
+        master = row.operator("shape_google.decide_duplicate", text="Set as Master", icon="FUND")
         master.kind = "MASTER"
         group = shown.groups[shown.index] if 0 <= shown.index < len(shown.groups) else None
         column = layout.column(align=True)

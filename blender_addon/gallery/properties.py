@@ -30,7 +30,7 @@ _SOURCES = (
 )
 
 _RANKS = (
-    ("BOTH", "Same Shape, then Kind", "The same shape first, then others of its kind"),
+    ("BOTH", "Shape, then Kind", "The same shape first, then others of its kind"),
     ("SHAPE", "Same Shape", "Only by how likely they are the same shape"),
     ("KIND", "Same Kind", "Only by how likely they are of the same kind, such as another chair"),
 )

@@ -35,8 +35,8 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     bl_label = "Find Similar"
     bl_description = (
         "Find the shapes of the library that are most like the active object, in any pose, at any size. "
-        "Several selected objects are one shape or several examples, as chosen below; in edit mode the "
-        "selected faces are the query"
+        "Several selected objects are one shape or several examples, as chosen under Examples; in edit mode "
+        "the selected faces are the query"
     )
 
     @classmethod

@@ -47,21 +47,18 @@ class SHAPEGOOGLE_PT_search(SidebarPanel, bpy.types.Panel):
         is_open = any(map(area.is_gallery, context.screen.areas))
         row.operator("shape_google.open_gallery", text="", icon="ASSET_MANAGER", depress=is_open)
         row.operator("shape_google.cancel_search", text="", icon="X")
-        row = layout.row(heading="Several")
-        row.enabled = context.mode == "OBJECT" and len(query_objects(context.selected_objects)) > 1
-        row.prop(session, "several", expand=True)
         fixed_text(layout, session.answer, context)
-        _draw_examples(layout, session, library_key(context))
+        _draw_examples(layout, session, context)
         layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
         gallery.draw_match(layout, session, active_match(context))
-        # Only at full width, so not in the box.
-        draw_choices(layout, session)
+        # Before all that is needed less often: on a small screen one row of it fits, with its names.
         gallery.draw_gallery(layout, session, context)
+        draw_choices(layout, session)
 
 
-def _draw_examples(layout: Any, session: Any, library: str) -> None:
-    examples = [example for _, example in examples_of(session, library)]
+def _draw_examples(layout: Any, session: Any, context: Any) -> None:
+    examples = [example for _, example in examples_of(session, library_key(context))]
     unlike = sum(example.unlike for example in examples)
     header, body = layout.panel_prop(session, "show_examples")
     text = tr("Examples: {like} like, {unlike} not like")
@@ -69,6 +66,9 @@ def _draw_examples(layout: Any, session: Any, library: str) -> None:
     header.operator("shape_google.clear_examples", text="", icon="TRASH", emboss=False)
     if body is None:
         return
+    row = body.row(heading="Several")
+    row.enabled = context.mode == "OBJECT" and len(query_objects(context.selected_objects)) > 1
+    row.prop(session, "several", expand=True)
     row = body.row()
     row.template_list(
         "SHAPEGOOGLE_UL_examples", "", session, "examples", session, "active_example", rows=3, maxrows=3

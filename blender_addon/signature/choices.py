@@ -46,7 +46,7 @@ KINDS = (
 )
 DETECTORS = (
     ("hks-maxima", "Heat Maxima", "Where heat stays longest: the tips of limbs, also when they are bent"),
-    ("mesh-dog", "Differences of Gaussians", "Extrema of the mean curvature over place and scale"),
+    ("mesh-dog", "Mesh DoG", "Extrema of the mean curvature over place and scale"),
     ("salient-points", "Salient Points", "Where smoothing moves the surface most along its normal"),
     ("harris-3d", "Harris Corners", "Where the surface is steep in every direction; slow on large meshes"),
 )

@@ -29,7 +29,7 @@ TEXTS = {
     "Searches with this query do not find this shape any more, nor the versions collapsed with it. The panel Decisions takes it back": "Suchen mit dieser Anfrage finden diese Form nicht mehr, auch nicht die mit ihr zusammengefassten Versionen. Das Panel Entscheidungen nimmt es zurück",
     "Keep Both": "Beide behalten",
     "The two shapes are not listed as duplicates of each other any more. The panel Decisions takes it back": "Die zwei Formen werden nicht mehr als Duplikate voneinander aufgelistet. Das Panel Entscheidungen nimmt es zurück",
-    "This Is the Master": "Ist das Original",
+    "Set as Master": "Ist das Original",
     "The shape comes first among its duplicates: the others may be replaced by it. The panel Decisions takes it back": "Die Form kommt unter ihren Duplikaten zuerst: Die anderen dürfen durch sie ersetzt werden. Das Panel Entscheidungen nimmt es zurück",
     "{name} is no match for {query}": "{name} ist kein Treffer für {query}",
     "Keep both {query} and {name}": "{query} und {name} behalten",
