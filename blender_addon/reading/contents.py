@@ -6,7 +6,7 @@ It imports nothing but bpy and its neighbours, since `reader` runs in a Blender 
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -19,7 +19,10 @@ from .entries import SHAPE_TYPES, Assembly, Entry, State, group_of, item_of
 from .instancers import Instance, collect_instances, show_realized
 from .sharing import SharedMeshes
 
-__all__ = ["read_contents"]
+__all__ = ["MOST_FACES_AT_ONCE", "read_contents"]
+
+MOST_FACES_AT_ONCE = 1_000_000
+"""Faces that objects evaluated together should have, by those before them; one alone may have more."""
 
 
 def read_contents(
@@ -68,7 +71,7 @@ class _Contents:
         marked = [item for item in local if self._objects[item.uid].asset_data is not None]
         some = assets_only and bool(marked or any(group.is_asset for group in self._groups))
         listed = marked if some else local
-        self._chosen = [item.uid for item in listed if item.has_mesh]
+        self._chosen = {item.uid: None for item in listed if item.has_mesh}
         self._carriers = [item for item in listed if item.carries]
         self._left_out.update(item.kind for item in listed if not item.has_mesh and not item.carries)
 
@@ -80,7 +83,7 @@ class _Contents:
         leaves = list({one.uid: None for one in every if one.mesh is None})
         read = [self._objects[uid] for uid in dict.fromkeys([*self._chosen, *leaves])]
         # Twice each that may be shown more than once: the content of others need not be known.
-        again = [self._objects[uid] for uid in (self._chosen if len(self._frames) > 1 else leaves)]
+        again = [self._objects[uid] for uid in (list(self._chosen) if len(self._frames) > 1 else leaves)]
         meshes: SharedMeshes[Entry] = SharedMeshes([*read, *again])
         assembly = Assembly(
             self._items.values(), self._groups, meshes, self._writer.faces, self._shown, self._chosen
@@ -139,20 +142,44 @@ class _Contents:
     ) -> Iterator[tuple[int, dict[int, State]]]:
         """Yield the meshes of objects at each frame, also of those that are hidden or in no scene.
 
-        They are evaluated together in a scene of their own, where everything is visible. Objects they depend
-        on (armatures, targets of modifiers) are evaluated without being in it.
+        They are evaluated in scenes of their own, where everything is visible: so many at a time that their
+        meshes, which may have become a thousand times as large by subdivision, do not fill the memory.
+        Objects they depend on (armatures, targets of modifiers) are evaluated without being in it.
         """
         for item in objects:
             item.hide_viewport = False
-        depsgraph, scene = _evaluate(objects, self._frames[0])
         known: dict[tuple[int, bytes], int] = {}
-        chosen = set(self._chosen)
-        for frame in self._frames:
-            if frame != self._frames[0]:
+        found: dict[int, dict[int, State]] = {frame: {} for frame in self._frames}
+        # One ball of a family has the mesh of all: they belong together.
+        together = [item for item in objects if item.type == "META"]
+        waiting = deque(item for item in objects if item.type != "META")
+        if together:
+            self._evaluate_some(together, meshes, instances, known, found)
+        size = 1
+        while waiting:
+            some = [waiting.popleft() for _ in range(min(size, len(waiting)))]
+            faces = self._evaluate_some(some, meshes, instances, known, found)
+            size = max(1, min(2 * size, len(some) * MOST_FACES_AT_ONCE // max(faces, 1)))
+        for frame, states in found.items():
+            # In the order of the objects.
+            yield frame, {uid: states[uid] for item in objects if (uid := item.session_uid) in states}
+
+    def _evaluate_some(
+        self,
+        objects: list[Any],
+        meshes: SharedMeshes[Entry],
+        instances: dict[int, list[Instance]],
+        known: dict[tuple[int, bytes], int],
+        found: dict[int, dict[int, State]],
+    ) -> int:
+        """Add the states of some objects at each frame; returns how many faces they have at the first."""
+        depsgraph, scene = _evaluate(objects, self._frames[0])
+        for frame, states in found.items():
+            is_first = frame == self._frames[0]
+            if not is_first:
                 scene.frame_set(frame)
                 depsgraph = scene.view_layers[0].depsgraph
                 depsgraph.update()
-            states = {}
             for item in objects:
                 uid = item.session_uid
                 try:
@@ -161,16 +188,19 @@ class _Contents:
                     if self._items[uid].kind == "metaball":
                         state = None
                     else:
-                        if frame == self._frames[0]:
+                        if is_first:
                             self._problems.append(
                                 f"{item.name!r} has no mesh once evaluated ({error}); check its modifiers"
                             )
                         continue
                 if state is not None:
                     states[uid] = state
-                elif frame == self._frames[0] and uid in chosen and uid not in instances:
+                elif is_first and uid in self._chosen and uid not in instances:
                     self._left_out[what_is_empty(item, self._items[uid].kind)] += 1
-            yield frame, states
+        bpy.data.scenes.remove(scene)
+        first = found[self._frames[0]]
+        read = [first[item.session_uid].mesh for item in objects if item.session_uid in first]
+        return sum(self._writer.faces[mesh] for mesh in read)
 
     def _linked_files(self) -> list[str]:
         """Return the files that have the linked objects and meshes; counts what is missing."""

@@ -57,6 +57,8 @@ __all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess", "sh
 SHOWN_LINES = 5
 # Matrix of a mesh that has the coordinates of its shape.
 _UNMOVED = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
+# What programs print before they crash because they get no memory: Blender, and those written in C++.
+OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc")
 # Seconds that a program may take to start.
 START_LIMIT = 60.0
 
@@ -215,6 +217,10 @@ class ReaderProcess:
         if not isinstance(answer, dict):
             ending = program.ending(SHOWN_LINES)
             self.close()
+            if any(sign in ending for sign in OUT_OF_MEMORY):
+                limit = self._reader.memory_limit
+                needs = "more memory than there is" if limit is None else f"more than {limit} MB of memory"
+                raise MeshError(f"{path.name!r} needs {needs}; simplify it or raise the memory limit")
             raise MeshError(
                 f"{path.name!r} crashed {self._reader.title}, which read it ({ending}); open and save it "
                 "again, or simplify it"

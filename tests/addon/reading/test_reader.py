@@ -343,12 +343,37 @@ def test_memory(read: Any, addon: ModuleType, tmp_path: Path) -> None:
     reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
     path = heavy(tmp_path / "heavy.blend")
     limited = ShapeReader(replace(reader, memory_limit=300))
-    with limited, pytest.raises(MeshError, match=r"'heavy\.blend'"):
+    with limited, pytest.raises(MeshError, match=r"'heavy\.blend' needs more than 300 MB"):
         limited.read(path)
     bpy.context.object.modifiers.clear()
     light = save(tmp_path / "light.blend")
     with ShapeReader(replace(reader, memory_limit=300)) as limited:
         assert len(limited.read(light).shapes) == 1
+
+
+def test_objects_of_many_faces_are_evaluated_one_after_the_other(
+    addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import importlib
+
+    contents = importlib.import_module(f"{addon.__name__}.reading.contents")
+    evaluate, sizes = contents._evaluate, []
+
+    def counted(objects: Any, frame: int) -> Any:
+        sizes.append(len(objects))
+        return evaluate(objects, frame)
+
+    monkeypatch.setattr(contents, "_evaluate", counted)
+    for number in range(5):
+        add(f"Part {number}")
+    answers = []
+    for limit in (contents.MOST_FACES_AT_ONCE, 1000):  # each has 968
+        monkeypatch.setattr(contents, "MOST_FACES_AT_ONCE", limit)
+        with (tmp_path / "shapes.bin").open("wb") as output:
+            answers.append(contents.read_contents(Path("parts.blend"), output))
+    assert sizes == [1, 2, 2, 1, 1, 1, 1, 1]
+    assert answers[0] == answers[1]
+    assert len(answers[0]["shapes"]) == 5
 
 
 PROGRAM = """
