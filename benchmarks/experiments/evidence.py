@@ -35,7 +35,7 @@ from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Evidence, Library, ShapeSignature, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.library.evidence import KINDS
-from shapegoogle_core.library.search.kinds import Compared, Explainer, pose_features
+from shapegoogle_core.library.search.evidence.kinds import Compared, Explainer, pose_features
 from shapegoogle_core.model.augmentation import TRANSFORMATIONS, transform
 from shapegoogle_core.registration import SurfaceSample
 from shapegoogle_core.registration.isometry import functional_map

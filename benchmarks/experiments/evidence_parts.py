@@ -21,7 +21,7 @@ from benchmarks.flat_parts import FAMILIES, make_part_pairs, make_parts, version
 from benchmarks.parallel import map_in_processes
 from shapegoogle_core import Library, ShapeSignature, load_model
 from shapegoogle_core.library.evidence import KINDS
-from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.evidence.kinds import Compared, Explainer
 from shapegoogle_core.registration import SurfaceSample
 
 __all__ = ["SAME_SURFACE", "print_parts"]

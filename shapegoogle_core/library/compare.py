@@ -11,9 +11,9 @@ from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
 from shapegoogle_core.library.origin import UNKNOWN
-from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
+from shapegoogle_core.library.search.evidence.figures import BagFigures, PairFigures, with_kind
+from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.library.search.fusion import list_distances
-from shapegoogle_core.library.search.kinds import Compared
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.traits.distances import TraitDistances

@@ -16,8 +16,8 @@ from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.neighbours.reorder import WalkReranker
-from shapegoogle_core.library.search.copies import copies_first
-from shapegoogle_core.library.search.explain import by_bags, explain_matches
+from shapegoogle_core.library.search.evidence.copies import copies_first
+from shapegoogle_core.library.search.evidence.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.families import Families, collect_families, families_accepted
 from shapegoogle_core.library.search.fusion import Fusion
 from shapegoogle_core.library.search.query import Query, QueryShape, QueryShapes, as_query_shapes

@@ -48,7 +48,7 @@ else:
 """,
     "a kind of evidence": """
 import shapegoogle_core as sg
-from shapegoogle_core.library.search.figures import with_kind
+from shapegoogle_core.library.search.evidence.figures import with_kind
 from shapegoogle_core.rendering.text import evidence_text
 found = with_kind(sg.Evidence("similar"), 0.1, 0.4)
 assert evidence_text(found) == "perhaps the same kind"
@@ -132,7 +132,7 @@ def test_what_the_steps_add_is_clean(followed: Path) -> None:
         "keypoints/registry.py",
         "mesh/io/reading.py",
         "library/evidence.py",
-        "library/search/figures.py",
+        "library/search/evidence/figures.py",
     ]
     paths = [str(followed / "shapegoogle_core" / file) for file in files]
     for command in (["check"], ["format", "--check"]):

@@ -18,8 +18,8 @@ from shapegoogle_core.library.duplicates.groups import (
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS
 from shapegoogle_core.library.duplicates.similar import distance_at
 from shapegoogle_core.library.evidence import Evidence
-from shapegoogle_core.library.search.copies import placed_copy_kind
-from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.evidence.copies import placed_copy_kind
+from shapegoogle_core.library.search.evidence.kinds import Compared, Explainer
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.library.storage.signatures import unpack_measures

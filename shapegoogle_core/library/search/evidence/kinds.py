@@ -17,7 +17,7 @@ import numpy as np
 
 from shapegoogle_core.library.evidence import Evidence, EvidenceKind
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.copies import copy_kind
+from shapegoogle_core.library.search.evidence.copies import copy_kind
 from shapegoogle_core.library.search.settings import EvidenceSettings
 from shapegoogle_core.library.storage.records import ShapeRecord
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh

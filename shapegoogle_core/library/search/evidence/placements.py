@@ -21,8 +21,8 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.placement import Placement
-from shapegoogle_core.library.search.figures import Position
-from shapegoogle_core.library.search.kinds import Compared
+from shapegoogle_core.library.search.evidence.figures import Position
+from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration import SurfaceSample
 

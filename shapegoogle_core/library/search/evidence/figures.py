@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from shapegoogle_core.library.evidence import Evidence
-from shapegoogle_core.library.search.kinds import Compared, Explainer
+from shapegoogle_core.library.search.evidence.kinds import Compared, Explainer
 from shapegoogle_core.library.search.query import QuerySample
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import lowered_distance

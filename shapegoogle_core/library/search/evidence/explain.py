@@ -19,9 +19,9 @@ from threadpoolctl import threadpool_limits
 from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.figures import BagFigures, PairFigures, with_kind
-from shapegoogle_core.library.search.kinds import Compared
-from shapegoogle_core.library.search.placements import Placed, best_placement, shown_at
+from shapegoogle_core.library.search.evidence.figures import BagFigures, PairFigures, with_kind
+from shapegoogle_core.library.search.evidence.kinds import Compared
+from shapegoogle_core.library.search.evidence.placements import Placed, best_placement, shown_at
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
