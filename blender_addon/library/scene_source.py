@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from shapegoogle_core import Mesh
     from shapegoogle_core.cli.events import Event
-    from shapegoogle_core.indexing.notes import FileNotes
+    from shapegoogle_core.indexing.reading.notes import FileNotes
     from shapegoogle_core.library.storage.records import NewShape
     from shapegoogle_core.worker.scene import PackedShape
 
@@ -192,7 +192,7 @@ class SceneIndexing:
 
     def _submit(self) -> None:
         """Read some objects; once all are read, hand shapes to the worker."""
-        from shapegoogle_core.indexing.notes import FileNotes
+        from shapegoogle_core.indexing.reading.notes import FileNotes
         from shapegoogle_core.worker.scene import describe
 
         end = time.monotonic() + SECONDS_OF_READING
@@ -243,7 +243,7 @@ class SceneIndexing:
 
     def _assembled(self) -> Iterator[NewShape[Mesh] | FileNotes | str]:
         """Make shapes of all that was read."""
-        from shapegoogle_core.indexing.external_reader import shapes_in
+        from shapegoogle_core.indexing.reading.external_reader import shapes_in
 
         self._file.flush()
         chosen = [*self._chosen, *self._only_instanced]
@@ -334,7 +334,7 @@ class SceneIndexing:
     def _summary(self) -> Event:
         """Summarise what was stored, and note under which name."""
         from shapegoogle_core.indexing import IndexSummary
-        from shapegoogle_core.indexing.notes import LeftOut, total_left_out
+        from shapegoogle_core.indexing.reading.notes import LeftOut, total_left_out
 
         library = state.current().library
         written, related = self._stored

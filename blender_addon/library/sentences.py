@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from shapegoogle_core.cli.events import StepProgress
     from shapegoogle_core.indexing import IndexingProgress, IndexSummary
-    from shapegoogle_core.indexing.notes import LeftOut
+    from shapegoogle_core.indexing.reading.notes import LeftOut
 
 __all__ = ["progress_text", "step_text", "summary_text"]
 
@@ -193,7 +193,7 @@ def _counts(summary: IndexSummary) -> list[str]:
 
 
 def _left_out(notes: Sequence[LeftOut]) -> str:
-    from shapegoogle_core.indexing.notes import with_number
+    from shapegoogle_core.indexing.reading.notes import with_number
 
     kinds = [
         counted(*LEFT_OUT[note.kind], note.count) if note.kind in LEFT_OUT else with_number(note)

@@ -13,7 +13,7 @@ __all__ = ["MeshWriter", "what_is_empty"]
 
 
 class MeshWriter:
-    """Writes meshes into a file, as `shapegoogle_core.indexing.external_reader` reads them.
+    """Writes meshes into a file, as `shapegoogle_core.indexing.reading.external_reader` reads them.
 
     Parameters
     ----------

@@ -149,7 +149,7 @@ class State:
 
 @dataclass
 class Entry:
-    """A shape on its way into the answer; see `shapegoogle_core.indexing.external_reader`."""
+    """A shape on its way into the answer; see `shapegoogle_core.indexing.reading.external_reader`."""
 
     name: str
     kind: str

@@ -2,9 +2,9 @@
 """A Blender that reads .blend files and what it imports for the worker processes of the core.
 
 Run as a script, by `blender -b -P reader.py` or by a Python that has bpy; it answers the requests described
-in `shapegoogle_core.indexing.external_reader`. It imports nothing but bpy and its neighbours, since a Blender
-started with factory settings has neither this add-on nor its wheels. Scripts inside the files never run, and
-the files are only read.
+in `shapegoogle_core.indexing.reading.external_reader`. It imports nothing but bpy and its neighbours, since a
+Blender started with factory settings has neither this add-on nor its wheels. Scripts inside the files never
+run, and the files are only read.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     answer : dict
-        See `shapegoogle_core.indexing.external_reader`.
+        See `shapegoogle_core.indexing.reading.external_reader`.
 
     Raises
     ------

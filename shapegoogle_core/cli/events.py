@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress, IndexSummary
-from shapegoogle_core.indexing.notes import LeftOut
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexingProgress, IndexSummary
+from shapegoogle_core.indexing.reading.notes import LeftOut
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["CommandError", "Event", "StepProgress", "event_from_json", "event_to_json", "summary_to_json"]

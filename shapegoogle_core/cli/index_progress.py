@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from shapegoogle_core.cli.events import Event
 from shapegoogle_core.cli.text import say, say_lines
-from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexingProgress
 from shapegoogle_core.processes.progress import SECONDS_BETWEEN_LINES
 
 __all__ = ["IndexProgress"]

@@ -12,7 +12,7 @@ from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.events import summary_to_json
 from shapegoogle_core.cli.inputs import Failures, list_failures
 from shapegoogle_core.cli.text import counted, put
-from shapegoogle_core.indexing.events import FileOutcome, IndexReport, IndexSummary
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexReport, IndexSummary
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["names", "report_plan", "report_summary", "summary_of", "texts"]

@@ -14,8 +14,8 @@ from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.events import CommandError, Event
 from shapegoogle_core.cli.text import say
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.indexing.events import FileOutcome, IndexSummary
-from shapegoogle_core.indexing.notes import left_out_sentence
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexSummary
+from shapegoogle_core.indexing.reading.notes import left_out_sentence
 
 __all__ = ["RunLog"]
 

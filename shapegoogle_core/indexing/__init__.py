@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """From folders of files to a library.
 
-`files` finds files and notices changes, `reading` turns a file into shapes (`external_reader` asks another
-program), `describing` is the work of a process on one file, `file_pool` spreads it over processes, and
-`index` is the whole run; `settings` has its limits.
+`files` finds files and notices changes, the folder `reading` turns them into described shapes in worker
+processes, `progress` reports what is done and what remains, and `index` is the whole run; `settings` has its
+limits.
 """
 
 from shapegoogle_core.api.lazy_names import lazy_names

@@ -25,11 +25,11 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.indexing.events import FileOutcome, IndexReport
-from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.index import index_known_files
-from shapegoogle_core.indexing.notes import total_left_out
 from shapegoogle_core.indexing.plan import plan_indexing
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexReport
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader
+from shapegoogle_core.indexing.reading.notes import total_left_out
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import Place

@@ -11,10 +11,6 @@ from functools import cached_property
 from pathlib import Path
 
 from shapegoogle_core.api.arguments import as_paths
-from shapegoogle_core.indexing.describing import Failure, ReadFunction
-from shapegoogle_core.indexing.events import FileOutcome, IndexingProgress, IndexReport
-from shapegoogle_core.indexing.external_reader import ExternalReader
-from shapegoogle_core.indexing.file_pool import DescribedFile, FilePool
 from shapegoogle_core.indexing.files import (
     ContentKey,
     FileState,
@@ -24,13 +20,17 @@ from shapegoogle_core.indexing.files import (
     stamp,
     unreadable,
 )
-from shapegoogle_core.indexing.naming import file_based_name
-from shapegoogle_core.indexing.notes import LeftOut, total_left_out
 from shapegoogle_core.indexing.plan import failed_before, is_read_again
-from shapegoogle_core.indexing.reading import ShapeReader
-from shapegoogle_core.indexing.remaining import working_order
+from shapegoogle_core.indexing.progress.events import FileOutcome, IndexingProgress, IndexReport
+from shapegoogle_core.indexing.progress.remaining import working_order
+from shapegoogle_core.indexing.progress.tracking import ProgressTracker
+from shapegoogle_core.indexing.reading.describing import Failure, ReadFunction
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader
+from shapegoogle_core.indexing.reading.file_pool import DescribedFile, FilePool
+from shapegoogle_core.indexing.reading.naming import file_based_name
+from shapegoogle_core.indexing.reading.notes import LeftOut, total_left_out
+from shapegoogle_core.indexing.reading.shape_reader import ShapeReader
 from shapegoogle_core.indexing.settings import IndexSettings
-from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape, SourceRecord
 from shapegoogle_core.model.signature import ShapeSignature

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 from pathlib import Path
 
-from shapegoogle_core.indexing.events import FileOutcome
-from shapegoogle_core.indexing.external_reader import ExternalReader
 from shapegoogle_core.indexing.files import absolute, choices_of, examine, stamp, unreadable
+from shapegoogle_core.indexing.progress.events import FileOutcome
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import SourceRecord

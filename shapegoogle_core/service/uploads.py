@@ -15,8 +15,8 @@ from pathlib import Path, PurePosixPath
 
 from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import ShapeReader
-from shapegoogle_core.indexing.describing import Failure, failure_of
-from shapegoogle_core.indexing.notes import FileNotes
+from shapegoogle_core.indexing.reading.describing import Failure, failure_of
+from shapegoogle_core.indexing.reading.notes import FileNotes
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.signature_file import signature_from_bytes, signature_to_bytes
 from shapegoogle_core.model import ShapeModel, load_model

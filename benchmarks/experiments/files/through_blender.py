@@ -20,8 +20,8 @@ from benchmarks.experiments.files import gltf_at_rest
 from benchmarks.experiments.files.facts import FloatArray, IntArray, measure
 from benchmarks.experiments.files.reading import BLENDER, BLENDER_SUFFIXES, PRODUCT, Limits, Parts, Reading
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
-from shapegoogle_core.indexing.notes import FileNotes
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.indexing.reading.notes import FileNotes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.launching import cause_of_death

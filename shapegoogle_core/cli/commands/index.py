@@ -47,7 +47,7 @@ from shapegoogle_core.cli.index_report import names, report_plan, report_summary
 from shapegoogle_core.cli.inputs import Failures, find_files, list_failures, say_skipped
 from shapegoogle_core.cli.text import counted, say
 from shapegoogle_core.errors import ShapeGoogleError
-from shapegoogle_core.indexing.events import IndexSummary
+from shapegoogle_core.indexing.progress.events import IndexSummary
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.storage.address import Place, shown_place, without_passwords
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat

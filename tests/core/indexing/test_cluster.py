@@ -21,7 +21,7 @@ from shapegoogle_core.indexing.cluster import (
     check_address,
     index_on_cluster,
 )
-from shapegoogle_core.indexing.events import FileOutcome
+from shapegoogle_core.indexing.progress.events import FileOutcome
 from shapegoogle_core.indexing.settings import IndexSettings
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel

@@ -21,8 +21,8 @@ from shapegoogle_core.indexing import (
     find_meshes,
     index_files,
 )
-from shapegoogle_core.indexing.file_pool import FilePool
-from shapegoogle_core.indexing.tracking import ProgressTracker
+from shapegoogle_core.indexing.progress.tracking import ProgressTracker
+from shapegoogle_core.indexing.reading.file_pool import FilePool
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.model import ShapeModel
 from tests.core.indexing import misbehaving

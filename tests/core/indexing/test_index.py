@@ -16,7 +16,7 @@ import pytest
 import trimesh
 
 from shapegoogle_core.indexing import FileOutcome, IndexReport, IndexSettings, find_meshes, index_files
-from shapegoogle_core.indexing.describing import ReadFunction
+from shapegoogle_core.indexing.reading.describing import ReadFunction
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.mesh import read_mesh
 from shapegoogle_core.model import ShapeModel

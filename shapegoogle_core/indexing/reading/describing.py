@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from shapegoogle_core.errors import MeshError, PluginError
-from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderError
-from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
-from shapegoogle_core.indexing.reading import ShapeReader
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader, ReaderError
+from shapegoogle_core.indexing.reading.notes import NO_NOTES, FileNotes
+from shapegoogle_core.indexing.reading.shape_reader import ShapeReader
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, load_model

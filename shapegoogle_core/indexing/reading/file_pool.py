@@ -16,12 +16,12 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Self
 
-from shapegoogle_core.indexing.describing import Describer, Failure, ReadFile, ReadFunction
-from shapegoogle_core.indexing.external_reader import ExternalReader
-from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
-from shapegoogle_core.indexing.remaining import describing_order
+from shapegoogle_core.indexing.progress.remaining import describing_order
+from shapegoogle_core.indexing.progress.tracking import ProgressTracker
+from shapegoogle_core.indexing.reading.describing import Describer, Failure, ReadFile, ReadFunction
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader
+from shapegoogle_core.indexing.reading.notes import NO_NOTES, FileNotes
 from shapegoogle_core.indexing.settings import IndexSettings
-from shapegoogle_core.indexing.tracking import ProgressTracker
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature

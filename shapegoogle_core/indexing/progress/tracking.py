@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-from shapegoogle_core.indexing.events import IndexingProgress
-from shapegoogle_core.indexing.remaining import RemainingTime
+from shapegoogle_core.indexing.progress.events import IndexingProgress
+from shapegoogle_core.indexing.progress.remaining import RemainingTime
 from shapegoogle_core.processes.pool import Spent
 
 __all__ = ["SECONDS_BETWEEN_REPORTS", "ProgressTracker"]

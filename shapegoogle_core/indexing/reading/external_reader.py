@@ -41,8 +41,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.indexing.naming import file_based_name, useful_name
-from shapegoogle_core.indexing.notes import FileNotes, LeftOut
+from shapegoogle_core.indexing.reading.naming import file_based_name, useful_name
+from shapegoogle_core.indexing.reading.notes import FileNotes, LeftOut
 from shapegoogle_core.library.origin import Origin
 from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape

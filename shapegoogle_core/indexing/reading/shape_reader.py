@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Self
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.indexing.external_reader import ExternalReader, ReaderProcess
-from shapegoogle_core.indexing.naming import is_generic
-from shapegoogle_core.indexing.notes import NO_NOTES, FileNotes
+from shapegoogle_core.indexing.reading.external_reader import ExternalReader, ReaderProcess
+from shapegoogle_core.indexing.reading.naming import is_generic
+from shapegoogle_core.indexing.reading.notes import NO_NOTES, FileNotes
 from shapegoogle_core.library.placement import placements_of
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from shapegoogle_core.api.text import counted, duration
-from shapegoogle_core.indexing.notes import LeftOut, left_out_sentence
+from shapegoogle_core.indexing.reading.notes import LeftOut, left_out_sentence
 from shapegoogle_core.mesh.io.other_formats import SkippedFormat
 
 __all__ = ["FileOutcome", "IndexReport", "IndexSummary", "IndexingProgress"]

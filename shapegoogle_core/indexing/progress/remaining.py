@@ -95,7 +95,7 @@ def describing_order(meshes: Sequence[int]) -> list[int]:
 
     Examples
     --------
-    >>> from shapegoogle_core.indexing.remaining import describing_order
+    >>> from shapegoogle_core.indexing.progress.remaining import describing_order
     >>> describing_order([10, 11, 12, 13, 5000])
     [0, 4, 1, 2, 3]
     """

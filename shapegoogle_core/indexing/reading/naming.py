@@ -37,7 +37,7 @@ def is_generic(name: str) -> bool:
 
     Examples
     --------
-    >>> from shapegoogle_core.indexing.naming import is_generic
+    >>> from shapegoogle_core.indexing.reading.naming import is_generic
     >>> [is_generic(name) for name in ("Cube.003", "Mesh_0", "Object_12", "pCylinderShape1", "")]
     [True, True, True, True, True]
     >>> [is_generic(name) for name in ("Cubicle", "Chair.003", "Ice Cube", "Suzanne")]
@@ -62,7 +62,7 @@ def useful_name(object_name: str, others: Iterable[str]) -> str:
 
     Examples
     --------
-    >>> from shapegoogle_core.indexing.naming import useful_name
+    >>> from shapegoogle_core.indexing.reading.naming import useful_name
     >>> useful_name("Cube.003", ["Mesh", "Oak chair"]), useful_name("Cube.003", ["Mesh"])
     ('Oak chair', '')
     """
@@ -86,7 +86,7 @@ def file_based_name(path: Path, object_name: str, *, alone: bool) -> str:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from shapegoogle_core.indexing.naming import file_based_name
+    >>> from shapegoogle_core.indexing.reading.naming import file_based_name
     >>> file_based_name(Path("oak.blend"), "Cube.003", alone=False)
     'oak (Cube.003)'
     """

@@ -22,7 +22,7 @@ from shapegoogle_core.indexing import (
     index_files,
     readable_suffixes,
 )
-from shapegoogle_core.indexing.describing import ReadFunction
+from shapegoogle_core.indexing.reading.describing import ReadFunction
 from shapegoogle_core.library.library import Library
 from tests.core.indexing import misbehaving
 from tests.core.number_reader import write_numbers

@@ -79,7 +79,7 @@ def left_out_sentence(notes: Iterable[LeftOut]) -> str:
 
     Examples
     --------
-    >>> from shapegoogle_core.indexing.notes import LeftOut, left_out_sentence
+    >>> from shapegoogle_core.indexing.reading.notes import LeftOut, left_out_sentence
     >>> left_out_sentence([LeftOut("mesh without faces", 5), LeftOut("light", 7)])
     '12 objects skipped: 7 lights, 5 meshes without faces'
     """
@@ -103,7 +103,7 @@ def with_number(note: LeftOut) -> str:
 
     Examples
     --------
-    >>> from shapegoogle_core.indexing.notes import LeftOut, with_number
+    >>> from shapegoogle_core.indexing.reading.notes import LeftOut, with_number
     >>> with_number(LeftOut("empty", 2)), with_number(LeftOut("object of a missing file", 3))
     ('2 empties', '3 objects of a missing file')
     """

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapegoogle_core.indexing.remaining import RemainingTime, describing_order, working_order
+from shapegoogle_core.indexing.progress.remaining import RemainingTime, describing_order, working_order
 from shapegoogle_core.processes.pool import Spent
 
 SEVERAL = {".blend"}

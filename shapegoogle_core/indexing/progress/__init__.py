@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""What an indexing run reports: outcomes, progress, and the remaining time."""
