@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from shapegoogle_core.indexing import ShapeReader, describing
+from shapegoogle_core.indexing import ShapeReader
+from shapegoogle_core.indexing.reading import describing
 from shapegoogle_core.indexing.reading.notes import FileNotes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
