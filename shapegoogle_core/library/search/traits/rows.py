@@ -38,7 +38,6 @@ class ShapeRows:
     ...     return shape_ids, (np.square(np.array(shape_ids, float)),)
     >>> rows = ShapeRows(read, most=3)
     >>> rows.of([4, 2])[1][0].tolist()
-    reads []
     reads [4, 2]
     [16.0, 4.0]
     >>> rows.of([2, 3])[1][0].tolist()
@@ -85,13 +84,14 @@ class ShapeRows:
     def _append(self, shape_ids: Sequence[int], rows: Rows) -> None:
         used = len(self._places)
         count = used + len(shape_ids)
-        roomy = self._arrays
+        known = tuple(new[:0] for new in rows) if self._roomy is None else self._roomy
+        roomy = known
         if count > len(roomy[0]):
             room = max(count, min(2 * used, self._most))
             roomy = tuple(np.empty((room, *new.shape[1:]), new.dtype) for new in rows)
-            for larger, known in zip(roomy, self._arrays, strict=True):
-                larger[:used] = known[:used]
+            for larger, smaller in zip(roomy, known, strict=True):
+                larger[:used] = smaller[:used]
             self._roomy = roomy
-        for known, new in zip(roomy, rows, strict=True):
-            known[used:count] = new
+        for filled, new in zip(roomy, rows, strict=True):
+            filled[used:count] = new
         self._places.update(zip(shape_ids, range(used, count), strict=True))
