@@ -53,7 +53,8 @@ def supports(
     keypoints : int, optional
         Number of the query's keypoints that are paired.
     batch_size : int, optional
-        Number of candidates compared together: few, so that their matrices stay in the processor's cache.
+        Number of candidates compared together: few, so that their matrices stay in the processor's cache
+        while all scales are compared.
 
     Returns
     -------
@@ -63,25 +64,33 @@ def supports(
     """
     found = np.zeros(compared.shape, np.float32)
     rows = np.flatnonzero(compared.any(axis=1))
-    if len(rows) == 0:
-        return found
-    chosen = [candidates[row] for row in rows.tolist()]
-    descriptors = np.stack([candidate.descriptors for candidate in chosen])
-    half_squares = np.einsum("bkd,bkd->bk", descriptors, descriptors) / 2
-    few = slice(descriptors.shape[1])
-    places, normals = (
-        np.stack([getattr(one, name)[few] for one in chosen]) for name in ("points", "normals")
-    )
-    # As `SurfaceSample.centers`, but only of the keypoints: most candidates are looked at but once.
-    radii = np.stack([one.radii[few] for one in chosen])[..., None]
-    points, centers = places.astype(np.float32), (places - radii * normals).astype(np.float32)
-    for scale in range(compared.shape[1]):
-        asked = np.flatnonzero(compared[rows, scale])
-        for start in range(0, len(asked), batch_size):
-            some = asked[start : start + batch_size]
-            found[rows[some], scale] = _supports_at(
-                query, scale, keypoints, descriptors[some], half_squares[some], points[some], centers[some]
-            )
+    # So many that on average `batch_size` are compared at each scale.
+    at_once = max(batch_size, batch_size * found[rows].size // max(1, int(compared.sum())))
+    for start in range(0, len(rows), at_once):
+        some = rows[start : start + at_once]
+        chosen = [candidates[row] for row in some.tolist()]
+        descriptors = np.stack([candidate.descriptors for candidate in chosen])
+        half_squares = np.einsum("bkd,bkd->bk", descriptors, descriptors) / 2
+        few = slice(descriptors.shape[1])
+        places, normals = (
+            np.stack([getattr(one, name)[few] for one in chosen]) for name in ("points", "normals")
+        )
+        # As `SurfaceSample.centers`, but only of the keypoints: most candidates are looked at but once.
+        radii = np.stack([one.radii[few] for one in chosen])[..., None]
+        points, centers = places.astype(np.float32), (places - radii * normals).astype(np.float32)
+        for scale in range(compared.shape[1]):
+            asked = np.flatnonzero(compared[some, scale])
+            if len(asked):
+                part = slice(None) if len(asked) == len(some) else asked
+                found[some[asked], scale] = _supports_at(
+                    query,
+                    scale,
+                    keypoints,
+                    descriptors[part],
+                    half_squares[part],
+                    points[part],
+                    centers[part],
+                )
     return found
 
 
