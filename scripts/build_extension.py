@@ -44,6 +44,7 @@ PIP_OPTIONS = ("--no-input", "--disable-pip-version-check", "--progress-bar=off"
 CORE_FILES = ("pyproject.toml", "README.md", "LICENSE", "shapegoogle_core")
 # Files of the add-on that are packed; what is not named here, such as caches, stays out.
 PACKED = ("*.py", "*.png", "*.svg", "LICENSE", "README.md")
+LARGEST = 95e6  # bytes of a zip
 ZIP_DATE = (2020, 1, 1, 0, 0, 0)  # any, but always the same
 
 
@@ -65,7 +66,7 @@ def build(platform: str, python: str) -> Path:
     Raises
     ------
     SetupError
-        If a wheel cannot be had, Blender's tool is nowhere, or it finds a fault.
+        If a wheel cannot be had, Blender's tool is nowhere, it finds a fault, or the zip is too large.
     """
     path = zip_path(platform, python)
     stage = STAGES / f"{platform}-{wheels.python_tag(python)}" / "contents"
@@ -80,6 +81,9 @@ def build(platform: str, python: str) -> Path:
     bootstrap.run(f"Packing {path.name}", command)
     make_reproducible(packed, path)
     packed.unlink()
+    if (size := path.stat().st_size) > LARGEST:
+        path.unlink()
+        raise bootstrap.SetupError(f"it has {size / 1e6:.1f} MB, and may have {LARGEST / 1e6:.0f}")
     bootstrap.run(f"Checking {path.name}", [*tool, "validate", str(path)])
     bootstrap.write_stamp(stage.parent, {**stamp, "zip": digest(path)})
     return path
@@ -177,7 +181,7 @@ def downloaded(platform: str, python: str) -> list[Path]:
     is Blender's.
     """
     folder = WHEELS / f"{platform}-{wheels.python_tag(python)}"
-    pins = pyproject()["dependency-groups"]["extension"]
+    pins = wheels.pins_for(platform, python, pyproject()["dependency-groups"]["extension"])
     if bootstrap.read_stamp(folder) != {"pins": pins}:
         shutil.rmtree(folder, ignore_errors=True)
         options = ["--no-deps", *wheels.pip_options(platform, python), f"--dest={folder}"]

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 
 from lib.bootstrap import SetupError
 
-__all__ = ["TAGS", "pip_options", "python_tag", "this_platform"]
+__all__ = ["TAGS", "pins_for", "pip_options", "python_tag", "this_platform"]
 
-# Platform tags of wheels that run wherever Blender does: it wants glibc 2.28 on Linux; scipy wants macOS 12.
+# Platform tags of wheels that run wherever Blender does: it wants glibc 2.28 on Linux. On macOS it wants less
+# than ONNX Runtime, which wants macOS 13.
 TAGS = {
     "linux-x64": (
         "manylinux_2_28_x86_64",
@@ -21,8 +23,40 @@ TAGS = {
         "manylinux_2_5_x86_64",
     ),
     "windows-x64": ("win_amd64",),
-    "macos-arm64": ("macosx_12_0_arm64",),
+    "macos-arm64": ("macosx_13_0_arm64",),
 }
+
+
+# What Python calls the systems, in the markers of requirements.
+_SYSTEMS = {"linux": "linux", "windows": "win32", "macos": "darwin"}
+
+
+def pins_for(target: str, python: str, requirements: Sequence[str]) -> list[str]:
+    """Return the requirements whose markers hold on a platform, without their markers.
+
+    pip would take the markers to be about the computer that it runs on.
+
+    Parameters
+    ----------
+    target : str
+        A key of `TAGS`.
+    python : str
+        Such as "3.11".
+    requirements : sequence of str
+
+    Returns
+    -------
+    pins : list of str
+    """
+    from packaging.requirements import Requirement  # here, since not every Python that starts a script has it
+
+    environment = {"sys_platform": _SYSTEMS[target.partition("-")[0]], "python_version": python}
+    parsed = [Requirement(text) for text in requirements]
+    return [
+        f"{one.name}{one.specifier}"
+        for one in parsed
+        if one.marker is None or one.marker.evaluate(environment)
+    ]
 
 
 def python_tag(python: str) -> str:
