@@ -95,8 +95,7 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
         """Report what was linked and what was not, and why."""
         shown = context.window_manager.shape_google_duplicates
         result = self._run.result
-        for line in _refusals([*self._gone, *result.refused]):
-            self.report({"WARNING"}, line)
+        reasons = _refusals([*self._gone, *result.refused])
         left = self._run.total - self._run.done
         template = (
             tr(
@@ -107,9 +106,11 @@ class SHAPEGOOGLE_OT_link_duplicates(InSlices, bpy.types.Operator):
             else tr("{linked:,} linked, {kept:,} left as they are")
         )
         kept = len(result.refused) + len(self._gone)
-        shown.status = template.format(linked=len(result.linked), kept=kept, left=left)
+        summary = template.format(linked=len(result.linked), kept=kept, left=left)
+        # In one report with the reasons: Blender shows only the last one, and the panel only this text.
+        shown.status = "; ".join((summary, *reasons))
         _refresh(context, shown, chosen=cancelled)
-        self.report({"INFO"}, shown.status)
+        self.report({"WARNING"} if reasons else {"INFO"}, shown.status)
         # Also after a cancel, so that what was linked is one step of undo.
         return {"FINISHED"} if result.linked else {"CANCELLED"}
 

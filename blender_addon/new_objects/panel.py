@@ -36,7 +36,7 @@ class SHAPEGOOGLE_UL_new_objects(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """One line for an object."""
-        row = layout.row()
+        row = layout.split(factor=0.58)
         name = item.name if item.object_count == 1 else f"{item.object_count} × {item.name}"
         row.label(text=name, icon="OUTLINER_OB_MESH", translate=False)
         row.label(text=item.match.kind, translate=False)
