@@ -9,7 +9,7 @@ import bpy
 import bpy.utils.previews
 
 from .. import state
-from ..state import GalleryView
+from ..state.parts import GalleryView
 
 if TYPE_CHECKING:
     import numpy as np

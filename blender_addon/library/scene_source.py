@@ -21,8 +21,9 @@ from .. import jobs, state
 from ..reading.arrays import MeshWriter, what_is_empty
 from ..reading.assets import catalogs_for
 from ..reading.contents import evaluated_state
-from ..reading.entries import SHAPE_TYPES, Assembly, Entry, State, group_of, item_of
+from ..reading.entries import Assembly, Entry
 from ..reading.instancers import Instance, collect_instances
+from ..reading.records import SHAPE_TYPES, State, group_of, item_of
 from ..reading.sharing import SharedMeshes
 from ..scene.selection import split_evaluated
 from ..translation import error_text, tr

@@ -15,8 +15,9 @@ import bpy
 
 from .arrays import MeshWriter, what_is_empty
 from .assets import catalogs_for
-from .entries import SHAPE_TYPES, Assembly, Entry, State, group_of, item_of
+from .entries import Assembly, Entry
 from .instancers import Instance, collect_instances, show_realized
+from .records import SHAPE_TYPES, State, group_of, item_of
 from .sharing import SharedMeshes
 
 __all__ = ["MOST_FACES_AT_ONCE", "read_contents"]

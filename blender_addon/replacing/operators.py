@@ -15,7 +15,7 @@ from ..gallery.errors import PlacingError
 from ..gallery.on_match import OnMatch, active_match
 from ..library.model import model_source
 from ..scene.selection import mesh_objects
-from ..state import ReplacingState
+from ..state.parts import ReplacingState
 from ..translation import counted, error_text, tr
 
 if TYPE_CHECKING:

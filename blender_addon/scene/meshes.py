@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reading.entries import MOST_FACES, SHAPE_TYPES
+from ..reading.entries import MOST_FACES
 from ..reading.instancers import collect_instances, is_carrier
+from ..reading.records import SHAPE_TYPES
 from ..translation import marked, tr
 from . import mesh_arrays
 from .selection import collection_for_new, joined_name, mesh_objects, meshes_of, query_objects

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ..reading.entries import SHAPE_TYPES
+from ..reading.records import SHAPE_TYPES
 from ..translation import tr
 
 __all__ = [

@@ -15,7 +15,8 @@ from ..gallery.filters import conditions, size_factor
 from ..library.address import library_address, library_key, library_missing
 from ..library.present import when_it_goes
 from ..scene.selection import joined_name, query_objects, searched_objects
-from ..state import Asked, SearchState, session_of
+from ..state import session_of
+from ..state.parts import Asked, SearchState
 from ..translation import error_text, tr
 from .answer import drop_answer, explain_matches, show_answer, show_evidence, show_matches
 from .properties import examples_of

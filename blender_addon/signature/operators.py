@@ -9,7 +9,7 @@ import bpy
 
 from .. import state
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
-from ..state import SignatureState
+from ..state.parts import SignatureState
 from ..translation import counted, tr
 from . import bag_chart, shading
 from .painter import MODES, Painter

@@ -13,7 +13,8 @@ from ..gallery.errors import PlacingError
 from ..gallery.finding import object_of, sought
 from ..gallery.on_match import OnMatch, active_match
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
-from ..state import TransferState, session_of
+from ..state import session_of
+from ..state.parts import TransferState
 from ..translation import counted, error_text, tr
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from ...state import session_of
 from ...translation import tr
 from ..on_match import shown_lines
 from .filtering import with_text
-from .layout import Bars, Box, Grid, arrange, unobstructed
+from .grid import Grid
+from .layout import Bars, Box, arrange, unobstructed
 
 __all__ = [
     "EDITOR",

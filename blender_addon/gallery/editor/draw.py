@@ -13,7 +13,8 @@ from ...translation import counted, tr
 from .. import labels
 from ..on_match import shown_lines
 from . import area, textures
-from .layout import Bars, Box, Grid
+from .grid import Grid
+from .layout import Bars, Box
 from .painting import Painter
 
 __all__ = ["badges_of", "register", "unregister"]

@@ -14,7 +14,8 @@ from ...state import session_of
 from ...translation import tr
 from ..on_match import active_match, shown_lines
 from . import area, dragging
-from .layout import LARGEST_PICTURE, SMALLEST_PICTURE, Bars, Grid
+from .grid import Grid
+from .layout import LARGEST_PICTURE, SMALLEST_PICTURE, Bars
 
 __all__ = ["InGallery", "register", "unregister"]
 

@@ -24,13 +24,20 @@ def layout(addon: ModuleType) -> Any:
     return importlib.import_module(f"{addon.__name__}.gallery.editor.layout")
 
 
+@pytest.fixture(scope="session")
+def cells(addon: ModuleType) -> Any:
+    import importlib
+
+    return importlib.import_module(f"{addon.__name__}.gallery.editor.grid")
+
+
 @settings(max_examples=25, deadline=None)
 @given(lengths, lengths, scales, st.integers(0, 60), st.integers(96, 256), st.floats(0, 1))
 def test_every_cell_is_found_where_it_is(
-    layout: Any, width: float, height: float, scale: float, count: int, picture: int, share: float
+    layout: Any, cells: Any, width: float, height: float, scale: float, count: int, picture: int, share: float
 ) -> None:
     box = layout.Box(10, 20, 10 + width, 20 + height)
-    grid = layout.Grid.of(box, count, picture, scale)
+    grid = cells.Grid.of(box, count, picture, scale)
     scroll = share * grid.largest_scroll
     shown = grid.visible(scroll)
     for index in range(count):
@@ -50,8 +57,8 @@ def test_every_cell_is_found_where_it_is(
         assert last.bottom >= box.bottom - 1e-6 or grid.cell_height > box.height
 
 
-def test_cells_do_not_overlap_and_gaps_belong_to_none(layout: Any) -> None:
-    grid = layout.Grid.of(layout.Box(0, 0, 1000, 600), 10, 160, 1.0)
+def test_cells_do_not_overlap_and_gaps_belong_to_none(layout: Any, cells: Any) -> None:
+    grid = cells.Grid.of(layout.Box(0, 0, 1000, 600), 10, 160, 1.0)
     assert grid.columns == 5
     cells = [grid.cell(index, 0) for index in range(10)]
     for left, right in pairwise(cells[:5]):
@@ -61,14 +68,14 @@ def test_cells_do_not_overlap_and_gaps_belong_to_none(layout: Any) -> None:
     assert grid.at(-1, 500, 0) is None
 
 
-def test_pictures_shrink_where_not_even_one_fits(layout: Any) -> None:
-    grid = layout.Grid.of(layout.Box(0, 0, 110, 400), 3, 256, 1.0)
+def test_pictures_shrink_where_not_even_one_fits(layout: Any, cells: Any) -> None:
+    grid = cells.Grid.of(layout.Box(0, 0, 110, 400), 3, 256, 1.0)
     assert (grid.columns, grid.rows) == (1, 3)
     assert grid.picture <= 110
 
 
-def test_what_is_chosen_scrolls_into_view(layout: Any) -> None:
-    grid = layout.Grid.of(layout.Box(0, 0, 500, 400), 100, 128, 1.0)
+def test_what_is_chosen_scrolls_into_view(layout: Any, cells: Any) -> None:
+    grid = cells.Grid.of(layout.Box(0, 0, 500, 400), 100, 128, 1.0)
     for index in (99, 0, 50):
         scroll = grid.shown(index, 123.0)
         cell = grid.cell(index, scroll)
@@ -94,20 +101,20 @@ def test_what_is_chosen_scrolls_into_view(layout: Any) -> None:
         (11, "PAGE_UP", 1),
     ],
 )
-def test_keys_lead_from_cell_to_cell(layout: Any, index: int, key: str, target: int) -> None:
-    grid = layout.Grid.of(layout.Box(0, 0, 1000, 700), 12, 160, 1.0)
+def test_keys_lead_from_cell_to_cell(layout: Any, cells: Any, index: int, key: str, target: int) -> None:
+    grid = cells.Grid.of(layout.Box(0, 0, 1000, 700), 12, 160, 1.0)
     assert grid.columns == 5
     assert grid.step(index, key) == target
-    assert layout.Grid.of(layout.Box(0, 0, 1000, 700), 0, 160, 1.0).step(-1, key) == -1
+    assert cells.Grid.of(layout.Box(0, 0, 1000, 700), 0, 160, 1.0).step(-1, key) == -1
 
 
-def test_the_handle_follows_the_scroll_and_the_scroll_the_handle(layout: Any) -> None:
-    grid = layout.Grid.of(layout.Box(0, 0, 500, 400), 200, 128, 1.0)
+def test_the_handle_follows_the_scroll_and_the_scroll_the_handle(layout: Any, cells: Any) -> None:
+    grid = cells.Grid.of(layout.Box(0, 0, 500, 400), 200, 128, 1.0)
     top, bottom = grid.handle(0), grid.handle(grid.largest_scroll)
     assert top.top == pytest.approx(grid.bar.top, abs=3)
     assert bottom.bottom == pytest.approx(grid.bar.bottom, abs=3)
     assert grid.dragged(0, top.top - bottom.top) == pytest.approx(grid.largest_scroll)
-    assert layout.Grid.of(layout.Box(0, 0, 500, 400), 2, 128, 1.0).handle(0) is None
+    assert cells.Grid.of(layout.Box(0, 0, 500, 400), 2, 128, 1.0).handle(0) is None
 
 
 @settings(max_examples=25, deadline=None)
