@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from shapegoogle_core import Mesh
-    from shapegoogle_core.worker.grouping import PackedSignature
+    from shapegoogle_core.model import ShapeSignature
+    from shapegoogle_core.worker.packed import Packed
 
     from .groups import Solid
 
@@ -83,7 +84,7 @@ class SimilarSearch(BackgroundSearch):
         super().__init__()
         self._source, self._solids, self._meshes = source, solids, meshes
         self._hidden, self._least = hidden, least
-        self._described: list[PackedSignature | str] = []
+        self._described: list[Packed[ShapeSignature] | str] = []
 
     def begin(self) -> None:
         """Start with the first meshes."""
@@ -106,7 +107,7 @@ class SimilarSearch(BackgroundSearch):
             done=len(self._described), count=len(self._meshes)
         )
 
-    def _take(self, described: list[PackedSignature | str]) -> None:
+    def _take(self, described: list[Packed[ShapeSignature] | str]) -> None:
         self._described += described
         shown = bpy.context.window_manager.shape_google_duplicates
         shown.progress = len(self._described) / len(self._meshes)

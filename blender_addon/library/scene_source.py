@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from shapegoogle_core.cli.events import Event
     from shapegoogle_core.indexing.reading.notes import FileNotes
     from shapegoogle_core.library.storage.records import NewShape
-    from shapegoogle_core.worker.scene import PackedShape
+    from shapegoogle_core.model import ShapeSignature
+    from shapegoogle_core.worker.packed import Packed
 
 __all__ = ["SceneIndexing"]
 
@@ -88,7 +89,7 @@ class SceneIndexing:
         self._expected = 0
         self._done = 0
         self._first_described: tuple[float, int] | None = None
-        self._described: list[PackedShape] = []
+        self._described: list[Packed[NewShape[ShapeSignature]]] = []
         self._tasks: dict[Future[Any], str] = {}
         self._failed: list[tuple[str, str]] = []
         self._created = None if library.exists() else jobs.worker().submit(create_library, library, model)

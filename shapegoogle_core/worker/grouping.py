@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from shapegoogle_core.client import LibraryAddress
@@ -13,31 +12,15 @@ from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.library.duplicates.settings import MIN_SIMILARITY
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel, ShapeSignature
+from shapegoogle_core.worker.packed import Packed
 from shapegoogle_core.worker.requests import model_of
 
-__all__ = ["PackedSignature", "describe_meshes", "group_meshes"]
-
-
-@dataclass(frozen=True, eq=False)
-class PackedSignature:
-    """A described mesh that waits in the program with the window until all are described.
-
-    Attributes
-    ----------
-    model : str
-        Identifier of the model that described it.
-    content : bytes
-        The pickled `ShapeSignature`, as far as groups need it. Only a worker process unpacks it: with
-        thousands of them that would keep the window from answering.
-    """
-
-    model: str
-    content: bytes
+__all__ = ["describe_meshes", "group_meshes"]
 
 
 def describe_meshes(
     model: ShapeModel | LibraryAddress | Path | str, meshes: Sequence[Mesh]
-) -> list[PackedSignature | str]:
+) -> list[Packed[ShapeSignature] | str]:
     """Describe several meshes; one that cannot be described costs only itself.
 
     Parameters
@@ -48,7 +31,7 @@ def describe_meshes(
 
     Returns
     -------
-    described : list of PackedSignature or str
+    described : list of Packed or str
         In the order of the meshes; a sentence for a mesh that cannot be described.
 
     Raises
@@ -59,7 +42,7 @@ def describe_meshes(
         If the model cannot be loaded.
     """
     model = model_of(model)
-    described: list[PackedSignature | str] = []
+    described: list[Packed[ShapeSignature] | str] = []
     for mesh in meshes:
         try:
             signature = model.describe(mesh)
@@ -67,14 +50,13 @@ def describe_meshes(
             described.append(str(error))
             continue
         slim = replace(signature, sample=None, local_code=None, measures=None, views=None, view_code=None)
-        content = pickle.dumps(slim, protocol=pickle.HIGHEST_PROTOCOL)
-        described.append(PackedSignature(model.identifier, content))
+        described.append(Packed.of(slim, model.identifier))
     return described
 
 
 def group_meshes(
     model: ShapeModel | LibraryAddress | Path | str,
-    described: Sequence[PackedSignature | str],
+    described: Sequence[Packed[ShapeSignature] | str],
     min_similarity: float = MIN_SIMILARITY,
 ) -> list[list[tuple[int, float]]]:
     """Group described meshes around the first of each group; see `group_similar`.
@@ -83,7 +65,7 @@ def group_meshes(
     ----------
     model : ShapeModel, LibraryAddress, Path or str
         As for `describe_meshes`.
-    described : sequence of PackedSignature or str
+    described : sequence of Packed or str
         From `describe_meshes`, with the same model. What could not be described is in no group.
     min_similarity : float, optional
         Above 0, at most 1.
@@ -117,6 +99,6 @@ def group_meshes(
                 name=model.name,
             )
         places.append(place)
-        signatures.append(pickle.loads(packed.content))
+        signatures.append(packed.unpacked())
     groups = group_similar(model, signatures, min_similarity)
     return [[(places[position], similarity) for position, similarity in group] for group in groups]

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from shapegoogle_core.client import LibraryAddress
@@ -13,26 +11,10 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature
+from shapegoogle_core.worker.packed import Packed
 from shapegoogle_core.worker.requests import open_library
 
-__all__ = ["PackedShape", "create_library", "describe", "find_neighbours", "rename_source", "store"]
-
-
-@dataclass(frozen=True, eq=False)
-class PackedShape:
-    """A described shape that waits in the program with the window until all are described.
-
-    Attributes
-    ----------
-    object_names : tuple of str
-        Of the objects that show it.
-    content : bytes
-        The pickled `NewShape`. Only a worker process unpacks it: with thousands of them that would keep the
-        window from answering.
-    """
-
-    object_names: tuple[str, ...]
-    content: bytes
+__all__ = ["create_library", "describe", "find_neighbours", "rename_source", "store"]
 
 
 def create_library(path: Path, model: str) -> None:
@@ -58,7 +40,7 @@ def create_library(path: Path, model: str) -> None:
         Library.open(path, load_model(model)).close()
 
 
-def describe(path: Path, shape: NewShape[Mesh]) -> PackedShape | str:
+def describe(path: Path, shape: NewShape[Mesh]) -> Packed[NewShape[ShapeSignature]] | str:
     """Describe a shape with the model of a library.
 
     Parameters
@@ -70,7 +52,7 @@ def describe(path: Path, shape: NewShape[Mesh]) -> PackedShape | str:
 
     Returns
     -------
-    described : PackedShape or str
+    described : Packed or str
         With its signature and thumbnail; a sentence if it cannot be described.
 
     Raises
@@ -80,12 +62,13 @@ def describe(path: Path, shape: NewShape[Mesh]) -> PackedShape | str:
     """
     from shapegoogle_core.indexing import describe_shape
 
+    model = open_library(path).model
     try:
-        described = describe_shape(shape, open_library(path).model)
+        described = describe_shape(shape, model)
     except MeshError as error:
         return str(error)
     names = tuple(placement.object_name for placement in described.placements)
-    return PackedShape(names, pickle.dumps(described, protocol=pickle.HIGHEST_PROTOCOL))
+    return Packed.of(described, model.identifier, names)
 
 
 def store(
@@ -93,7 +76,7 @@ def store(
     source: str,
     size: int | None,
     roots: Sequence[str],
-    shapes: Sequence[PackedShape],
+    shapes: Sequence[Packed[NewShape[ShapeSignature]]],
 ) -> None:
     """Store the shapes of a scene in place of those stored for it before; see `find_neighbours`.
 
@@ -107,7 +90,7 @@ def store(
         Of the file, in bytes.
     roots : sequence of str
         Folders or files to add to the roots of the library.
-    shapes : sequence of PackedShape
+    shapes : sequence of Packed
 
     Raises
     ------
@@ -116,7 +99,7 @@ def store(
     """
     from shapegoogle_core.library.library import Library
 
-    described: list[NewShape[ShapeSignature]] = [pickle.loads(shape.content) for shape in shapes]
+    described = [shape.unpacked() for shape in shapes]
     opened = address.open(read_only=False)
     assert isinstance(opened, Library)
     with opened as library, library.neighbours_later():

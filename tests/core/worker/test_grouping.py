@@ -11,7 +11,8 @@ import pytest
 from shapegoogle_core import ModelError
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.worker.grouping import PackedSignature, describe_meshes, group_meshes
+from shapegoogle_core.worker.grouping import describe_meshes, group_meshes
+from shapegoogle_core.worker.packed import Packed
 
 
 def test_a_mesh_that_cannot_be_described_costs_only_itself(model: ShapeModel, meshes: list[Mesh]) -> None:
@@ -22,6 +23,6 @@ def test_a_mesh_that_cannot_be_described_costs_only_itself(model: ShapeModel, me
     ((first, second),) = group_meshes(model, described)
     assert (first, second[0]) == ((1, 1.0), 2)
     assert second[1] > 0.99
-    other = [replace(packed, model="another") for packed in described if isinstance(packed, PackedSignature)]
+    other = [replace(packed, model="another") for packed in described if isinstance(packed, Packed)]
     with pytest.raises(ModelError, match="taken the place"):
         group_meshes(model, other)

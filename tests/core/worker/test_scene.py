@@ -12,7 +12,8 @@ from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.worker.scene import PackedShape, create_library, describe, find_neighbours, store
+from shapegoogle_core.worker.packed import Packed
+from shapegoogle_core.worker.scene import create_library, describe, find_neighbours, store
 
 
 def test_a_scene_is_described_and_stored_in_place_of_the_one_before(
@@ -23,7 +24,7 @@ def test_a_scene_is_described_and_stored_in_place_of_the_one_before(
     create_library(path, str(model_file))
     create_library(path, "no model is loaded for a library that exists")
     packed = [describe(path, NewShape(mesh, mesh.name)) for mesh in meshes[:2]]
-    described = [shape for shape in packed if isinstance(shape, PackedShape)]
+    described = [shape for shape in packed if isinstance(shape, Packed)]
     assert len(described) == 2
     speck = Mesh(np.zeros((4, 3)), name="a speck")
     assert "a speck" in str(describe(path, NewShape(speck, "a speck")))
