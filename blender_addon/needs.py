@@ -18,7 +18,8 @@ __all__ = ["draw_sentence", "register", "sentence", "unregister"]
 # numpy comes with Blender, though not with the builds of all distributions; the others with the extension.
 BUNDLED = (
     *("scipy", "sklearn", "joblib", "threadpoolctl", "robust_laplacian", "fast_simplification", "trimesh"),
-    *("mapbox_earcut", "onnxruntime", "PIL", "pebble", "tqdm", "shapegoogle_core"),
+    *("mapbox_earcut", "onnxruntime", "PIL", "pebble", "tqdm", "psycopg", "psycopg_binary"),
+    *("typing_extensions", "shapegoogle_core"),
 )
 
 

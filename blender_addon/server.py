@@ -178,7 +178,7 @@ class ServerPreferences:
         column = column.column()
         is_database = is_database_address(self.library)
         column.enabled = is_database or is_server_address(self.library)
-        column.prop(self, "token", text="Password" if is_database else "Token")
+        column.prop(self, "token", text=tr("Password") if is_database else tr("Token"), translate=False)
         if not is_database:  # its address names it: ?sslrootcert=
             column.prop(self, "certificate")
         # Below the fields, not below their names.
