@@ -159,8 +159,8 @@ def test_preferences(window: Any, library: Any) -> None:
         "bpy.ops.screen.userpref_show('INVOKE_DEFAULT')\n"
         "bpy.ops.preferences.addon_show(module=name)"
     )
-    # As high as the screen, so that all of them are seen.
-    left, width = 300, 690
+    # As high as the screen, so that all of them are seen, and right of where the pointer rests.
+    left, width = 500, 690
     size = ("windowmove", "%@", left, 0, "windowsize", "%@", width, SIZE[1])
     window.tool("search", "--name", "Preferences", *size)
     window.settle()
