@@ -71,7 +71,6 @@ def _codes(options: StudioOptions, size: int) -> Row:
         # One process, whose time counts.
         store.rows("SELECT set_config('max_parallel_workers_per_gather', '0', FALSE)")
         store.rows("SELECT set_config('max_parallel_maintenance_workers', '0', FALSE)")
-        store.rows("SELECT set_config('maintenance_work_mem', '512MB', FALSE)")
         server = store.connection.info.backend_pid
         started = time.perf_counter()
         _copy(store, codes)

@@ -14,7 +14,7 @@ from shapegoogle_core.library.placement import Placement
 if TYPE_CHECKING:
     from shapegoogle_core.registration import Alignment
 
-__all__ = ["DISTANCE_DECIMALS", "Match", "typical_distances"]
+__all__ = ["DISTANCE_DECIMALS", "Match", "ranked", "typical_distances"]
 
 DISTANCE_DECIMALS = 6
 """Decimals that distances are rounded to. Half floats and the order of sums in a matrix product change later
@@ -114,25 +114,6 @@ class Match:
         """Key that sorts matches: by distance, then by name, source, object name and number."""
         return (self.distance, self.name, self.source, self.object_name, self.shape_id)
 
-    def ranked(self, distance: float, likeness: float | None) -> Match:
-        """Return the match with another distance and likeness; a search makes hundreds of these.
-
-        Parameters
-        ----------
-        distance : float
-        likeness : float or None
-
-        Returns
-        -------
-        match : Match
-        """
-        if distance == self.distance and likeness == self.likeness:
-            return self
-        # `dataclasses.replace` takes ten times as long.
-        other = Match.__new__(Match)
-        other.__dict__.update(self.__dict__, distance=distance, likeness=likeness)
-        return other
-
     def to_json(self) -> dict[str, object]:
         """Convert to the object that ``shapegoogle query --json`` prints.
 
@@ -183,3 +164,24 @@ def typical_distances(matches: Sequence[Match]) -> list[float] | None:
     """
     known = [match.typical_distance for match in matches if match.typical_distance is not None]
     return known if len(known) == len(matches) else None
+
+
+def ranked(match: Match, distance: float, likeness: float | None) -> Match:
+    """Return a match with another distance and likeness; a search makes hundreds of these.
+
+    Parameters
+    ----------
+    match : Match
+    distance : float
+    likeness : float or None
+
+    Returns
+    -------
+    match : Match
+    """
+    if distance == match.distance and likeness == match.likeness:
+        return match
+    # `dataclasses.replace` takes ten times as long.
+    other = Match.__new__(Match)
+    other.__dict__.update(match.__dict__, distance=distance, likeness=likeness)
+    return other

@@ -4,8 +4,9 @@
 --reader   the role may search, and not change anything
 --writer   the role may also add and remove shapes
 --index    with pgvector 0.7 or later on the server: an IVFFlat index of the codes, with as many lists as the
-           square root of the number of shapes. It is made anew if it is there, which is worth it once the
-           number of shapes has doubled. Meanwhile writers wait. Below 2,000,000 shapes it is not used.
+           square root of the number of shapes, at most 2,000. It is made anew if it is there, which is worth
+           it once the number of shapes has doubled. Meanwhile writers wait, and the server needs up to 0.9 GB
+           of memory. Below 2,000,000 shapes it is not used.
 --sql      print the statements for an administrator, and run none
 
 for example:

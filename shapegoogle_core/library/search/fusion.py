@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, ranked, typical_distances
 from shapegoogle_core.library.search.candidates import NearestViews
 from shapegoogle_core.library.search.query import FARTHEST, Query, pool_distances
 from shapegoogle_core.library.search.rerank import Reranker
@@ -141,7 +141,7 @@ class Fusion:
             distances = list_distances(self._model, ranking, distances, joined)
         distances = np.round(np.minimum(distances, FARTHEST), DISTANCE_DECIMALS)
         ordered = [
-            match.ranked(distance, alike)
+            ranked(match, distance, alike)
             for match, distance, alike in zip(joined, distances.tolist(), likeness.tolist(), strict=True)
         ]
         return sorted(ordered, key=lambda match: match.rank_key)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from shapegoogle_core.api.registry import Plugin, Registry, check_takes
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match
+from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, ranked
 from shapegoogle_core.library.search.candidates import NearestCodes
 from shapegoogle_core.library.search.query import Query
 from shapegoogle_core.library.search.settings import CandidateSettings, SearchSettings
@@ -208,9 +208,9 @@ def reorder(reranker: MatchReranker, query: Query, matches: Sequence[Match]) -> 
         With the new distances; similarities stay those of the pairs.
     """
     distances = np.asarray(reranker.distances(query, matches), np.float64).round(DISTANCE_DECIMALS)
-    ranked = [
-        match.ranked(distance, match.likeness)
+    moved = [
+        ranked(match, distance, match.likeness)
         for match, distance in zip(matches, distances.tolist(), strict=True)
     ]
     # Stable: copies at the least distance have an order of their own.
-    return sorted(ranked, key=lambda match: match.distance)
+    return sorted(moved, key=lambda match: match.distance)

@@ -24,6 +24,8 @@ _FULL = f"cannot grow: the disk of the server is full; make room and run the sam
 _VALUE = "cannot store this value; give names as text and sizes as numbers"
 _RESOURCES = f"refused: the server is out of memory or connections; try again later ({_SAFE})"
 _CHANGED = f"was changed by another program at the same time; run the same again ({_SAFE})"
+# Tables or columns that are missing, and what PostgreSQL itself calls corrupted.
+_DAMAGED = ("42P01", "42703", "XX001", "XX002")
 # By SQLSTATE, or its class (two characters); each sentence goes on after the name of the library.
 _SENTENCES = {
     "55P03": _IN_USE,
@@ -65,10 +67,13 @@ def database_error(error: psycopg.Error, library: str, timeout: float, *, lost: 
         return LibraryError(f"'{library}' {_LOST}")
     # Without a state the client has refused a value, before it asked the server.
     state = error.sqlstate or "22"
+    if state in _DAMAGED:
+        return damaged(library, "its tables contradict each other")
     for length in (5, 3, 2):
         if sentence := _SENTENCES.get(state[:length]):
             return LibraryError(f"'{library}' " + sentence.format(timeout=timeout))
-    return damaged(library, "its tables contradict each other")
+    said = error.diag.message_primary or "no reason"
+    return LibraryError(f"'{library}' could not do this; PostgreSQL says: {said} ({_SAFE})")
 
 
 def unreachable(error: psycopg.Error, library: str) -> LibraryError:

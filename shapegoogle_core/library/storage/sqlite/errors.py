@@ -54,6 +54,10 @@ _SENTENCES = {
     sqlite3.SQLITE_IOERR: _REFUSED,
     sqlite3.SQLITE_PROTOCOL: _REFUSED,
     sqlite3.SQLITE_NOLFS: _REFUSED,
+    sqlite3.SQLITE_NOMEM: (
+        "'{path}' cannot be used: there is not enough memory; close other programs and try again (everything "
+        "added before is safe)"
+    ),
     sqlite3.SQLITE_TOOBIG: "'{path}' cannot store a name, picture or bag of over a gigabyte; leave it out",
 }
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,7 +14,14 @@ from shapegoogle_core.errors import LibraryError
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.search.codes.code_index import CodeIndex
+from shapegoogle_core.library.storage.opening import connect
+from shapegoogle_core.library.storage.postgresql.administration import (
+    index_memory,
+    index_statements,
+    run_statements,
+)
 from shapegoogle_core.library.storage.postgresql.codes import CodeTables
+from shapegoogle_core.library.storage.postgresql.store import PostgresqlStore
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.library.storage.store import all_codes
 from shapegoogle_core.model import ShapeModel, ShapeSignature
@@ -117,8 +125,34 @@ def test_a_server_without_pgvector_says_so(
         )
     if has_vectors:
         pytest.skip("this PostgreSQL has pgvector")
-    from shapegoogle_core.library.storage.opening import connect
-    from shapegoogle_core.library.storage.postgresql.administration import index_statements
-
     with pytest.raises(LibraryError, match=r"has no pgvector; install pgvector 0\.7 or later"):
         index_statements(connect(postgresql_url, read_only=True, timeout=1))
+
+
+@pytest.mark.parametrize(("lists", "asked"), [(316, 21), (548, 61), (1000, 198), (1414, 394), (2000, 785)])
+def test_the_index_gets_the_memory_that_pgvector_asks_for(lists: int, asked: int) -> None:
+    """Megabytes as pgvector 0.8.5 states them for codes of 256 bits."""
+    assert 1.03 * asked < index_memory(lists) / 2**20 < 1.2 * asked + 20
+
+
+@pytest.mark.long
+def test_memory_is_raised_for_the_index_alone(with_vectors: str) -> None:
+    with closing(connect(with_vectors, read_only=False, timeout=1)) as store:
+        assert isinstance(store, PostgresqlStore)
+        usual = store.value("SHOW maintenance_work_mem")
+        store.execute("SET maintenance_work_mem TO '1MB'")
+        statements = index_statements(store)
+        assert any(text.startswith("SET maintenance_work_mem TO '") for text in statements)
+        run_statements(store, statements)
+        assert store.index_lists() == 20
+        assert store.value("SHOW maintenance_work_mem") == usual
+
+
+def test_what_the_server_refuses_is_not_called_damaged(postgresql_url: str, model: ShapeModel) -> None:
+    Library.open(postgresql_url, model).close()
+    with closing(connect(postgresql_url, read_only=True, timeout=1)) as store:
+        assert isinstance(store, PostgresqlStore)
+        with pytest.raises(LibraryError, match=r"PostgreSQL says: requested length too large \(everything"):
+            store.rows("SELECT repeat('x', 2000000000)")
+        with pytest.raises(LibraryError, match=r"is damaged .*contradict each other"):
+            store.rows("SELECT * FROM no_such_table")

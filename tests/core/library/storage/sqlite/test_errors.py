@@ -34,6 +34,7 @@ def sqlite_error(code: int) -> sqlite3.Error:
             r"is damaged .*\(its tables contradict each other\); restore it from a backup",
         ),
         (sqlite3.SQLITE_IOERR_WRITE, r"cannot be read or written: .*make room or copy the library"),
+        (sqlite3.SQLITE_NOMEM, "not enough memory; close other programs"),
         (sqlite3.SQLITE_TOOBIG, "over a gigabyte; leave it out"),
         (sqlite3.SQLITE_INTERNAL, r"is damaged .*contradict each other"),
     ],
