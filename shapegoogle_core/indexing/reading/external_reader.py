@@ -57,8 +57,11 @@ __all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess", "sh
 SHOWN_LINES = 5
 # Matrix of a mesh that has the coordinates of its shape.
 _UNMOVED = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
-# What programs print before they crash because they get no memory: Blender, and those written in C++.
-OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc")
+# What programs print before they crash because they get no memory: Blender, those written in C++, and
+# jemalloc, which cannot start its thread then.
+OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc", "<jemalloc>: background thread creation failed")
+# Number of a program's last lines among which that is sought: jemalloc repeats itself.
+SEARCHED_LINES = 50
 # Seconds that a program may take to start.
 START_LIMIT = 60.0
 
@@ -215,9 +218,9 @@ class ReaderProcess:
                 "given up; simplify it or raise the time limit"
             ) from error
         if not isinstance(answer, dict):
-            ending = program.ending(SHOWN_LINES)
+            ending, printed = program.ending(SHOWN_LINES), program.ending(SEARCHED_LINES)
             self.close()
-            if any(sign in ending for sign in OUT_OF_MEMORY):
+            if any(sign in printed for sign in OUT_OF_MEMORY):
                 limit = self._reader.memory_limit
                 needs = "more memory than there is" if limit is None else f"more than {limit} MB of memory"
                 raise MeshError(f"{path.name!r} needs {needs}; simplify it or raise the memory limit")
