@@ -11,7 +11,7 @@ from bpy.props import BoolProperty, StringProperty
 
 from ..needs import draw_sentence
 from ..preferences import preferences
-from ..server import WHAT_IS_SENT, is_database_address, keep_password
+from ..server import WHAT_IS_SENT, is_database_address
 from ..state import session_of
 from ..translation import error_text, tr
 from ..wrapped_text import fixed_text
@@ -74,9 +74,7 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
         chosen = preferences(context)
         address = self.address.strip()
         try:
-            if is_database_address(address):
-                address = keep_password(address)
-            else:
+            if not is_database_address(address):
                 address = str(ServiceAddress.parse(address))
         except LibraryError as error:
             self.report({"ERROR"}, error_text(error))

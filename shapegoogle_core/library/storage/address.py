@@ -115,9 +115,7 @@ def shown_place(place: str | os.PathLike[str]) -> str:
         options = [(key, value) for key, value in parse_qsl(parts.query) if key in _SHOWN]
     except ValueError:
         return f"{_SCHEMES[0]}…"
-    who, at, server = parts.netloc.rpartition("@")
-    user = who.partition(":")[0]
-    return database_url(f"{user}{at if user else ''}{server}", parts.path, options)
+    return database_url(_without_password(parts.netloc)[0], parts.path, options)
 
 
 def split_password(place: str) -> tuple[str, str]:
@@ -143,13 +141,19 @@ def split_password(place: str) -> tuple[str, str]:
         options = parse_qsl(parts.query, keep_blank_values=True)
     except ValueError:
         return place, ""
-    who, at, server = parts.netloc.rpartition("@")
-    user, _, password = who.partition(":")
+    server, password = _without_password(parts.netloc)
     password = unquote(password) or dict(options).get("password", "")
     if not is_database(place) or not password:
         return place, ""
     others = [(key, value) for key, value in options if key != "password"]
-    return database_url(f"{user}{at if user else ''}{server}", parts.path, others), password
+    return database_url(server, parts.path, others), password
+
+
+def _without_password(server: str) -> tuple[str, str]:
+    """Split ``user:password@server`` into ``user@server`` and the password as it is written."""
+    who, at, server = server.rpartition("@")
+    user, _, password = who.partition(":")
+    return f"{user}{at if user else ''}{server}", password
 
 
 def database_url(server: str, path: str, options: list[tuple[str, str]]) -> str:
