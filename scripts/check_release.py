@@ -134,16 +134,53 @@ def output_of(command: Sequence[str], folder: Path = ROOT) -> str:
     return result.stdout
 
 
+def changelog_title(version: str, changelog: str, citation: str, tags: Sequence[str]) -> str:
+    """Title of the first section of the changelog.
+
+    Parameters
+    ----------
+    version : str
+        Of the package.
+    changelog, citation : str
+        Texts of CHANGELOG.md and CITATION.cff.
+    tags : sequence of str
+        Of the commit.
+
+    Returns
+    -------
+    title : str
+        Such as "0.1.0 (unreleased)".
+
+    Raises
+    ------
+    SetupError
+        If it is of another version, its date is not that of CITATION.cff, or a tagged version has no date.
+    """
+    title: str = next(iter(re.findall(r"^## (.+)$", changelog, re.MULTILINE)), "")
+    found = re.fullmatch(rf"{re.escape(version)} \((unreleased|\d{{4}}-\d\d-\d\d)\)", title)
+    if found is None:
+        raise bootstrap.SetupError(
+            f"CHANGELOG.md begins with {title!r}: write '{version} (unreleased)', or the date for the word"
+        )
+    if found[1] == "unreleased":
+        if f"v{version}" in tags:
+            raise bootstrap.SetupError(
+                f"v{version} is tagged: write its date into CHANGELOG.md and CITATION.cff"
+            )
+    elif re.findall(r"^date-released: [\"']?([\d-]+)", citation, re.MULTILINE) != [found[1]]:
+        raise bootstrap.SetupError(
+            f"CITATION.cff needs 'date-released: {found[1]}', the date of CHANGELOG.md"
+        )
+    return title
+
+
 def check_changelog() -> str:
-    """See that the changelog has something to release."""
-    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    version = build_extension.version()
-    titles = [
-        title for title in re.findall(r"^## (.+)$", text, re.MULTILINE) if title.startswith(("Unr", version))
-    ]
-    if not titles:
-        raise bootstrap.SetupError(f"CHANGELOG.md has no section for {version}")
-    return f"{titles[0]}; version {version}"
+    """See that the changelog begins with this version, and with its date if it is tagged."""
+    changelog, citation = (
+        (ROOT / name).read_text(encoding="utf-8") for name in ("CHANGELOG.md", "CITATION.cff")
+    )
+    tags = output_of(["git", "tag", "--points-at", "HEAD"]).split()
+    return changelog_title(build_extension.version(), changelog, citation, tags)
 
 
 def build_packages() -> str:

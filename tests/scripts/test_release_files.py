@@ -7,7 +7,10 @@ import re
 import tomllib
 from pathlib import Path
 
+import check_release
 import nox
+import pytest
+from lib.bootstrap import SetupError
 
 import noxfile
 import shapegoogle_core as sg
@@ -24,6 +27,27 @@ def test_the_recipe_is_of_this_version_and_needs_what_the_project_needs() -> Non
     needed = [line.strip().removeprefix("- ").replace(" ", "") for line in run.splitlines()][1:]
     # Of a package with an exact version any later one will do: the pin is for Blender.
     assert needed == [requirement.replace("==", ">=") for requirement in PROJECT["project"]["dependencies"]]
+
+
+@pytest.mark.parametrize(
+    ("title", "citation", "tags", "problem"),
+    [
+        ("0.2.0 (unreleased)", "", [], None),
+        ("0.2.0 (2027-01-31)", "date-released: 2027-01-31", ["v0.2.0"], None),
+        ("0.2.0 (unreleased)", "", ["v0.2.0"], "is tagged"),
+        ("0.2.0 (2027-01-31)", 'date-released: "2027-01-30"', [], "needs 'date-released: 2027-01-31'"),
+        ("0.1.0 (2027-01-31)", "date-released: 2027-01-31", [], "begins with '0.1.0"),
+    ],
+)
+def test_a_tagged_version_has_its_date(
+    title: str, citation: str, tags: list[str], problem: str | None
+) -> None:
+    changelog = f"# Changelog\n\n## {title}\n\n## 0.1.0 (2026-12-01)\n"
+    if problem is None:
+        assert check_release.changelog_title("0.2.0", changelog, citation, tags) == title
+    else:
+        with pytest.raises(SetupError, match=re.escape(problem)):
+            check_release.changelog_title("0.2.0", changelog, citation, tags)
 
 
 def test_the_hosted_tests_run_on_all_systems_pythons_and_blenders() -> None:
