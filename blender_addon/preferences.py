@@ -28,7 +28,7 @@ __all__ = ["preferences", "register", "unregister"]
 LIBRARY_SUFFIX = ".sglib"
 
 _OBJECTS = (
-    ("ALL", "All Objects", "Every mesh object of every file"),
+    ("ALL", "All Objects", "Every object with a surface, of every file"),
     (
         "ASSETS",
         "Assets First",

@@ -13,7 +13,7 @@ from .. import jobs, state
 from ..gallery.labels import title
 from ..gallery.on_match import OnMatch, active_match
 from ..library.address import library_address
-from ..library.open_file import open_source
+from ..library.open_file import open_source, shown_file
 from ..preferences import preferences
 from ..search.operators import refine, refine_and_wait
 from ..state import session_of
@@ -190,11 +190,16 @@ class SHAPEGOOGLE_OT_decide_match(OnMatch, _Decides, bpy.types.Operator):
         return True
 
     def _plan(self, context: Any) -> tuple[list[Any], list[int], str] | None:
+        from shapegoogle_core.library.decisions.decision import told_apart
+        from shapegoogle_core.worker.decisions import Outside
+
         match, session = active_match(context), session_of(context)
         shapes, names = query_shapes()
         name = title(match)
         if self.kind == "MASTER":
-            return [match.shape_id], [], tr("{name} is the master among its duplicates").format(name=name)
+            return [match.shape_id], [], tr("{query} is the master among its duplicates").format(query=name)
+        source = open_source() if any(isinstance(shape, Outside) for shape in shapes) else ""
+        names, name = told_apart((names, shown_file(source)), (name, shown_file(match.source)))
         others = [match.shape_id]
         if self.kind == "KEEP_BOTH":
             return shapes, others, tr("Keep both {query} and {name}").format(query=names, name=name)
@@ -264,7 +269,7 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
             return (
                 [member.shape_id],
                 [],
-                tr("{name} is the master among its duplicates").format(name=member.name),
+                tr("{query} is the master among its duplicates").format(query=member.name),
             )
         first = group.members[0]
         # Of the first one all others are said to be duplicates.
@@ -277,7 +282,12 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
                 name=member.name,
             )
         else:
-            sentence = tr("Keep both {query} and {name}").format(query=member.name, name=first.name)
+            from shapegoogle_core.library.decisions.decision import told_apart
+
+            query, name = told_apart(
+                (member.name, shown_file(member.source)), (first.name, shown_file(first.source))
+            )
+            sentence = tr("Keep both {query} and {name}").format(query=query, name=name)
         return [member.shape_id], others, sentence
 
     @staticmethod

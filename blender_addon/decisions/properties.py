@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
 
 from ..state import session_of
+from ..translation import tr
 
 if TYPE_CHECKING:
     from shapegoogle_core.library.decisions.decision import Decision
@@ -64,13 +65,25 @@ def show_decisions(context: Any, made: Sequence[Decision]) -> None:
     session.decisions.clear()
     for decision in latest:
         line = session.decisions.add()
-        sentence = decision.sentence
-        line.name = sentence[:1].upper() + sentence[1:]
+        line.name = _sentence(decision)
         line.number, line.author = decision.number, decision.author
         line.icon = _ICONS[decision.kind]
         line.time = time.strftime("%Y-%m-%d %H:%M", time.localtime(decision.time))
         line.chosen = decision.number in chosen
     session.active_decision = min(session.active_decision, max(0, len(latest) - 1))
+
+
+def _sentence(decision: Decision) -> str:
+    """Return a decision in the language of the interface."""
+    first, second = decision.titles
+    template = {
+        "not a match": tr("{name} is no match for {query}"),
+        "keep both": tr("Keep both {query} and {name}"),
+        "master": tr("{query} is the master among its duplicates"),
+        "tag": tr("{query} has the tag {tag}"),
+        "no tag": tr("{query} does not have the tag {tag}"),
+    }[decision.kind]
+    return template.format(query=first, name=second, tag=decision.tag)
 
 
 register, unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_PG_decision,))

@@ -198,7 +198,6 @@ def set_evidence(match: Any, evidence: Evidence | None) -> None:
         None if the match cannot be compared: it shows only its similarity.
     """
     match.evidence = "" if evidence is None else evidence.kind
-    match.factor = 1.0 if evidence is None else evidence.factor
     match.share = -1.0 if evidence is None or evidence.share is None else evidence.share
 
 
@@ -223,8 +222,8 @@ def evidence_text(match: Any, *, with_size: bool = True) -> str:
         text = tr("The query is {share:.0f} % of it").format(share=100 * match.share)
     elif match.share >= 0:
         text = tr("{share:.0f} % of the query").format(share=100 * match.share)
-    differs = match.evidence not in _WITHOUT_SIZE and abs(match.factor - 1) > _SHOWN_FACTOR
-    return f"{text} ×{match.factor:.3g}" if with_size and differs and text else text
+    differs = match.evidence not in _WITHOUT_SIZE and abs(match.size - 1) > _SHOWN_FACTOR
+    return f"{text} ×{match.size:.3g}" if with_size and differs and text else text
 
 
 def _short(match: Any) -> str:

@@ -10,7 +10,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from .. import state
-from ..library.address import is_service
+from ..library.address import is_on_server
 from ..library.open_file import is_open_file
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..signature.painter import Painter
@@ -135,7 +135,7 @@ class SHAPEGOOGLE_OT_open_match(OnMatch, bpy.types.Operator):
         source = active_match(context).source
         state.current().search.file_wanted = source  # whose objects the matches stay for
         try:
-            if is_service(context):
+            if is_on_server(context):
                 placing.check_place(source)
         except PlacingError as error:
             self.report({"ERROR"}, error_text(error))

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 from mathutils import Matrix, Vector
 
-from ..library.address import is_service
+from ..library.address import is_on_server
 from ..library.open_file import is_open_file, is_unsaved
 from ..reading.importers import importer_of, is_importable
 from ..scene.finding import Sought
@@ -74,7 +74,7 @@ def bring_in(context: Any, source: str, sought: Sought, *, link: bool = False) -
             "removes such shapes from the library",
             name=object_name,
         )
-    if is_service(context):
+    if is_on_server(context):
         check_place(source)
     if not path.is_file():
         raise PlacingError(

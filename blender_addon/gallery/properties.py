@@ -99,7 +99,6 @@ class SHAPEGOOGLE_PG_match(bpy.types.PropertyGroup):
     )
     distance: FloatProperty(name="Distance")
     evidence: StringProperty(name="Evidence", description="Kind of the evidence; empty for none")
-    factor: FloatProperty(name="Factor", description="Size relative to the query", default=1.0)
     share: FloatProperty(
         name="Share", description="Share of the surface that both have; -1: not known", default=-1.0
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "NEEDS_FILE",
-    "is_service",
+    "is_on_server",
     "is_there",
     "library_address",
     "library_key",
@@ -43,10 +43,10 @@ def library_key(context: Any) -> str:
     key : str
     """
     chosen = preferences(context)
-    return str(chosen.library if is_service(context) else chosen.library_path())
+    return str(chosen.library if is_on_server(context) else chosen.library_path())
 
 
-def is_service(context: Any) -> bool:
+def is_on_server(context: Any) -> bool:
     """Whether the library is on a server, or in a database, and so no file.
 
     Parameters
@@ -73,7 +73,7 @@ def library_address(context: Any) -> LibraryAddress:
     from shapegoogle_core.client import LibraryAddress
 
     chosen = preferences(context)
-    if not is_service(context):
+    if not is_on_server(context):
         return LibraryAddress(chosen.library_path(), chosen.root_folders())
     is_database = is_database_address(chosen.library)
     return LibraryAddress(
@@ -100,7 +100,7 @@ def refusal(context: Any) -> str:
         Empty if it may be asked, and for a file.
     """
     chosen = preferences(context)
-    if not is_service(context):
+    if not is_on_server(context):
         return ""
     if not chosen.allow_network:
         return tr("Turn on Search on a Server in the add-on's preferences; its tooltip says what is sent")
@@ -122,7 +122,7 @@ def is_there(context: Any) -> bool:
         As it was at the last look, where there is a window. Before the first one, that it is: whoever opens
         it says if it is not. The same holds for a library on a server.
     """
-    if is_service(context):
+    if is_on_server(context):
         return True
     library = state.current().library
     return library.file != () if library.followed else preferences(context).library_path().is_file()

@@ -15,7 +15,7 @@ from ..jobs import BackgroundRun, redraw
 from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, tr
-from .address import NEEDS_FILE, is_service
+from .address import NEEDS_FILE, is_on_server
 from .present import refresh
 from .properties import add_error
 from .scene_source import SceneIndexing
@@ -48,7 +48,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is something to index and nothing is being indexed."""
         chosen = preferences(context)
-        if is_service(context):
+        if is_on_server(context):
             cls.poll_message_set(tr(NEEDS_FILE))
             return False
         if session_of(context).indexing:
@@ -91,7 +91,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
             return False
         session.errors.clear()
         session.summary, session.done, session.total, session.share = "", 0, 0, 0.0
-        session.progress = tr("Searching for files …")
+        session.progress = session.brief_progress = tr("Searching for files …")
         running = state.current().library.indexing
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -155,6 +155,7 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
                 if not event.scene:
                     session.done, session.total = event.files_done, event.files_total
                 session.share, session.progress = event.share, progress_text(event)
+                session.brief_progress = progress_text(event, brief=True)
             case FileOutcome(status="failed"):
                 add_error(session, str(event.path), _worded(event.reason), event.details)
             case IndexSummary():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import state
 from ..preferences import preferences
-from .address import is_service
+from .address import is_on_server
 
 if TYPE_CHECKING:
     from shapegoogle_core import ShapeModel
@@ -45,7 +45,7 @@ def current_model(context: Any) -> ShapeModel:
 def model_source(context: Any) -> Path | str:
     """Return the source of `current_model`: a library, or a name or path for `load_model`."""
     chosen = preferences(context)
-    if is_service(context):
+    if is_on_server(context):
         known = state.current().library.service_model
         # Before the model was downloaded, that of the preferences.
         return known[1] if known is not None and known[0] == chosen.library else str(chosen.model_name())

@@ -14,7 +14,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..preferences import preferences
 from ..state import session_of
 from ..translation import counted, error_text, marked, tr
-from .address import NEEDS_FILE, is_service
+from .address import NEEDS_FILE, is_on_server
 from .open_file import is_unsaved, open_source
 from .present import is_there, refresh
 
@@ -72,7 +72,7 @@ class _OnLibrary:
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there is a library and nothing is written to it."""
-        if is_service(context):
+        if is_on_server(context):
             cls.poll_message_set(tr(NEEDS_FILE))  # type: ignore[attr-defined]
             return False
         if not is_there(context):

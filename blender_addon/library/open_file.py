@@ -22,11 +22,21 @@ from bpy.app.handlers import persistent
 
 from .. import jobs, state
 from ..state import session_of
+from ..translation import tr
 
 if TYPE_CHECKING:
     from shapegoogle_core.processes.worker import Worker
 
-__all__ = ["UNSAVED", "is_open_file", "is_unsaved", "open_source", "register", "take_over", "unregister"]
+__all__ = [
+    "UNSAVED",
+    "is_open_file",
+    "is_unsaved",
+    "open_source",
+    "register",
+    "shown_file",
+    "take_over",
+    "unregister",
+]
 
 UNSAVED = "Unsaved file "
 """How the sources of files that have never been saved begin."""
@@ -44,6 +54,11 @@ def open_source() -> str:
 def is_unsaved(source: str) -> bool:
     """Whether a source is a file that had never been saved when it was indexed."""
     return source.startswith(UNSAVED)
+
+
+def shown_file(source: str) -> str:
+    """Return the path that is shown for a source: one that was never saved has none, but words."""
+    return tr("unsaved file") if is_unsaved(source) else source
 
 
 def is_open_file(source: str) -> bool:

@@ -12,7 +12,7 @@ from bpy.props import StringProperty
 from ..preferences import LIBRARY_SUFFIX, preferences
 from ..state import session_of
 from ..translation import error_text, tr
-from .address import is_service
+from .address import is_on_server
 
 __all__ = ["register", "unregister"]
 
@@ -32,7 +32,7 @@ class SHAPEGOOGLE_OT_choose_library(bpy.types.Operator):
         chosen = preferences(context)
         # The file browser cannot begin at a server.
         path = chosen.libraries_folder() / f"shapes{LIBRARY_SUFFIX}"
-        self.filepath = str(path if is_service(context) else chosen.library_path())
+        self.filepath = str(path if is_on_server(context) else chosen.library_path())
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

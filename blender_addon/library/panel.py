@@ -18,7 +18,7 @@ from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..translation import counted, tr
 from ..wrapped_text import fixed_text
-from .address import is_service
+from .address import is_on_server
 from .present import follow, is_there
 from .service import draw_roots, draw_service
 
@@ -82,10 +82,10 @@ class SHAPEGOOGLE_PT_library(SidebarPanel, bpy.types.Panel):
         follow(context)
         chosen, session = preferences(context), session_of(context)
         row = layout.row(align=True)
-        name = chosen.library if is_service(context) else chosen.library_path().name
+        name = chosen.library if is_on_server(context) else chosen.library_path().name
         row.operator("shape_google.choose_library", text=name, icon="FILE_FOLDER", translate=False)
         row.operator("shape_google.connect_service", text="", icon="URL")
-        if is_service(context):
+        if is_on_server(context):
             draw_service(layout, context)
             return
         _draw_sources(layout, chosen, context)

@@ -25,7 +25,7 @@ from .. import jobs, state
 from ..preferences import preferences
 from ..state import session_of
 from ..translation import error_text, marked, tr
-from .address import is_service, is_there, library_address, library_key
+from .address import is_on_server, is_there, library_address, library_key
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -174,7 +174,7 @@ def _look() -> float | None:
     library = state.current().library
     if library.shown != library_key(context):
         library_changed(context)
-    if is_service(context):
+    if is_on_server(context):
         return SECONDS_BETWEEN_LOOKS
     path = preferences(context).library_path()
     if library.look is None:
@@ -222,7 +222,7 @@ def _file(path: Path) -> tuple[int, ...] | None:
 
 def _failed(error: BaseException) -> None:
     """Show what is wrong with a server; the error of a file is left to the next query."""
-    if is_service(bpy.context):
+    if is_on_server(bpy.context):
         session_of(bpy.context).connection = error_text(error)
 
 

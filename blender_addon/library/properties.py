@@ -35,6 +35,7 @@ class IndexingProperties:
     total: IntProperty()
     share: FloatProperty(description="Share of the work that is done, by time")
     progress: StringProperty(name="Progress")
+    brief_progress: StringProperty(name="Progress")
     summary: StringProperty(name="Summary")
     shape_count: IntProperty(name="Shapes")
     without_views: IntProperty(

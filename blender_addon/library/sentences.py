@@ -53,12 +53,14 @@ STEPS = {
 }
 
 
-def progress_text(progress: IndexingProgress) -> str:
+def progress_text(progress: IndexingProgress, *, brief: bool = False) -> str:
     """Describe the progress of indexing.
 
     Parameters
     ----------
     progress : IndexingProgress
+    brief : bool, optional
+        Without the shapes, if there are files to count.
 
     Returns
     -------
@@ -77,7 +79,9 @@ def progress_text(progress: IndexingProgress) -> str:
         )
     left = progress.shapes_waiting + progress.shapes_expected
     done, shapes = progress.shapes_done, progress.shapes_done + left
-    if progress.seconds_left is None:
+    if brief and not progress.scene:
+        pass
+    elif progress.seconds_left is None:
         # A file that has not been read may contain one shape or thousands.
         parts.append(_shapes(done))
     elif progress.shapes_expected:

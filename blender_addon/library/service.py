@@ -15,7 +15,7 @@ from ..server import WHAT_IS_SENT, is_database_address
 from ..state import session_of
 from ..translation import error_text, tr
 from ..wrapped_text import fixed_text
-from .address import is_service, refusal
+from .address import is_on_server, refusal
 from .present import look_again
 
 __all__ = ["draw_roots", "draw_service", "register", "unregister"]
@@ -51,7 +51,7 @@ class SHAPEGOOGLE_OT_connect_service(bpy.types.Operator):
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Ask for the address."""
         chosen = preferences(context)
-        if is_service(context):
+        if is_on_server(context):
             self.address = chosen.library
         self.allow = chosen.allow_network
         answer: set[str] = context.window_manager.invoke_props_dialog(self, width=WIDTH)
@@ -193,7 +193,7 @@ def draw_roots(layout: Any, context: Any) -> None:
     context : bpy.types.Context
     """
     session = session_of(context)
-    header, body = layout.panel("SHAPEGOOGLE_roots", default_closed=not is_service(context))
+    header, body = layout.panel("SHAPEGOOGLE_roots", default_closed=not is_on_server(context))
     header.label(text="Folders of Roots")
     if body is None:
         return

@@ -26,7 +26,7 @@ def _draw(self: Any, context: Any) -> None:
     if session.indexing:
         row = self.layout.row()
         row.ui_units_x = WIDTH
-        row.progress(factor=session.share, text=_with_name(session.progress or tr("indexing")))
+        row.progress(factor=session.share, text=_with_name(session.brief_progress or tr("indexing")))
         row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
     elif session.checking:
         row = self.layout.row()

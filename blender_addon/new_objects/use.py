@@ -13,7 +13,7 @@ from ..decisions.operators import submit
 from ..decisions.properties import show_decisions
 from ..gallery import placing
 from ..gallery.labels import title
-from ..library.open_file import open_source
+from ..library.open_file import open_source, shown_file
 from ..replacing.operators import ReplaceProperties, Replaces
 from ..state import session_of
 from ..translation import error_text, tr
@@ -137,7 +137,13 @@ class SHAPEGOOGLE_OT_keep_new_object(_OnLine, bpy.types.Operator):
         return {"FINISHED"}
 
     def _sentence(self, line: Any) -> str:
-        return tr("Keep both {query} and {name}").format(query=line.name, name=title(line.match))
+        from shapegoogle_core.library.decisions.decision import told_apart
+
+        match = line.match
+        query, name = told_apart(
+            (line.name, shown_file(open_source())), (title(match), shown_file(match.source))
+        )
+        return tr("Keep both {query} and {name}").format(query=query, name=name)
 
     def _submit(self, context: Any, line: Any) -> Any:
         from shapegoogle_core.worker.decisions import Outside

@@ -161,7 +161,7 @@ def describe_match(line: Any, match: Match, area: float) -> None:
     line.shape_id = match.shape_id
     line.source = match.source
     line.similarity, line.distance = match.similarity, match.distance
-    line.size = (match.area / area) ** 0.5
+    line.size = match.relative_size(area)
     line.vertex_count, line.face_count, line.area = match.vertex_count, match.face_count, match.area
     line.likeness = -1 if match.likeness is None else match.likeness
     line.placement_count = match.placement_count
@@ -188,7 +188,7 @@ def show_evidence(context: Any, explained: dict[int, Match]) -> None:
                 line.object_name, line.area = match.object_name, match.area
                 moved.append(line)
             if answer is not None:
-                line.size = (match.area / answer.area) ** 0.5
+                line.size = match.relative_size(answer.area)
             labels.set_evidence(line, match.evidence)
     find_objects(context, moved)
 

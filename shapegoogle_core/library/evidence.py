@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Literal, get_args
 
-__all__ = ["KINDS", "Evidence", "EvidenceKind"]
+__all__ = ["KINDS", "SIZED_BY_AREA", "Evidence", "EvidenceKind"]
 
 EvidenceKind = Literal[
     "identical",
@@ -25,6 +25,9 @@ EvidenceKind = Literal[
 
 KINDS: tuple[EvidenceKind, ...] = get_args(EvidenceKind)
 """All kinds of evidence, seen from the query ("part of": the query is a part of the match)."""
+
+SIZED_BY_AREA: tuple[EvidenceKind, ...] = ("re-posed", "similar", "same kind", "nothing in common")
+"""Kinds of two surfaces that do not lie on each other: their relative size is that of their areas."""
 
 
 @dataclass(frozen=True)

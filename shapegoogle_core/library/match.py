@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -113,6 +114,32 @@ class Match:
     def rank_key(self) -> tuple[float, str, str, str, int]:
         """Key that sorts matches: by distance, then by name, source, object name and number."""
         return (self.distance, self.name, self.source, self.object_name, self.shape_id)
+
+    def relative_size(self, query_area: float) -> float:
+        """Return the size of the match relative to the query.
+
+        Parameters
+        ----------
+        query_area : float
+            Of the query's mesh as it was read.
+
+        Returns
+        -------
+        size : float
+            That of the evidence, where there is one: a part that lies on its whole has the size at which it
+            does. Otherwise the square root of the ratio of the areas.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> import shapegoogle_core as sg
+        >>> small, large = trimesh.creation.box(), trimesh.creation.box(extents=(3, 3, 3))
+        >>> sg.compare(small, large).relative_size(small.area)
+        3.0
+        """
+        if self.evidence is not None:
+            return self.evidence.factor
+        return math.sqrt(self.area / query_area) if query_area > 0 else 1.0
 
     def to_json(self) -> dict[str, object]:
         """Convert to the object that ``shapegoogle query --json`` prints.

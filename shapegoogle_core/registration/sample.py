@@ -137,6 +137,29 @@ class SurfaceSample:
         spin = _spin_images(scale * self.points, self.normals, scale * self.radii, len(known), scale**2)
         return np.concatenate([heat, spin], axis=1).astype(np.float32)
 
+    def placed(self, matrix: FloatArray) -> Self:
+        """Return the sample of the surface after a similarity transformation.
+
+        Parameters
+        ----------
+        matrix : (4, 4) array
+            Rotation or reflection, times a scale, and a translation.
+
+        Returns
+        -------
+        sample : SurfaceSample
+        """
+        linear = np.asarray(matrix, np.float64)[:3, :3]
+        scale = float(np.sqrt((linear**2).sum() / 3))
+        turn = linear / scale
+        return replace(
+            self,
+            points=self.points @ turn.T,
+            normals=self.normals @ turn.T,
+            center=linear @ self.center + matrix[:3, 3],
+            unit=scale * self.unit,
+        )
+
     def moved_back(self, origin: FloatArray, scale: float) -> Self:
         """Return the sample in the coordinates that its mesh had before x ↦ scale · (x - origin).
 

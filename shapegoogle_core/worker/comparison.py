@@ -13,8 +13,11 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_limits
 
 from shapegoogle_core.errors import LibraryError, MeshError
+from shapegoogle_core.library.evidence import SIZED_BY_AREA
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.mesh import Mesh, read_mesh
+from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeSignature
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.resampling import simplify
@@ -61,9 +64,7 @@ class SurfaceComparison:
     Attributes
     ----------
     query, match : ComparedSurface
-        The match is at the size of the query.
-    factor : float
-        Size of the match relative to the query.
+        The match is at the size of the query: divided by `Match.relative_size`.
     size : float
         Square root of the query's area: its size, in its units.
     up_axis : int
@@ -74,7 +75,6 @@ class SurfaceComparison:
 
     query: ComparedSurface
     match: ComparedSurface
-    factor: float
     size: float
     up_axis: int
     typical: float
@@ -99,8 +99,8 @@ def compare_surfaces(
         See `Answer`; of several examples the one nearest to the match is shown.
     match : Match
     mesh : Mesh, optional
-        Mesh of the match, where it is at hand. Otherwise a mesh file is read, if it is still there, and of
-        other shapes the preview is shown.
+        Mesh of the match at its placement, where it is at hand. Otherwise a mesh file is read, if it is
+        still there, and of other shapes the preview is shown.
     queries : sequence of Mesh, optional
         Meshes of the first of the examples, as they were given; else their preprocessed surfaces are shown.
     stored : sequence of int, optional
@@ -133,14 +133,22 @@ def compare_surfaces(
     if given is None or len(given.faces) > _MOST_FACES:
         given = query.surface
     own, own_origin = _surface(given, library.preview(stored[number]) if number >= 0 else None, sample)
-    if mesh is None:
-        mesh = _file_mesh(match)
-    theirs, origin = _surface(mesh, library.preview(match.shape_id), other.sample)
-    reflected = match.evidence is not None and match.evidence.kind == "mirrored"
+    theirs, origin = _surface(_file_mesh(match), library.preview(match.shape_id), other.sample)
+    placed = _placed_by(match, library.placements(match.shape_id))
+    other_sample = other.sample.placed(placed)
+    if mesh is not None and len(mesh.vertices):
+        theirs, origin = mesh, "mesh"
+    else:
+        theirs = Mesh(theirs.vertices @ placed[:3, :3].T + placed[:3, 3], theirs.faces)
+    kind = "similar" if match.evidence is None else match.evidence.kind
+    size = None
+    if kind in SIZED_BY_AREA:
+        # A fit makes another pose, or another thing, smaller or larger than it is.
+        size = other_sample.unit / (sample.unit * match.relative_size(query.area))
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        frame = best_fit(sample, query.surface, other.sample, reflected=reflected)
-    laid = frame.apply((theirs.vertices - other.sample.center) / other.sample.unit) * sample.unit
+        frame = best_fit(sample, query.surface, other_sample, reflected=kind == "mirrored", scale=size)
+    laid = frame.apply((theirs.vertices - other_sample.center) / other_sample.unit) * sample.unit
     there = Mesh(laid + sample.center, theirs.faces)
     # For each the other as it was read; what is shown of them may be simpler.
     shown, shown_other = _simple(own), _simple(there)
@@ -150,7 +158,6 @@ def compare_surfaces(
     return SurfaceComparison(
         _compared(shown, center, apart[0], own_origin),
         _compared(shown_other, center, apart[1], origin),
-        factor=float(other.sample.unit / (sample.unit * frame.scale)),
         size=float(np.sqrt(query.area)),
         up_axis=2,
         typical=float(np.median(both)),
@@ -165,6 +172,13 @@ def _surface(mesh: Mesh | None, preview: bytes | None, sample: SurfaceSample) ->
         return read_preview(preview).mesh, "preview"
     points = sample.center + sample.unit * sample.points
     return Mesh(points, np.empty((0, 3), np.int32)), "sample"
+
+
+def _placed_by(match: Match, placements: Sequence[Placement]) -> FloatArray:
+    """Return what carries the shape as it is stored, at its first placement, to that of the match."""
+    if match.placement is None or not placements:
+        return np.eye(4)
+    return np.asarray(match.placement.matrix @ np.linalg.inv(placements[0].matrix))
 
 
 def _file_mesh(match: Match) -> Mesh | None:

@@ -76,9 +76,9 @@ def _title(context: Any, shown: Shown) -> str:
     # The search may find the kind later than the comparison is shown.
     match = next((line for line in lines if line.shape_id == shown.shape_id), None)
     what = "" if match is None else labels.evidence_text(match, with_size=False)
-    if shown.surfaces is not None and f"{shown.surfaces.factor:.3g}" != "1":
+    if shown.surfaces is not None and match is not None and f"{match.size:.3g}" != "1":
         size = tr("the match is ×{factor:.3g} as large, shown at the size of the query")
-        what = f"{what}  ·  {size.format(factor=shown.surfaces.factor)}" if what else size
+        what = f"{what}  ·  {size.format(factor=match.size)}" if what else size
     return what
 
 

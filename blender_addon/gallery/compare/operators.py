@@ -91,7 +91,7 @@ class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
                 name=labels.title(active_match(context)),
                 median=length_text(context, surfaces.typical),
                 most=length_text(context, surfaces.most),
-                factor=surfaces.factor,
+                factor=active_match(context).size,
             ),
         )
         return {"FINISHED"}

@@ -33,7 +33,9 @@ TEXTS = {
     "The shape comes first among its duplicates: the others may be replaced by it. The panel Decisions takes it back": "Die Form kommt unter ihren Duplikaten zuerst: Die anderen dürfen durch sie ersetzt werden. Das Panel Entscheidungen nimmt es zurück",
     "{name} is no match for {query}": "{name} ist kein Treffer für {query}",
     "Keep both {query} and {name}": "{query} und {name} behalten",
-    "{name} is the master among its duplicates": "{name} ist das Original unter seinen Duplikaten",
+    "{query} is the master among its duplicates": "{query} ist das Original unter seinen Duplikaten",
+    "{query} has the tag {tag}": "{query} hat das Schlagwort {tag}",
+    "{query} does not have the tag {tag}": "{query} hat das Schlagwort {tag} nicht",
     # Replacing
     "Replace With Match": "Durch Treffer ersetzen",
     "Give the selected objects the mesh of the match. Their names, transforms, modifiers, parents and children are kept, and so are their old meshes; the panel of the last operation has choices": "Den ausgewählten Objekten die Masche des Treffers geben. Ihre Namen, Transformationen, Modifikatoren, über- und untergeordneten Objekte bleiben, ebenso ihre alten Maschen; das Panel der letzten Operation hat Optionen",

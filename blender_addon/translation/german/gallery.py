@@ -250,7 +250,6 @@ TEXTS = {
     "That it is of the same kind; -1: not known": "Dass es von der gleichen Art ist; -1: nicht bekannt",
     "Distance": "Abstand",
     "Kind of the evidence; empty for none": "Art des Nachweises; leer für keinen",
-    "Factor": "Faktor",
     "Size relative to the query": "Größe im Verhältnis zur Anfrage",
     "Share": "Anteil",
     "Share of the surface that both have; -1: not known": "Anteil der Oberfläche, den beide haben; -1: nicht bekannt",

@@ -34,6 +34,7 @@ TEXTS = {
     "{name!r} has no mesh once evaluated ({reason}); check its modifiers": "{name!r} hat nach der Auswertung keine Masche ({reason}); die Modifikatoren prüfen",
     "no files found": "keine Dateien gefunden",
     "estimating the time left": "Restzeit wird geschätzt",
+    "unsaved file": "ungespeicherte Datei",
     "done": "fertig",
     "{seconds} s left": "noch {seconds} s",
     "{minutes} min left": "noch {minutes} min",
@@ -138,7 +139,7 @@ TEXTS = {
     "{step}: {done:,} of {count:,}": "{step}: {done:,} von {count:,}",
     # Preferences
     "All Objects": "Alle Objekte",
-    "Every mesh object of every file": "Jedes Maschenobjekt jeder Datei",
+    "Every object with a surface, of every file": "Jedes Objekt mit einer Oberfläche, in jeder Datei",
     "Assets First": "Assets zuerst",
     "Only objects marked as assets, alone or with their collection; all of a file that has none": "Nur als Asset markierte Objekte, allein oder mit ihrer Sammlung; alle einer Datei, die keine hat",
     "Default": "Vorgabe",

@@ -5,9 +5,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from pathlib import PurePath
 from typing import Literal, get_args
 
-__all__ = ["DECISION_KINDS", "PAIR_KINDS", "TAG_KINDS", "Decision", "DecisionKind", "ShapeKey"]
+__all__ = [
+    "DECISION_KINDS",
+    "PAIR_KINDS",
+    "TAG_KINDS",
+    "Decision",
+    "DecisionKind",
+    "ShapeKey",
+    "told_apart",
+]
 
 DecisionKind = Literal["not a match", "keep both", "master", "tag", "no tag"]
 
@@ -98,9 +107,16 @@ class Decision:
     number: int = 0
 
     @property
+    def titles(self) -> tuple[str, str]:
+        """Names of the two shapes for people, told apart by their files; the second may be empty."""
+        if self.other is None:
+            return self.shape.title, ""
+        return told_apart((self.shape.title, self.shape.path), (self.other.title, self.other.path))
+
+    @property
     def sentence(self) -> str:
         """The decision for people."""
-        first, second = repr(self.shape.title), repr("" if self.other is None else self.other.title)
+        first, second = map(repr, self.titles)
         return {
             "not a match": f"{second} is not a match for {first}",
             "keep both": f"keep both {first} and {second}",
@@ -127,3 +143,40 @@ class Decision:
             "author": self.author,
             "time": datetime.fromtimestamp(self.time, UTC).isoformat(timespec="seconds"),
         }
+
+
+def told_apart(first: tuple[str, str], second: tuple[str, str]) -> tuple[str, str]:
+    """Name two shapes, each with its file if the names alone are the same.
+
+    Parameters
+    ----------
+    first, second : (str, str)
+        Name, and path of the file; empty if it is not known.
+
+    Returns
+    -------
+    names : (str, str)
+
+    Examples
+    --------
+    >>> from shapegoogle_core.library.decisions.decision import told_apart
+    >>> told_apart(("Cow", "farm/Cow.blend"), ("Calf", "farm/Calf.blend"))
+    ('Cow', 'Calf')
+    >>> told_apart(("Cow", "farm/Cow.blend"), ("Cow", "farm/herd.blend"))
+    ('Cow (Cow.blend)', 'Cow (herd.blend)')
+    >>> told_apart(("Cow", "farm/Cow.blend"), ("Cow", "zoo/Cow.blend"))
+    ('Cow (farm/Cow.blend)', 'Cow (zoo/Cow.blend)')
+    """
+    (name, path), (other_name, other_path) = first, second
+    parts, other_parts = PurePath(path).parts, PurePath(other_path).parts
+    if name != other_name or parts == other_parts:
+        return name, other_name
+    # As many of the last folders as the two do not have in common.
+    count = 1
+    while parts[-count:] == other_parts[-count:]:
+        count += 1
+    return _with_file(name, parts[-count:]), _with_file(other_name, other_parts[-count:])
+
+
+def _with_file(name: str, parts: tuple[str, ...]) -> str:
+    return f"{name} ({PurePath(*parts).as_posix()})" if parts else name

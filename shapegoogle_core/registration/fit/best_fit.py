@@ -31,7 +31,12 @@ _WORSE = 1e-3
 
 
 def best_fit(
-    query: SurfaceSample, surface: Mesh | None, candidate: SurfaceSample, *, reflected: bool = False
+    query: SurfaceSample,
+    surface: Mesh | None,
+    candidate: SurfaceSample,
+    *,
+    reflected: bool = False,
+    scale: float | None = None,
 ) -> Frame:
     """Find the position in which a candidate lies on a query best.
 
@@ -46,6 +51,8 @@ def best_fit(
     candidate : SurfaceSample
     reflected : bool, optional
         Whether the candidate is a mirror image of the query.
+    scale : float, optional
+        Scale of the frame; found by the fit by default.
 
     Returns
     -------
@@ -55,7 +62,10 @@ def best_fit(
     planes = surface is None or surface.is_point_cloud
     target = TangentPlanes(query) if planes or surface is None else Surface(surface, query)
     sample = mirrored(candidate) if reflected else candidate
-    fits = [fit_surface(target, query, sample, frame) for frame in _starts(query, sample)]
+    starts = list(_starts(query, sample))
+    if scale is not None:
+        starts = [_scaled(frame, scale, sample) for frame in starts]
+    fits = [fit_surface(target, query, sample, frame, keep_scale=scale is not None) for frame in starts]
     costs = [_cost(fitted) for fitted in fits]
     least = min(costs)
     best = next(fitted for fitted, cost in zip(fits, costs, strict=True) if cost <= least + _WORSE)
@@ -73,6 +83,12 @@ def _starts(query: SurfaceSample, candidate: SurfaceSample) -> Iterator[Frame]:
         yield pose.frame
     aligned = align(prepared, other).frame
     yield aligned.inverse()
+
+
+def _scaled(frame: Frame, scale: float, candidate: SurfaceSample) -> Frame:
+    """Give a frame another scale, so that the centre of the candidate's points stays where it is."""
+    center = frame.rotation @ candidate.points.mean(axis=0)
+    return Frame(scale, frame.rotation, frame.translation + (frame.scale - scale) * center)
 
 
 def _cost(fitted: Fit) -> float:

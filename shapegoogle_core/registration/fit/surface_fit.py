@@ -205,6 +205,7 @@ def fit_surface(
     frame: Frame,
     *,
     steps: bool = True,
+    keep_scale: bool = False,
 ) -> Fit:
     """Fit the points of a candidate to the surface of the query.
 
@@ -220,6 +221,8 @@ def fit_surface(
         Initial frame from the candidate to the query.
     steps : bool, optional
         False measures the distances without fitting.
+    keep_scale : bool, optional
+        Whether the fit only turns and moves the candidate.
 
     Returns
     -------
@@ -228,7 +231,7 @@ def fit_surface(
     for count, tolerance in _STEPS if steps else ():
         points = frame.apply(candidate.points[:count])
         nearest, normals = surface.nearest(points, tolerance)
-        frame = _step(frame, points, nearest, normals, tolerance)
+        frame = _step(frame, points, nearest, normals, tolerance, keep_scale=keep_scale)
     points = frame.apply(candidate.points)
     nearest, _ = surface.nearest(points, _MEASURED)
     distances = np.linalg.norm(points - nearest, axis=1)
@@ -275,13 +278,21 @@ def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
 
 
 def _step(
-    frame: Frame, points: FloatArray, nearest: FloatArray, normals: FloatArray, tolerance: float
+    frame: Frame,
+    points: FloatArray,
+    nearest: FloatArray,
+    normals: FloatArray,
+    tolerance: float,
+    *,
+    keep_scale: bool = False,
 ) -> Frame:
     offsets = nearest - points
     weights = np.exp(-(offsets**2).sum(axis=1) / (2 * tolerance**2))
     middle = (weights @ points) / max(weights.sum(), np.finfo(float).tiny)
     arms = points - middle
     columns = height_derivatives(arms, normals)
+    if keep_scale:
+        columns[:, 6] = 0  # the least-norm solution then does not scale
     heights = (offsets * normals).sum(axis=1)
     # The least-norm solution does not move along what the surface leaves free, such as a sphere's rotation.
     solution, *_ = np.linalg.lstsq(weights[:, None] * columns, weights * heights, rcond=1e-6)

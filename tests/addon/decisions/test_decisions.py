@@ -52,7 +52,7 @@ def test_what_is_no_match_is_not_found_until_that_is_undone(
     found.decisions.clear()
     assert bpy.ops.shape_google.list_decisions() == {"FINISHED"}
     (line,) = found.decisions
-    assert (line.name, line.author) == ("'Plum' is not a match for 'Query'", "ana")
+    assert (line.name, line.author) == ("Plum is no match for Query", "ana")
     assert bpy.ops.shape_google.undo_decisions() == {"FINISHED"}
     assert not len(found.decisions)
     assert "Plum" in names(found)

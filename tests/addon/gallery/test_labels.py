@@ -50,11 +50,13 @@ def match(blender: ModuleType) -> Any:
 def test_evidence_below_a_picture_leaves_out_the_size(
     labels: Any, match: Any, evidence: Evidence, label: str, relation: str, kind: str
 ) -> None:
+    match.size = evidence.factor
     labels.set_evidence(match, evidence)
     assert labels.below_picture(match) == f"0.98  {label}"
-    assert labels.details(match) == [f"{relation}, similarity 0.98", "1,234 vertices, size ×0.978"]
+    size = f"1,234 vertices, size ×{evidence.factor:g}"
+    assert labels.details(match) == [f"{relation}, similarity 0.98", size]
     assert match.kind == kind
-    figures = "Similarity 0.981, distance 0.0200\n1,234 vertices, size ×0.978"
+    figures = f"Similarity 0.981, distance 0.0200\n{size}"
     assert labels.tooltip(match).endswith(f"\n{kind}\n{figures}")
 
 

@@ -86,7 +86,7 @@ def test_it_is_remembered_that_both_are_kept(checked: Any) -> None:
     checked.check_which = "NOT_INDEXED"
     assert "Imported" not in check(checked)
     (line,) = checked.decisions
-    assert line.name == "Keep both 'Imported' and 'Pear'"
+    assert line.name == "Keep both Imported and Pear"
     bpy.ops.shape_google.undo_decisions()
     assert "Imported" in check(checked)
     assert not bpy.ops.shape_google.cancel_check.poll()

@@ -165,13 +165,7 @@ def _placed(stored: Placed, relative: FloatArray) -> Placed:
     shape, sample, measures = stored.compared.shape, stored.compared.sample, stored.compared.measures
     scale = float(np.sqrt((relative[:3, :3] ** 2).sum() / 3))
     rotation = relative[:3, :3] / scale
-    turned = replace(
-        sample,
-        points=sample.points @ rotation.T,
-        normals=sample.normals @ rotation.T,
-        center=relative[:3, :3] @ sample.center + relative[:3, 3],
-        unit=scale * sample.unit,
-    )
+    turned = sample.placed(relative)
     compared = Compared(
         turned,
         replace(shape, area=scale**2 * shape.area),
