@@ -11,10 +11,10 @@ from shapegoogle_core.registration.fit.rough_pose import rough_poses as rough_po
 from shapegoogle_core.registration.fit.surface_fit import Fit as Fit
 from shapegoogle_core.registration.fit.surface_fit import Surface as Surface
 from shapegoogle_core.registration.fit.surface_fit import TangentPlanes as TangentPlanes
+from shapegoogle_core.registration.fit.surface_fit import best_frame as best_frame
 from shapegoogle_core.registration.fit.surface_fit import fit_numbered as fit_numbered
 from shapegoogle_core.registration.fit.surface_fit import fit_surface as fit_surface
 from shapegoogle_core.registration.fit.surface_fit import frame_between as frame_between
-from shapegoogle_core.registration.fit.surface_fit import measured as measured
 from shapegoogle_core.registration.fit.surface_fit import mirrored as mirrored
 from shapegoogle_core.registration.frames import Frame as Frame
 from shapegoogle_core.registration.isometry import Isometry as Isometry

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -17,9 +19,11 @@ _RADIUS = 1.2
 _FEWEST_PIECES = 1_000
 _MOST_PIECES = 60_000
 # Pieces with the nearest centres that are tried first.
-_FIRST = 6
+_FIRST = 12
 # Factor of their number while others are not ruled out.
-_GROWTH = 2
+_GROWTH = 3
+# Lower bounds of distances are lowered by this share, for rounding errors.
+_ROUNDING = 1e-9
 # Pairs of points and faces compared at once.
 _AT_ONCE = 1 << 18
 
@@ -35,12 +39,24 @@ class TriangleTree:
     ----------
     triangles : (m, 3, 3) array
         Corners; at least one triangle. Triangles without area count as segments or points.
+
+    Attributes
+    ----------
+    normals : (m, 3) array
+        Unit normals; those of triangles without area are 0, or shorter and of any direction.
+    largest : float
+        Radius of the largest piece: how far the answers of `near` may be off.
     """
 
     def __init__(self, triangles: FloatArray) -> None:
         self._triangles = np.asarray(triangles, np.float64)
         self._parents, self._centers, self._radii = _pieces(self._triangles)
-        self._largest = float(self._radii.max())
+        self.largest = float(self._radii.max())
+        self._places = np.ascontiguousarray(self._centers.T)
+        a, b, c = self._triangles.transpose(1, 2, 0)
+        normals = _crossed(b - a, c - a).T
+        self.normals = normals / np.maximum(_lengths(normals), np.finfo(float).tiny)[:, None]
+        self._directions = np.ascontiguousarray(self.normals[self._parents].T)
         self._tree = cKDTree(self._centers)
 
     def near(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
@@ -76,35 +92,89 @@ class TriangleTree:
             Triangles on which they lie.
         """
         points = np.asarray(points, np.float64)
-        away, pieces = self._tree.query(points)
-        distances: FloatArray = np.asarray(away)
-        nearest, faces = self._centers[pieces], self._parents[pieces]
+        count = min(_FIRST, len(self._parents))
+        away, pieces = self._centers_near(points, count)
+        found = _Found(self._centers[pieces[:, 0]], self._parents[pieces[:, 0]], away[:, 0].copy())
         # The centre of a piece lies on its triangle, so it bounds the distance.
-        rows = np.flatnonzero(distances <= reach + self._largest)
-        reached, count = np.zeros(len(rows)), _FIRST
+        rows = np.flatnonzero(found.distances <= reach + self.largest)
+        away, pieces, known = away[rows], pieces[rows], 0
         while len(rows):
-            count = min(count, len(self._parents))
-            away, pieces = self._tree.query(points[rows], count)
-            away = np.asarray(away).reshape(len(rows), -1)
-            pieces = np.asarray(pieces).reshape(len(rows), -1)
-            # Centres often coincide, so those at the distance that was reached are compared again.
-            nearer = (away >= reached[:, None]) & (away - self._radii[pieces] < distances[rows, None])
-            pair_rows = np.repeat(rows, nearer.sum(axis=1))
-            pair_faces = self._parents[pieces[nearer]]
-            for start in range(0, len(pair_rows), _AT_ONCE):
-                row, face = pair_rows[start : start + _AT_ONCE], pair_faces[start : start + _AT_ONCE]
-                found = nearest_on_triangles(self._triangles[face], points[row])
-                apart = np.linalg.norm(found - points[row], axis=1)
-                order = np.lexsort((apart, row))
-                best = order[np.flatnonzero(np.diff(row[order], prepend=-1))]
-                best = best[apart[best] < distances[row[best]]]
-                here = row[best]
-                nearest[here], faces[here], distances[here] = found[best], face[best], apart[best]
+            self._compare(points, found, rows, away[:, known:], pieces[:, known:])
             if count == len(self._parents):
                 break
-            left = away[:, -1] < distances[rows] + self._largest
-            rows, reached, count = rows[left], away[left, -1], _GROWTH * count
-        return nearest, faces
+            left = away[:, -1] < found.distances[rows] + self.largest
+            rows, reached = rows[left], away[left, -1]
+            count = min(_GROWTH * count, len(self._parents))
+            away, pieces = self._centers_near(points[rows], count)
+            # Centres often coincide, so those at the distance that was reached are compared again.
+            known = int((away < reached[:, None]).sum(axis=1).min(initial=count))
+        return found.points, found.faces
+
+    def _centers_near(self, points: FloatArray, count: int) -> tuple[FloatArray, NDArray[np.int64]]:
+        """Return the distances and numbers, (n, count) each, of the pieces with the nearest centres."""
+        away, pieces = self._tree.query(points, count)
+        return np.asarray(away).reshape(len(points), count), np.asarray(pieces).reshape(len(points), count)
+
+    def _compare(
+        self,
+        points: FloatArray,
+        found: _Found,
+        rows: NDArray[np.intp],
+        away: FloatArray,
+        pieces: NDArray[np.int64],
+    ) -> None:
+        """Compare points with pieces: with the one that seems nearest, then with those that may be nearer."""
+        places, numbers = np.nonzero(away < found.distances[rows, None] + self.largest)
+        some, apart = pieces[places, numbers], away[places, numbers]
+        rows = rows[places]
+        squares = np.zeros(len(rows))
+        for axis in range(3):
+            offsets = points[:, axis].take(rows) - self._places[axis].take(some)
+            squares += offsets * self._directions[axis].take(some)
+        squares *= squares
+        # A piece lies in its plane, in a disc around its centre.
+        aside = np.maximum(np.sqrt(np.maximum(apart**2 - squares, 0)) - self._radii.take(some), 0)
+        bounds = np.sqrt(squares + aside**2) * (1 - _ROUNDING)
+        order = np.lexsort((bounds, rows))
+        first = order[np.flatnonzero(np.diff(rows[order], prepend=-1))]
+        limits = found.distances.copy()
+        here, guessed = rows[first], self._parents[some[first]]
+        feet = nearest_on_triangles(self._triangles[guessed], points[here])
+        limits[here] = np.minimum(limits[here], _lengths(feet - points[here]))
+        # Those at the same distance too: of two faces that meet there the first one counts.
+        nearer = np.flatnonzero(bounds <= limits[rows])
+        for start in range(0, len(nearer), _AT_ONCE):
+            part = nearer[start : start + _AT_ONCE]
+            faces = self._parents[some[part]]
+            found.improve(points, rows[part], faces, self._triangles[faces])
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Nearest points found so far.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+    faces : (n,) array of int
+    distances : (n,) array
+    """
+
+    points: FloatArray
+    faces: NDArray[np.int64]
+    distances: FloatArray
+
+    def improve(
+        self, asked: FloatArray, rows: NDArray[np.intp], faces: NDArray[np.int64], triangles: FloatArray
+    ) -> None:
+        """Compare points with triangles; `rows` is sorted, and may name a point several times."""
+        feet = nearest_on_triangles(triangles, asked[rows])
+        apart = _lengths(feet - asked[rows])
+        order = np.lexsort((apart, rows))
+        best = order[np.flatnonzero(np.diff(rows[order], prepend=-1))]
+        best = best[apart[best] < self.distances[rows[best]]]
+        here = rows[best]
+        self.points[here], self.faces[here], self.distances[here] = feet[best], faces[best], apart[best]
 
 
 def nearest_on_triangles(triangles: FloatArray, points: FloatArray) -> FloatArray:
@@ -120,24 +190,37 @@ def nearest_on_triangles(triangles: FloatArray, points: FloatArray) -> FloatArra
     nearest : (n, 3) array
         The foot of the perpendicular if it lies inside, otherwise the nearest point of the three sides.
     """
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    sides = np.stack([b - a, c - b, a - c], axis=1)
-    offsets = points[:, None] - triangles
-    along = np.einsum("nsk,nsk->ns", offsets, sides)
-    lengths = np.einsum("nsk,nsk->ns", sides, sides)
+    # Coordinates first: numpy is slow where the innermost of its loops has three steps.
+    corners = np.ascontiguousarray(triangles.transpose(1, 2, 0))
+    places = np.ascontiguousarray(points.T)
+    sides = corners[[1, 2, 0]] - corners
+    offsets = places - corners
+    along, lengths = (offsets * sides).sum(axis=1), (sides * sides).sum(axis=1)
     share = np.clip(along / np.maximum(lengths, np.finfo(float).tiny), 0, 1)
-    feet = triangles + share[:, :, None] * sides
-    squared = ((points[:, None] - feet) ** 2).sum(axis=2)
-    rows = np.arange(len(points))
-    nearest = feet[rows, squared.argmin(axis=1)]
-    normals = np.cross(sides[:, 0], -sides[:, 2])
-    areas = np.einsum("nk,nk->n", normals, normals)
+    feet = corners + share[:, None] * sides
+    side = ((places - feet) ** 2).sum(axis=1).argmin(axis=0)
+    nearest = feet[side, :, np.arange(len(points))]
+    normals = _crossed(sides[0], -sides[2])
+    areas = (normals * normals).sum(axis=0)
     # A point is over the triangle if it lies on the inner side of all three sides.
-    over = (np.einsum("nsk,nsk->ns", np.cross(sides, offsets), normals[:, None]) >= 0).all(axis=1)
-    over &= areas > 1e-24 * lengths.max(axis=1, initial=0.0) ** 2
-    height = np.einsum("nk,nk->n", offsets[:, 0], normals)[over] / areas[over]
-    nearest[over] = points[over] - height[:, None] * normals[over]
+    over = areas > 1e-24 * lengths.max(axis=0, initial=0.0) ** 2
+    for edge, offset in zip(sides, offsets, strict=True):
+        over &= (_crossed(edge, offset) * normals).sum(axis=0) >= 0
+    heights = (offsets[0] * normals).sum(axis=0)[over] / areas[over]
+    nearest[over] = (places[:, over] - heights * normals[:, over]).T
     return np.asarray(nearest)
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Return the lengths of the rows of an (n, 3) array."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
+
+
+def _crossed(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the cross products of the columns of two (3, n) arrays."""
+    (a, b, c), (d, e, f) = first, second
+    return np.stack([b * f - c * e, c * d - a * f, a * e - b * d])
 
 
 def _pieces(triangles: FloatArray) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:

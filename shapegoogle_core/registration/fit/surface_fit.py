@@ -7,7 +7,9 @@ to the faces of the other, so that the distances of a copy are rounding errors.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -26,6 +28,7 @@ __all__ = [
     "Fit",
     "Surface",
     "TangentPlanes",
+    "best_frame",
     "fit_numbered",
     "fit_surface",
     "frame_between",
@@ -63,15 +66,18 @@ class Surface:
         In the coordinates that the sample's centre and unit refer to.
     sample : SurfaceSample
         Sample of that mesh.
+
+    Attributes
+    ----------
+    slack : float
+        Largest error of a distance from a point that is only roughly the nearest.
     """
 
     def __init__(self, mesh: Mesh, sample: SurfaceSample) -> None:
         vertices = (mesh.vertices - sample.center) / sample.unit
         triangles = vertices[mesh.faces]
         self._tree = TriangleTree(triangles)
-        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        self._normals = normals / np.maximum(lengths, np.finfo(float).tiny)
+        self.slack = self._tree.largest
 
     def nearest(self, points: FloatArray, tolerance: float = np.inf) -> tuple[FloatArray, FloatArray]:
         """Find the nearest points of the surface.
@@ -93,7 +99,7 @@ class Surface:
             nearest, faces = self._tree.near(points)
         else:
             nearest, faces = self._tree.nearest(points, _REACH * tolerance)
-        return nearest, self._normals[faces]
+        return nearest, self._tree.normals[faces]
 
 
 class TangentPlanes:
@@ -102,7 +108,14 @@ class TangentPlanes:
     Parameters
     ----------
     sample : SurfaceSample
+
+    Attributes
+    ----------
+    slack : float
+        As that of `Surface`; 0.
     """
+
+    slack = 0.0
 
     def __init__(self, sample: SurfaceSample) -> None:
         self._points, self._normals = sample.points, sample.normals
@@ -132,20 +145,32 @@ class TangentPlanes:
 class Fit:
     """Candidate in the position in which its points fit the query's surface best.
 
+    Distances are measured when they are asked for: those from faces take as long as the fit.
+
     Attributes
     ----------
     frame : Frame
         From the candidate's sample to the query's.
-    distances : (m,) array
-        Distances of the candidate's points from the query's surface, in units of the query's √area.
-    query_distances : (n,) array
-        Distances of the query's points from the candidate's tangent planes; infinite for points that are
-        farther from its sample than the points of that are from each other.
+    measure, measure_query : callable
+        Compute the distances.
     """
 
     frame: Frame
-    distances: FloatArray
-    query_distances: FloatArray
+    measure: Callable[[], FloatArray]
+    measure_query: Callable[[], FloatArray]
+
+    @cached_property
+    def distances(self) -> FloatArray:
+        """(m,) distances of the candidate's points from the query's surface, in units of the query's √area."""
+        return self.measure()
+
+    @cached_property
+    def query_distances(self) -> FloatArray:
+        """(n,) distances of the query's points from the candidate's tangent planes.
+
+        Infinite for points that are farther from its sample than the points of that are from each other.
+        """
+        return self.measure_query()
 
     @property
     def query_covered(self) -> float:
@@ -233,9 +258,15 @@ def fit_surface(
         nearest, normals = surface.nearest(points, tolerance)
         frame = _step(frame, points, nearest, normals, tolerance, keep_scale=keep_scale)
     points = frame.apply(candidate.points)
-    nearest, _ = surface.nearest(points, _MEASURED)
-    distances = np.linalg.norm(points - nearest, axis=1)
-    return Fit(frame, distances, _heights(query.points, points, candidate.normals @ frame.rotation.T))
+
+    def measure() -> FloatArray:
+        nearest, _ = surface.nearest(points, _MEASURED)
+        return np.asarray(np.linalg.norm(points - nearest, axis=1))
+
+    def measure_query() -> FloatArray:
+        return _heights(query.points, points, candidate.normals @ frame.rotation.T)
+
+    return Fit(frame, measure, measure_query)
 
 
 def measured(surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: Frame) -> float:
@@ -252,8 +283,35 @@ def measured(surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: 
     -------
     distance : float
     """
+    return _mean_distance(surface, candidate, frame, _MEASURED)
+
+
+def _mean_distance(
+    surface: Surface | TangentPlanes, candidate: SurfaceSample, frame: Frame, tolerance: float
+) -> float:
     points = frame.apply(candidate.points[: _STEPS[0][0]])
-    return float(np.linalg.norm(points - surface.nearest(points, _MEASURED)[0], axis=1).mean())
+    return float(np.linalg.norm(points - surface.nearest(points, tolerance)[0], axis=1).mean())
+
+
+def best_frame(surface: Surface | TangentPlanes, candidate: SurfaceSample, frames: Sequence[Frame]) -> Frame:
+    """Choose the frame in which a few points of a candidate lie nearest to the query's surface.
+
+    Parameters
+    ----------
+    surface : Surface or TangentPlanes
+    candidate : SurfaceSample
+    frames : sequence of Frame
+        At least one, from the candidate to the query.
+
+    Returns
+    -------
+    frame : Frame
+        The one with the least `measured` distance. Most others are ruled out without measuring exactly.
+    """
+    roughly = [_mean_distance(surface, candidate, frame, _ROUGHLY) for frame in frames]
+    limit = min(roughly) + surface.slack
+    left = [frame for frame, distance in zip(frames, roughly, strict=True) if distance <= limit]
+    return left[0] if len(left) == 1 else min(left, key=lambda frame: measured(surface, candidate, frame))
 
 
 def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
@@ -274,7 +332,7 @@ def fit_numbered(query: SurfaceSample, candidate: SurfaceSample) -> Fit:
     """
     frame = similarity_frame(candidate.points, query.points, np.ones(len(query.points)))
     distances = np.linalg.norm(frame.apply(candidate.points) - query.points, axis=1)
-    return Fit(frame, distances, distances)
+    return Fit(frame, lambda: distances, lambda: distances)
 
 
 def _step(

@@ -36,13 +36,13 @@ from shapegoogle_core.registration import (
     TangentPlanes,
     align,
     are_flat_sided,
+    best_frame,
     fit_numbered,
     fit_surface,
     frame_between,
     handed_alike,
     is_same_size,
     may_be_bent,
-    measured,
     mirrored,
     principal_motions,
     shared_modes,
@@ -175,7 +175,8 @@ class Explainer:
         evidence : Evidence
         """
         is_exact = pose.exact >= self._settings.promising
-        if pose.frame is not None and (is_exact or pose.covered >= self._settings.widely):
+        may_be_version = pose.covered >= self._settings.widely and not self._are_flat_sided(match)
+        if pose.frame is not None and (is_exact or may_be_version):
             fitted = fit_surface(self._surface, self._sample, match.sample, pose.frame)
             if (version := self._version(fitted, match)) is not None:
                 return version
@@ -246,7 +247,7 @@ class Explainer:
             size = scale * match.sample.unit / self._sample.unit
             frames.append(Frame(size, turn @ flip, center))
         if frames:
-            frame = min(frames, key=lambda one: measured(self._surface, sample, one))
+            frame = best_frame(self._surface, sample, frames)
             return [fit_surface(self._surface, self._sample, sample, frame)]
         alone = self._prepared.at_other_scales((1.0,))
         frame = align(alone, PreparedSample(sample)).frame.inverse()
@@ -299,11 +300,18 @@ class Explainer:
         Of two flat-sided parts such a change is another size, and not a smoother or a coarser mesh.
         """
         settings = self._settings
-        whole = fitted.covered(settings.version) >= settings.whole and fitted.query_covered >= settings.whole
-        own, other = self._query.measures, match.measures
-        if not whole or (own is not None and other is not None and are_flat_sided(own, other)):
+        # The cheap test first: distances from faces are measured only where they decide.
+        if (
+            self._are_flat_sided(match)
+            or fitted.query_covered < settings.whole
+            or fitted.covered(settings.version) < settings.whole
+        ):
             return None
         return self._congruent("version", fitted, match)
+
+    def _are_flat_sided(self, match: Compared) -> bool:
+        own, other = self._query.measures, match.measures
+        return own is not None and other is not None and are_flat_sided(own, other)
 
     def _part(self, fitted: Fit, match: Compared) -> Evidence | None:
         """Check whether the smaller surface lies on the larger one."""
@@ -312,13 +320,18 @@ class Explainer:
         share = match.shape.area / (self._query.shape.area * factor**2)
         on_query = share < 1
         share = share if on_query else 1 / share
-        covered = fitted.covered(self._near) if on_query else fitted.query_covered
-        if share > self._settings.largest_part or covered < self._settings.part:
+        if share > self._settings.largest_part:
             return None
         # A smoothed surface is smaller, too, but nothing is far from it.
-        far = self._settings.far
-        rest = 1 - (fitted.query_within(far) if on_query else fitted.covered(far))
-        if rest < self._settings.missing * (1 - share):
+        far, least = self._settings.far, self._settings.missing * (1 - share)
+        # Of either pair of conditions the one first that needs no distances from faces.
+        if on_query:
+            is_part = (
+                1 - fitted.query_within(far) >= least and fitted.covered(self._near) >= self._settings.part
+            )
+        else:
+            is_part = fitted.query_covered >= self._settings.part and 1 - fitted.covered(far) >= least
+        if not is_part:
             return None
         near = fitted.distances[fitted.distances <= self._near]
         return Evidence(
