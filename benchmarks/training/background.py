@@ -154,7 +154,9 @@ def _verified(model: ShapeModel, pair: tuple[ShapeSignature, ShapeSignature]) ->
     assert other.sample is not None
     distance = float(model.distances(query.bags, other.bags[None])[0])
     candidate = PreparedSample(other.sample)
-    return verify_pair(model, VerificationSettings(), QuerySample(query.sample), candidate, distance)[0]
+    return verify_pair(
+        model, VerificationSettings(), QuerySample(PreparedSample(query.sample)), candidate, distance
+    )[0]
 
 
 def _known_pairs(model: ShapeModel, described: dict[_Shape, ShapeSignature], jobs: int) -> KnownPairs:

@@ -14,6 +14,7 @@ from shapegoogle_core.library.origin import UNKNOWN
 from shapegoogle_core.library.search.evidence.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.library.search.fusion import list_distances
+from shapegoogle_core.library.search.prepared import PreparedQuery
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.traits.distances import TraitDistances
@@ -108,14 +109,15 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
     verifier = Verifier(
         lambda shape_ids: iter([(shape_id, sample) for shape_id in shape_ids]), model, settings.verification
     )
+    prepared = PreparedQuery(signature, settings.evidence)
     if verifier.is_needed(match, several=False):
         scales = {} if model.local_words is None else {match.shape_id: range(len(SHARED_SCALES))}
-        samples = QuerySamples(query.samples, lambda _: {})
+        samples = QuerySamples([prepared.prepared], lambda _: {})
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
     match = _with_kind_distance(model, match, signature, other)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        pair = PairFigures(model, settings, signature, signature.sample, settings.verification.certain)
+        pair = PairFigures(model, settings, prepared, settings.verification.certain)
         compared = Compared(sample, match, other.measures)
         distance = float(model.distances(signature.bags, bags)[0])
         figures = BagFigures(distance, usual, float(distances[0]), usual)

@@ -199,7 +199,15 @@ class LibraryComparison(LibraryContents):
         check_count("count", count, 0)
         matches = as_tuple("matches", matches, Match, "a Match, or several")
         examples = self._signatures(signatures, "signatures", keep_surface=True)
-        explained = explain_matches(self._store, self.model, examples, matches[:count], self._settings, where)
+        explained = explain_matches(
+            self._store,
+            self.model,
+            examples,
+            matches[:count],
+            self._settings,
+            self._search.prepared,
+            where,
+        )
         return [*explained, *by_bags(self.model, matches[count:])]
 
     def _signatures(

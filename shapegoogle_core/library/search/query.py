@@ -80,8 +80,8 @@ class Query:
         Whether there are several positive examples, and negative ones.
     codes, projections : list of (s/8,) array of uint8, list of (s,) array
         Binary code of each positive example, and its projections before taking signs.
-    samples : list of SurfaceSample
-        Of the positive examples that have one.
+    sampled : list of ShapeSignature
+        The positive examples that have a sample of their surface.
     """
 
     def __init__(
@@ -110,9 +110,7 @@ class Query:
             model.code_projections(*example)[0] for example in examples
         ]
         self._sampled = [index for index, signature in enumerate(like) if signature.sample is not None]
-        self.samples: list[SurfaceSample] = [
-            signature.sample for signature in like if signature.sample is not None
-        ]
+        self.sampled: list[ShapeSignature] = [like[index] for index in self._sampled]
 
     def distances(self, vectors: FloatBags) -> FloatArray:
         """Compute the distances of shapes from the query.
@@ -165,7 +163,7 @@ class Query:
         Returns
         -------
         positions : (n,) array of int
-            Positions in `samples`.
+            Positions in `sampled`.
         """
         examples = [self._like[index] for index in self._sampled]
         nearest: NDArray[np.intp] = self._to(examples, vectors).argmin(axis=0)
@@ -202,7 +200,7 @@ class QuerySample:
 
     Parameters
     ----------
-    sample : SurfaceSample
+    prepared : PreparedSample
 
     Attributes
     ----------
@@ -211,8 +209,8 @@ class QuerySample:
         What is known of the support of shapes at each of `SHARED_SCALES`, by shape id.
     """
 
-    def __init__(self, sample: SurfaceSample) -> None:
-        self.prepared = PreparedSample(sample)
+    def __init__(self, prepared: PreparedSample) -> None:
+        self.prepared = prepared
         self.supports: dict[int, NDArray[np.float32]] = {}
 
     @cached_property
@@ -228,7 +226,7 @@ class QuerySamples:
 
     Parameters
     ----------
-    samples : sequence of SurfaceSample
+    samples : sequence of PreparedSample
     nearest : callable
         Finds the position of the sample that each of some matches is aligned with, by shape id; where it
         names none, the first one is used. Called only if there are several samples.
@@ -241,7 +239,7 @@ class QuerySamples:
     """
 
     def __init__(
-        self, samples: Sequence[SurfaceSample], nearest: Callable[[Sequence[Match]], Mapping[int, int]]
+        self, samples: Sequence[PreparedSample], nearest: Callable[[Sequence[Match]], Mapping[int, int]]
     ) -> None:
         self.examples = [QuerySample(sample) for sample in samples]
         self.surfaces: dict[int, SurfaceSample | None] = {}

@@ -22,6 +22,7 @@ from shapegoogle_core.library.neighbours.graph import NeighbourGraph
 from shapegoogle_core.library.neighbours.pairs import BagPairs, TraitPairs
 from shapegoogle_core.library.search.candidates import NearestCodes, NearestViews, SharedWords
 from shapegoogle_core.library.search.codes.shape_index import StoredIndex
+from shapegoogle_core.library.search.prepared import PreparedQueries
 from shapegoogle_core.library.search.query import FARTHEST, Query, QuerySamples
 from shapegoogle_core.library.search.rerank import Reranker
 from shapegoogle_core.library.search.settings import SearchSettings
@@ -55,6 +56,8 @@ class Search:
         Second stage.
     traits : StoredTraits or None
         Traits of the shapes; None for a model that orders by shape only.
+    prepared : PreparedQueries
+        The latest queries.
     """
 
     def __init__(self, store: Store, model: ShapeModel, settings: SearchSettings) -> None:
@@ -74,6 +77,7 @@ class Search:
         self._bags = StoredBags(store, model)
         self.traits = StoredTraits(store, model, self._bags) if StoredTraits.possible(model) else None
         self.reranker = Reranker(store, model, settings.rerank, self._bags)
+        self.prepared = PreparedQueries(settings.evidence)
         self._verifier = Verifier(partial(stored_samples, store, model), model, settings.verification)
 
     def neighbour_graph(self) -> NeighbourGraph:
@@ -165,7 +169,7 @@ class Search:
 
     def _kept(self, query: Query, top: int) -> int:
         """Return the number of matches to keep by their bags: any of them may come first in the end."""
-        return max(top, self._settings.verification.candidates) if query.samples else top
+        return max(top, self._settings.verification.candidates) if query.sampled else top
 
     def _ranked(
         self, index: StoredIndex[Any], find: Callable[[], Sequence[int]], query: Query, count: int
@@ -182,13 +186,14 @@ class Search:
         return self.reranker.rank(query, find(), count)[0]
 
     def _verified(self, query: Query, matches: list[Match], among: ShapeIds | None) -> list[Match]:
-        if query.samples:
+        if query.sampled:
             # That a copy of one of several examples is certain says nothing about the others.
             copies = [match for match in matches if query.several and match.distance == 0]
             rest = matches[len(copies) :]
             if rest and self._verifier.is_needed(rest[0], query.several):
                 known = {match.shape_id for match in matches}
-                samples = QuerySamples(query.samples, partial(self.reranker.nearest_samples, query))
+                own = [self.prepared.of(signature).prepared for signature in query.sampled]
+                samples = QuerySamples(own, partial(self.reranker.nearest_samples, query))
                 find_sharing = partial(self._sharing, query, samples, known, among)
                 rest = self._verifier.verify(samples, rest, find_sharing)
             matches = [*copies, *rest]

@@ -22,7 +22,7 @@ _MOST_PIECES = 60_000
 _FIRST = 12
 # Factor of their number while others are not ruled out.
 _GROWTH = 3
-# Lower bounds of distances are lowered by this share, for rounding errors.
+# Lower bounds of distances are lowered by this share of the largest coordinate, for rounding errors.
 _ROUNDING = 1e-9
 # Pairs of points and faces compared at once.
 _AT_ONCE = 1 << 18
@@ -57,6 +57,7 @@ class TriangleTree:
         normals = _crossed(b - a, c - a).T
         self.normals = normals / np.maximum(_lengths(normals), np.finfo(float).tiny)[:, None]
         self._directions = np.ascontiguousarray(self.normals[self._parents].T)
+        self._rounding = _ROUNDING * float(np.abs(self._triangles).max())
         self._tree = cKDTree(self._centers)
 
     def near(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
@@ -134,7 +135,7 @@ class TriangleTree:
         squares *= squares
         # A piece lies in its plane, in a disc around its centre.
         aside = np.maximum(np.sqrt(np.maximum(apart**2 - squares, 0)) - self._radii.take(some), 0)
-        bounds = np.sqrt(squares + aside**2) * (1 - _ROUNDING)
+        bounds = np.sqrt(squares + aside**2) - self._rounding
         order = np.lexsort((bounds, rows))
         first = order[np.flatnonzero(np.diff(rows[order], prepend=-1))]
         limits = found.distances.copy()

@@ -161,7 +161,7 @@ class Fit:
 
     @cached_property
     def distances(self) -> FloatArray:
-        """(m,) distances of the candidate's points from the query's surface, in units of the query's √area."""
+        """(m,) distances of the candidate's points from the query's surface."""
         return self.measure()
 
     @cached_property

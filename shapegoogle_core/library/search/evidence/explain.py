@@ -22,6 +22,7 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.evidence.figures import BagFigures, PairFigures, with_kind
 from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.library.search.evidence.placements import Placed, best_placement, shown_at
+from shapegoogle_core.library.search.prepared import PreparedQueries
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.surfaces import stored_samples
 from shapegoogle_core.library.search.verify import known_alignment
@@ -40,6 +41,7 @@ def explain_matches(
     queries: Sequence[ShapeSignature],
     matches: Sequence[Match],
     settings: SearchSettings,
+    prepared: PreparedQueries,
     where: Filter | None = None,
 ) -> list[Match]:
     """Add evidence to matches, and give them the similarity of the pair.
@@ -55,6 +57,8 @@ def explain_matches(
     matches : sequence of Match
         Alignments that verification found for them are used.
     settings : SearchSettings
+    prepared : PreparedQueries
+        Those of the library.
     where : Filter, optional
         Conditions of the search, which the chosen placements meet too.
 
@@ -92,7 +96,7 @@ def explain_matches(
     with threadpool_limits(1, user_api="blas"):
         for example, group in stored.items():
             query, query_sample = usable[example]
-            pair = PairFigures(model, settings, query, query_sample, certain)
+            pair = PairFigures(model, settings, prepared.of(query), certain)
             shown = [cast(Match, compared.shape) for compared in group]
             bag_figures = [
                 _bag_figures(match, least[match.shape_id], typical[example], rows[match.shape_id])

@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from shapegoogle_core.library.evidence import Evidence
-from shapegoogle_core.library.search.evidence.kinds import Compared, Explainer
-from shapegoogle_core.library.search.query import QuerySample
+from shapegoogle_core.library.search.evidence.kinds import Compared
+from shapegoogle_core.library.search.prepared import PreparedQuery
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.verify import lowered_distance
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
-from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.registration import (
     Alignment,
     Frame,
@@ -119,9 +118,7 @@ class PairFigures:
     model : ShapeModel
         Model that described all shapes.
     settings : SearchSettings
-    query : ShapeSignature
-    sample : SurfaceSample
-        Of the query.
+    query : PreparedQuery
     certain : float
         Similarity by bags from which a pair is not verified.
     """
@@ -130,15 +127,11 @@ class PairFigures:
         self,
         model: ShapeModel,
         settings: SearchSettings,
-        query: ShapeSignature,
-        sample: SurfaceSample,
+        query: PreparedQuery,
         certain: float,
     ) -> None:
         self._model, self._settings, self._certain = model, settings, certain
-        self._sample = QuerySample(sample)
-        self._explainer = Explainer(
-            Compared(sample, query, query.measures), query.surface, settings.evidence, self._sample.prepared
-        )
+        self._prepared, self._explainer = query.prepared, query.explainer
 
     def positions(
         self,
@@ -174,7 +167,7 @@ class PairFigures:
                 if known is None:
                     wanted.append(place)
         samples = [matches[place].sample for place in wanted]
-        for place, alignment in zip(wanted, align_all(self._sample.prepared, samples), strict=True):
+        for place, alignment in zip(wanted, align_all(self._prepared, samples), strict=True):
             found[place] = replace(found[place], thorough=alignment)
         return [found.get(place) for place in range(len(matches))]
 
@@ -182,7 +175,7 @@ class PairFigures:
         """Measure the agreement in a pose, where bags are uncertain."""
         if self._by_bags(bags) >= self._certain or not pose.is_promising or pose.frame is None:
             return None
-        return measure(self._sample.prepared, candidate, pose.frame.inverse())
+        return measure(self._prepared, candidate, pose.frame.inverse())
 
     def _is_worthwhile(self, bags: BagFigures, pose: PartPose, rough: Alignment) -> bool:
         """Decide whether a thorough alignment may find more."""
