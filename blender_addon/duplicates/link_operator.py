@@ -169,6 +169,32 @@ def _refresh(context: Any, shown: Any, *, chosen: bool) -> None:
     shown.index = min(shown.index, max(0, len(shown.groups) - 1))
 
 
+class SHAPEGOOGLE_OT_choose_duplicates(bpy.types.Operator):
+    """Choose all groups that can be linked."""
+
+    bl_idname = "shape_google.choose_duplicates"
+    bl_label = "Choose All Groups"
+    bl_description = "Check the boxes of all groups that can be linked, or of none if all are checked"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        """Check that there is such a group."""
+        groups = context.window_manager.shape_google_duplicates.groups
+        if not any(group.linkable for group in groups):
+            cls.poll_message_set(tr("There is no group that can be linked"))
+            return False
+        return True
+
+    def execute(self, context: Any) -> set[str]:
+        """Choose them."""
+        groups = context.window_manager.shape_google_duplicates.groups
+        linkable = [group for group in groups if group.linkable]
+        chosen = not all(group.chosen for group in linkable)
+        for group in linkable:
+            group.chosen = chosen
+        return {"FINISHED"}
+
+
 @persistent
 def _lose(*_arguments: object) -> None:
     """Undo, from another window, replaces all objects: the references to them are lost."""
@@ -177,7 +203,9 @@ def _lose(*_arguments: object) -> None:
         linking.lost = True
 
 
-_register, _unregister = bpy.utils.register_classes_factory((SHAPEGOOGLE_OT_link_duplicates,))
+_register, _unregister = bpy.utils.register_classes_factory(
+    (SHAPEGOOGLE_OT_link_duplicates, SHAPEGOOGLE_OT_choose_duplicates)
+)
 
 
 def register() -> None:

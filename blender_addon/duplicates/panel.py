@@ -79,6 +79,7 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
             "SHAPEGOOGLE_UL_duplicates", "", shown, "groups", shown, "index", rows=4, maxrows=4
         )
         row = layout.row(align=True)
+        row.operator("shape_google.choose_duplicates", text="", icon="CHECKBOX_HLT")
         row.operator("shape_google.select_duplicates", text="Select", icon="RESTRICT_SELECT_OFF")
         row.operator("shape_google.link_duplicates", icon="LINKED")
         row = layout.row(align=True)

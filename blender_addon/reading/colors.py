@@ -9,7 +9,7 @@ from typing import Any
 __all__ = ["color_of"]
 
 # Black on a dark interface would not be seen.
-_DARKEST = 0.16
+_DARKEST = 0.3
 
 
 def color_of(item: Any) -> tuple[float, float, float] | None:

@@ -132,7 +132,7 @@ def render(prepared: Prepared, rotation: Any, scale: float, width: int, height: 
     size = finer * width, finer * height
     try:
         # No GPUOffScreen: to make one while a region is drawn ends the drawing of the region.
-        picture = gpu.types.GPUTexture(size, format="RGBA8")
+        picture = gpu.types.GPUTexture(size, format="SRGB8_A8")
         depths = gpu.types.GPUTexture(size, format="DEPTH_COMPONENT32F")
         target = gpu.types.GPUFrameBuffer(depth_slot=depths, color_slots=(picture,))
     except (RuntimeError, ValueError):  # no room on the graphics card, or larger than it allows

@@ -78,9 +78,10 @@ def _png(shape_id: int) -> bytes | None:
 
 
 def _texture(pixels: NDArray[np.float32]) -> Any:
-    # Transparent pixels have no colour, which smoothing would mix in: multiply it in.
+    # Transparent pixels have no colour, which smoothing would mix in: multiply it in, for linear values.
     pixels = pixels.copy()
-    pixels[..., :3] *= pixels[..., 3:]
+    pixels[..., :3] *= pixels[..., 3:] ** (1 / 2.2)
     height, width = pixels.shape[:2]
     content = gpu.types.Buffer("FLOAT", pixels.size, pixels.ravel())
-    return gpu.types.GPUTexture((width, height), format="RGBA8", data=content)
+    # The region of an editor of nodes encodes what shaders write as sRGB, so they must read linear values.
+    return gpu.types.GPUTexture((width, height), format="SRGB8_A8", data=content)

@@ -54,6 +54,9 @@ TEXTS = {
     "Part of It": "Teil davon",
     # Linking data
     "Link Data": "Verknüpfen",
+    "Choose All Groups": "Alle Gruppen wählen",
+    "Check the boxes of all groups that can be linked, or of none if all are checked": "Alle Gruppen ankreuzen, die verknüpft werden können, oder keine, wenn alle angekreuzt sind",
+    "There is no group that can be linked": "Es gibt keine Gruppe, die verknüpft werden kann",
     "Let the members of the chosen groups share the mesh of their first one. Nothing moves: matrices are corrected. Objects where this is not possible, such as with shape keys or an armature, are left unchanged and named": "Die Mitglieder der gewählten Gruppen die Masche ihres ersten teilen lassen. Nichts bewegt sich: Matrizen werden angepasst. Objekte, bei denen das nicht geht, etwa mit Formschlüsseln oder einem Skelett, bleiben unverändert und werden genannt",
     "Linking ended, since the scene was changed meanwhile; find duplicates again": "Das Verknüpfen wurde beendet, da die Szene inzwischen geändert wurde; Duplikate erneut finden",
     "Linking: {done:,} of {count:,}": "Verknüpfen: {done:,} von {count:,}",

@@ -199,6 +199,10 @@ def test_only_chosen_groups_are_linked_and_a_changed_mesh_is_not(shown: Any) -> 
     find(shown)
     with pytest.raises(RuntimeError, match="Choose at least one group"):
         link(shown, all_groups=False)
+    assert bpy.ops.shape_google.choose_duplicates() == {"FINISHED"}
+    assert [group.chosen for group in shown.groups] == [True, True]
+    bpy.ops.shape_google.choose_duplicates()
+    assert [group.chosen for group in shown.groups] == [False, False]
     shown.groups[0].chosen = True
     assert bpy.ops.shape_google.link_duplicates() == {"FINISHED"}
     assert bpy.data.objects["b"].data == bpy.data.objects["b copy"].data  # the larger saving came first
