@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,18 +14,15 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import Library, MeshError
-from shapegoogle_core.indexing import FileShapes, ShapeReader
+from shapegoogle_core.indexing import FileShapes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from tests.addon.reading.every_sort import EXPECTED, LEFT_OUT, Expected, make_library
 
 
 @pytest.fixture(scope="module")
-def made(addon: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> FileShapes:
-    connections = importlib.import_module(f"{addon.__name__}.connections")
-    path = make_library(tmp_path_factory.mktemp("library"))
-    with ShapeReader(connections.blend_reader()) as reader:
-        return reader.read(path)
+def made(read: Callable[..., FileShapes], tmp_path_factory: pytest.TempPathFactory) -> FileShapes:
+    return read(make_library(tmp_path_factory.mktemp("library")))
 
 
 def summary(shape: NewShape[Mesh]) -> Expected:
@@ -75,7 +72,7 @@ def test_the_open_scene_has_the_same_shapes(tmp_path: Path, preferences: Any, se
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
-def test_each_pose_of_some_frames_is_a_shape(addon: ModuleType, tmp_path: Path) -> None:
+def test_each_pose_of_some_frames_is_a_shape(read: Callable[..., FileShapes], tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     item = bpy.context.object
     item.name = "Head"
@@ -93,9 +90,7 @@ def test_each_pose_of_some_frames_is_a_shape(addon: ModuleType, tmp_path: Path) 
         bpy.context.object.keyframe_insert("location", frame=frame)
     path = tmp_path / "poses.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
-    reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
-    with ShapeReader(replace(reader, options=(("frames", "1,10,20"),))) as chosen:
-        found = {shape.name: shape for shape in chosen.read(path).shapes}
+    found = {shape.name: shape for shape in read(path, frames="1,10,20").shapes}
     # At 20 it is as at 1; what only moves has one shape.
     assert {name: shape.origin.frame for name, shape in found.items()} == {
         "Head @ 1": 1,
@@ -108,7 +103,9 @@ def test_each_pose_of_some_frames_is_a_shape(addon: ModuleType, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("suffix", [".usdc", ".usda", ".abc", ".dae", ".svg"])
-def test_what_blender_imports_is_one_shape(addon: ModuleType, tmp_path: Path, suffix: str) -> None:
+def test_what_blender_imports_is_one_shape(
+    read: Callable[..., FileShapes], addon: ModuleType, tmp_path: Path, suffix: str
+) -> None:
     importers = importlib.import_module(f"{addon.__name__}.reading.importers")
     reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
     assert (suffix in reader.suffixes) == (importers.importer_of(suffix) is not None)
@@ -127,11 +124,10 @@ def test_what_blender_imports_is_one_shape(addon: ModuleType, tmp_path: Path, su
             ".dae": lambda: bpy.ops.wm.collada_export(filepath=str(path)),
         }
         export.get(suffix, lambda: bpy.ops.wm.usd_export(filepath=str(path)))()
-    with ShapeReader(reader) as opened:
-        (shape,) = opened.read(path).shapes
-        (tmp_path / f"broken{suffix}").write_bytes(b"no such file")
-        with pytest.raises(MeshError, match="broken"):
-            opened.read(tmp_path / f"broken{suffix}")
+    (shape,) = read(path).shapes
+    (tmp_path / f"broken{suffix}").write_bytes(b"no such file")
+    with pytest.raises(MeshError, match="broken"):
+        read(tmp_path / f"broken{suffix}")
     assert (shape.object_name, shape.name) == ("", f"two{suffix}")
     if suffix != ".svg":
         np.testing.assert_allclose(np.ptp(shape.mesh.vertices, axis=0), [6, 2, 2], atol=0.2)

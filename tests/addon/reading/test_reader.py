@@ -6,13 +6,6 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -22,39 +15,12 @@ import numpy as np
 import pytest
 
 from shapegoogle_core import MeshError
-from shapegoogle_core.indexing import FileShapes, ShapeReader
 from tests.addon.conftest import to_point_cloud
-
-linux_only = pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits and ends processes so")
+from tests.addon.reading.blend_files import add, save
 
 
 def digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@pytest.fixture
-def read(addon: ModuleType) -> Callable[..., FileShapes]:
-    """Read the shapes of a file with a Blender of its own."""
-    import importlib
-
-    assets = importlib.import_module(f"{addon.__name__}.connections")
-
-    def read_file(path: Path, objects: str = "all") -> FileShapes:
-        with ShapeReader(replace(assets.blend_reader(), options=(("objects", objects),))) as reader:
-            return reader.read(path)
-
-    return read_file
-
-
-def save(path: Path) -> Path:
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
-    return path
-
-
-def add(name: str, **options: object) -> Any:
-    bpy.ops.mesh.primitive_monkey_add(**options)
-    bpy.context.object.name = name
-    return bpy.context.object
 
 
 def test_objects_with_modifiers_at_world_scale(read: Any, tmp_path: Path) -> None:
@@ -232,11 +198,11 @@ def test_assets_first(read: Any, tmp_path: Path) -> None:
     add("Plain")
     add("Asset").asset_mark()
     path = save(tmp_path / "scene.blend")
-    assert [shape.object_name for shape in read(path, "assets").shapes] == ["Asset"]
+    assert [shape.object_name for shape in read(path, objects="assets").shapes] == ["Asset"]
     assert [shape.object_name for shape in read(path).shapes] == ["Asset", "Plain"]
     bpy.data.objects["Asset"].asset_clear()
     path = save(tmp_path / "none.blend")
-    assert [shape.object_name for shape in read(path, "assets").shapes] == ["Asset", "Plain"]
+    assert [shape.object_name for shape in read(path, objects="assets").shapes] == ["Asset", "Plain"]
 
 
 def test_wires_and_lamps_are_no_shapes(read: Any, tmp_path: Path) -> None:
@@ -329,28 +295,6 @@ def test_an_fbx_is_one_shape(read: Any, tmp_path: Path) -> None:
     assert math.isclose(np.ptp(shape.mesh.vertices[:, 0]), 6.7, rel_tol=0.05)
 
 
-def heavy(path: Path) -> Path:
-    """Write a small file that Blender makes two million faces of."""
-    item = add("Heavy")
-    item.modifiers.new("Subdivision", "SUBSURF").levels = 6
-    return save(path)
-
-
-@linux_only
-def test_memory(read: Any, addon: ModuleType, tmp_path: Path) -> None:
-    import importlib
-
-    reader = importlib.import_module(f"{addon.__name__}.connections").blend_reader()
-    path = heavy(tmp_path / "heavy.blend")
-    limited = ShapeReader(replace(reader, memory_limit=300))
-    with limited, pytest.raises(MeshError, match=r"'heavy\.blend' needs more than 300 MB"):
-        limited.read(path)
-    bpy.context.object.modifiers.clear()
-    light = save(tmp_path / "light.blend")
-    with ShapeReader(replace(reader, memory_limit=300)) as limited:
-        assert len(limited.read(light).shapes) == 1
-
-
 def test_objects_of_many_faces_are_evaluated_one_after_the_other(
     addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -374,58 +318,3 @@ def test_objects_of_many_faces_are_evaluated_one_after_the_other(
     assert sizes == [1, 2, 2, 1, 1, 1, 1, 1]
     assert answers[0] == answers[1]
     assert len(answers[0]["shapes"]) == 5
-
-
-PROGRAM = """
-import sys
-from shapegoogle_core.indexing import ExternalReader, ShapeReader
-
-print("reads", flush=True)
-ShapeReader(ExternalReader(frozenset({".blend"}), tuple(sys.argv[2:]), "Blender")).read(sys.argv[1])
-"""
-
-
-@linux_only
-def test_a_reading_blender_does_not_outlive_a_killed_worker(addon: ModuleType, tmp_path: Path) -> None:
-    import importlib
-
-    path = heavy(tmp_path / "heavy.blend")
-    command = importlib.import_module(f"{addon.__name__}.connections").blend_reader().command
-    # Inside a real Blender the core lies among the extension's own packages.
-    program = f"import sys; sys.path[:] = {sys.path!r}\n{PROGRAM}"
-    worker = subprocess.Popen(
-        [sys.executable, "-c", program, str(path), *command], stdout=subprocess.PIPE, start_new_session=True
-    )
-    assert worker.stdout is not None
-    assert worker.stdout.readline() == b"reads\n"
-    readers: list[int] = []
-    while not readers:
-        assert worker.poll() is None
-        time.sleep(0.05)
-        readers = children(worker.pid)
-    reader = Path(f"/proc/{readers[0]}")
-    while not writes_shapes(reader):  # it is at work
-        assert worker.poll() is None
-        time.sleep(0.01)
-    os.kill(readers[0], signal.SIGSTOP)  # so that it can neither finish nor notice that its input is closed
-    worker.kill()
-    worker.communicate()
-    for _ in range(3000):  # it ends at once, or never
-        if not reader.exists():
-            return
-        time.sleep(0.02)
-    os.kill(readers[0], signal.SIGKILL)
-    pytest.fail("the reading Blender goes on")
-
-
-def writes_shapes(process: Path) -> bool:
-    """Whether a reading Blender has opened the file that it writes shapes into."""
-    files = []
-    for entry in (process / "fd").iterdir():
-        with suppress(FileNotFoundError):  # closed meanwhile
-            files.append(entry.readlink().name)
-    return "shapes.bin" in files
-
-
-def children(pid: int) -> list[int]:
-    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
