@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.core.cli.running import Shapegoogle, StartShapegoogle, start, without_progress
+from shapegoogle_core.cli import main
+from tests.core.cli.running import Command, Shapegoogle, StartShapegoogle, start, without_progress
 from tests.core.number_reader import reader  # noqa: F401
 from tests.core.small_libraries import folder, indexed, library, library_file, model_file  # noqa: F401
 from tests.core.tiny_model import model  # noqa: F401
@@ -39,3 +40,19 @@ def start_shapegoogle() -> Iterator[StartShapegoogle]:
     for process in processes:
         process.kill()
         process.communicate()
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Command:
+    """Run the command in this process."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as exit:  # argparse
+            code = exit.code if isinstance(exit.code, int) else 1
+        printed = capsys.readouterr()
+        return code, printed.out, without_progress(printed.err)
+
+    return call

@@ -7,7 +7,11 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from typing import Protocol
+
+Command = Callable[..., tuple[int, str, str]]
+"""Runs the command in this process: exit code, stdout, stderr."""
 
 
 class Shapegoogle(Protocol):

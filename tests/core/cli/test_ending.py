@@ -70,7 +70,7 @@ def wait_for(condition: Callable[[], bool], process: subprocess.Popen[str]) -> N
         ("index", "SIGHUP", True),
         ("query", "SIGINT", True),
         ("query", "SIGTERM", False),
-        ("train", "SIGHUP", True),
+        pytest.param("train", "SIGHUP", True, marks=pytest.mark.long),
     ],
 )
 @pytest.mark.usefixtures("indexed")
@@ -99,7 +99,9 @@ def test_while_another_program_reads(
     assert list(temporary.iterdir()) == []
 
 
-@pytest.mark.parametrize(("number", "group"), [("SIGINT", True), ("SIGKILL", False)])
+@pytest.mark.parametrize(
+    ("number", "group"), [("SIGINT", True), pytest.param("SIGKILL", False, marks=pytest.mark.long)]
+)
 def test_while_processes_train(
     number: str,
     group: bool,

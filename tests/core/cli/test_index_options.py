@@ -6,9 +6,7 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
 import sys
-import time
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -19,9 +17,8 @@ import pytest
 from shapegoogle_core.cli import main
 from shapegoogle_core.indexing import ExternalReader
 from shapegoogle_core.library.library import Library
-from tests.core.cli.running import StartShapegoogle
+from tests.core.cli.running import without_progress
 from tests.core.number_reader import write_numbers
-from tests.core.waiting import interruptible, wait_for_sources  # noqa: F401
 
 Run = Callable[..., tuple[int, str, str]]
 LINE = re.compile(r"(\S+) (INFO|WARNING|ERROR) +(.*)")
@@ -33,7 +30,7 @@ def run(capsys: pytest.CaptureFixture[str], library_file: Path) -> Run:
         capsys.readouterr()
         code = main(["index", *map(str, arguments), "--library", str(library_file), "--jobs", "1"])
         printed = capsys.readouterr()
-        return code, printed.out, printed.err
+        return code, printed.out, without_progress(printed.err)
 
     return call
 
@@ -152,11 +149,11 @@ def test_log(
         "--exclude",
         "pear*",
     ]
-    assert main([*arguments, "--jobs", "2"], reader=reader) == 1
+    assert main([*arguments, "--jobs", "1"], reader=reader) == 1
     found = entries(log)
     assert found[0][0] == "INFO"
     assert found[0][1].startswith("started: shapegoogle 0.")
-    assert f"index {folder} --library {library_file} --log {log} --exclude 'pear*' --jobs 2" in found[0][1]
+    assert f"index {folder} --library {library_file} --log {log} --exclude 'pear*' --jobs 1" in found[0][1]
     assert found[-1][1].startswith("finished in ")
     assert "1 file or folder excluded" in found[-1][1]
     assert ("INFO", f"excluded {folder / 'pear.obj'}") in found
@@ -226,28 +223,3 @@ def test_a_log_on_a_full_disk_does_not_end_the_run(run: Run, library: Library, f
     assert stderr == (
         "warning: the log '/dev/full' can no longer be written: No space left on device; the run goes on\n"
     )
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
-@pytest.mark.usefixtures("interruptible")
-def test_an_interruption_is_in_the_log(
-    library: Library,
-    library_file: Path,
-    tmp_path: Path,
-    make_mesh: Callable[..., Path],
-    start_shapegoogle: StartShapegoogle,
-) -> None:
-    for seed in range(12):
-        make_mesh(tmp_path / "many" / f"{seed:02}.off", seed=seed, subdivisions=4)
-    log = tmp_path / "run.log"
-    process = start_shapegoogle(
-        "index", tmp_path / "many", "--library", library_file, "--log", log, "--jobs", "1"
-    )
-    wait_for_sources(library, 1, process)
-    while not any(text.startswith("added ") for _, text in entries(log)):  # at once, as for `tail -f`
-        assert process.poll() is None, "the run ended too early"
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)
-    process.communicate()
-    level, text = entries(log)[-1]
-    assert (level, text.split(":")[0]) == ("WARNING", "interrupted")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,29 +40,17 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return place
 
 
-def check_the_rest(library: Library, many: Path, library_file: Path, shapegoogle: Shapegoogle) -> None:
-    """The library is sound and the next run does what is missing, no more."""
-    before = {shape.source: shape.shape_id for shape in library.shapes()}
-    assert 3 <= len(before) < FILES
-    assert len(library.query(library.signature(min(before.values())), top=FILES, explain=0)) == len(before)
-    done = shapegoogle("index", many, "--library", library_file, "--jobs", "1")
-    assert (done.returncode, done.stderr) == (0, "")
-    new = FILES - len(before)
-    assert done.stdout.startswith(f"{new} shapes added from {new} files, {len(before)} files unchanged")
-    after = {shape.source: shape.shape_id for shape in library.shapes()}
-    assert sorted(after) == sorted(map(str, many.iterdir()))
-    assert before.items() <= after.items()
-
-
-def test_kill_9(
+def test_kill_9_then_control_c_then_the_rest(
     library: Library,
     many: Path,
     library_file: Path,
     start_shapegoogle: StartShapegoogle,
     shapegoogle: Shapegoogle,
     temporary: Path,
+    tmp_path: Path,
 ) -> None:
-    process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
+    arguments = ("index", many, "--library", library_file)
+    process = start_shapegoogle(*arguments, "--jobs", "2")
     wait_for_sources(library, 3, process)
     process.kill()
     process.wait()
@@ -71,20 +60,14 @@ def test_kill_9(
     # Any command removes what is left; one that runs keeps its own.
     shapegoogle("info", "--library", library_file)
     assert not left.exists()
-    check_the_rest(library, many, library_file, shapegoogle)
-    assert list(temporary.iterdir()) == []
+    killed = {shape.source: shape.shape_id for shape in library.shapes()}
 
-
-def test_control_c(
-    library: Library,
-    many: Path,
-    library_file: Path,
-    start_shapegoogle: StartShapegoogle,
-    shapegoogle: Shapegoogle,
-    temporary: Path,
-) -> None:
-    process = start_shapegoogle("index", many, "--library", library_file, "--jobs", "2")
-    wait_for_sources(library, 3, process)
+    log = tmp_path / "run.log"
+    process = start_shapegoogle(*arguments, "--log", log, "--jobs", "2")
+    wait_for_sources(library, len(killed) + 1, process)
+    while " added " not in log.read_text(encoding="utf-8"):  # at once, as for `tail -f`
+        assert process.poll() is None, "the command ended too early"
+        time.sleep(0.05)
     # As a terminal does: to the command and its workers.
     os.killpg(process.pid, signal.SIGINT)
     stdout, printed = process.communicate()
@@ -95,9 +78,23 @@ def test_control_c(
         f"of {FILES} files; everything stored so far is kept, run the same command again to continue\n"
     )
     assert stderr.count("\n") == 1
+    assert " WARNING interrupted: " in log.read_text(encoding="utf-8").splitlines()[-1]
     wait_until_gone(process.pid)
     assert list(temporary.iterdir()) == []
-    check_the_rest(library, many, library_file, shapegoogle)
+
+    # The library is sound, and the next run does what is missing, no more.
+    before = {shape.source: shape.shape_id for shape in library.shapes()}
+    assert killed.items() < before.items()
+    assert len(before) < FILES
+    assert len(library.query(library.signature(min(before.values())), top=FILES, explain=0)) == len(before)
+    done = shapegoogle(*arguments, "--jobs", "1")
+    assert (done.returncode, done.stderr) == (0, "")
+    new = FILES - len(before)
+    assert done.stdout.startswith(f"{new} shapes added from {new} files, {len(before)} files unchanged")
+    after = {shape.source: shape.shape_id for shape in library.shapes()}
+    assert sorted(after) == sorted(map(str, many.iterdir()))
+    assert before.items() <= after.items()
+    assert list(temporary.iterdir()) == []
 
 
 def test_sigterm_leaves_nothing_behind(
