@@ -16,8 +16,11 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import Operator, build_operator
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.spectral import compute_spectrum, eigensolver
-from shapegoogle_core.spectral.eigensolver import _Factor, _Pairs, _Pencil, smallest_pairs
+from shapegoogle_core.spectral import compute_spectrum, eigensolver, inertia
+from shapegoogle_core.spectral.block_lanczos import BLOCK, block_lanczos
+from shapegoogle_core.spectral.eigensolver import smallest_pairs
+from shapegoogle_core.spectral.inertia import Factor
+from shapegoogle_core.spectral.pencil import Pairs, Pencil
 from tests.core.conftest import Shapes
 
 
@@ -100,7 +103,7 @@ def test_the_constant_need_not_be_in_the_kernel(laplacian: str, shapes: type[Sha
 @pytest.mark.parametrize("k", [5, 60])
 def test_more_equal_eigenvalues_than_a_block_has_vectors(k: int, shapes: type[Shapes]) -> None:
     one = build_operator(shapes.sphere(2), "cotangent")
-    copies = 2 * eigensolver.BLOCK
+    copies = 2 * BLOCK
     check(
         Operator(
             sparse.csc_array(sparse.block_diag([one.stiffness] * copies)),
@@ -125,23 +128,23 @@ class Blind:
 
 
 class Searches:
-    """Stands in for `_block_lanczos`; the first search starts without a share of the missed eigenvectors."""
+    """Stands in for `block_lanczos`; the first search starts without a share of the missed eigenvectors."""
 
     def __init__(self) -> None:
-        self.search = eigensolver._block_lanczos
+        self.search = block_lanczos
         self.missed: list[int] = []
         self.known: list[int] = []  # how many pairs each search was to keep away from
 
     def __call__(
         self,
-        pencil: _Pencil,
-        factor: _Factor,
+        pencil: Pencil,
+        factor: Factor,
         below: int,
         above: int,
         known: FloatArray,
         random: Any,
         room: int,
-    ) -> tuple[_Pairs, float]:
+    ) -> tuple[Pairs, float]:
         if not self.known and self.missed:
             random = Blind(np.linalg.eigh(pencil.stiffness.toarray())[1][:, self.missed])
         self.known.append(known.shape[1])
@@ -151,7 +154,7 @@ class Searches:
 @pytest.fixture
 def searches(monkeypatch: pytest.MonkeyPatch) -> Searches:
     spy = Searches()
-    monkeypatch.setattr(eigensolver, "_block_lanczos", spy)
+    monkeypatch.setattr(eigensolver, "block_lanczos", spy)
     return spy
 
 
@@ -176,17 +179,15 @@ def test_a_start_of_one_direction(monkeypatch: pytest.MonkeyPatch, bumpy: Mesh) 
             values: FloatArray = np.random.default_rng(2).standard_normal((shape[0], 1)) * np.ones(shape)
             return values
 
-    search: Callable[..., tuple[_Pairs, float]] = eigensolver._block_lanczos
-    monkeypatch.setattr(
-        eigensolver, "_block_lanczos", lambda *given: search(*given[:-2], Narrow(), given[-1])
-    )
+    search: Callable[..., tuple[Pairs, float]] = block_lanczos
+    monkeypatch.setattr(eigensolver, "block_lanczos", lambda *given: search(*given[:-2], Narrow(), given[-1]))
     check(build_operator(bumpy, "cotangent"), 40)
 
 
 def test_a_shift_at_an_eigenvalue_is_moved(monkeypatch: pytest.MonkeyPatch, bumpy: Mesh) -> None:
     operator = build_operator(bumpy, "cotangent")
     value = dense_eigenvalues(operator, 40)[24]
-    monkeypatch.setattr(eigensolver, "SHARE_BELOW", value / (40 * 4 * np.pi / operator.mass.sum()))
+    monkeypatch.setattr(inertia, "SHARE_BELOW", value / (40 * 4 * np.pi / operator.mass.sum()))
     check(operator, 40)
 
 
@@ -199,7 +200,9 @@ def test_the_same_input_gives_the_same_output(bumpy: Mesh) -> None:
 
 def test_a_count_that_never_agrees_is_an_error(monkeypatch: pytest.MonkeyPatch, shapes: type[Shapes]) -> None:
     bumpy = shapes.bumpy()
-    monkeypatch.setattr(eigensolver, "_gap", lambda values, *_: (values[-1] * 1.0001, len(values) + 1))
+    monkeypatch.setattr(
+        eigensolver, "countable_gap", lambda values, *_: (values[-1] * 1.0001, len(values) + 1)
+    )
     with pytest.raises(MeshError, match="'Ada': its eigenpairs cannot be computed") as error:
         compute_spectrum(Mesh(bumpy.vertices, bumpy.faces, name="Ada"), 30)
     assert str(error.value.__cause__).startswith("found 31 eigenvalues")
