@@ -83,7 +83,7 @@ def render(
         shaded, covered = _draw_points(points, vertex_colors, width, height)
     else:
         shaded, covered = _draw_faces(points, mesh.faces, vertex_colors, width, height)
-    return _compose(shaded, covered, size, background)
+    return _compose(shaded, covered, background)
 
 
 def thumbnail(
@@ -152,22 +152,24 @@ def _fit(points: FloatArray, width: int, height: int) -> FloatArray:
 
 def _spans(tips: FloatArray, height: int, width: int) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     """Return the spans of pixels that triangles cover: triangle, row, first column and number of columns."""
-    by_height = np.take_along_axis(tips, tips[:, :, 1].argsort(axis=1)[:, :, None], axis=1)
-    top, middle, bottom = by_height[:, 0], by_height[:, 1], by_height[:, 2]
-    first = np.clip(np.ceil(top[:, 1] - 0.5), 0, height).astype(np.int64)
-    last = np.clip(np.ceil(bottom[:, 1] - 0.5), 0, height).astype(np.int64)
+    by_height = tips[:, :, 1].argsort(axis=1)
+    xs, ys = (np.take_along_axis(tips[:, :, axis], by_height, axis=1).T.copy() for axis in range(2))
+    first = np.clip(np.ceil(ys[0] - 0.5), 0, height).astype(np.int64)
+    last = np.clip(np.ceil(ys[2] - 0.5), 0, height).astype(np.int64)
     rows_per_face = np.maximum(last - first, 0)
     face = np.repeat(np.arange(len(tips)), rows_per_face)
     row = first[face] + _counting(rows_per_face)
     y = row + 0.5
+    corners = [(x.take(face), y.take(face)) for x, y in zip(xs, ys, strict=True)]
 
-    def crossing(a: FloatArray, b: FloatArray) -> FloatArray:
-        rise = np.where(b[face, 1] > a[face, 1], b[face, 1] - a[face, 1], 1)
-        share = np.clip((y - a[face, 1]) / rise, 0, 1)
-        return np.asarray(a[face, 0] + share * (b[face, 0] - a[face, 0]))
+    def crossing(a: int, b: int) -> FloatArray:
+        (start, above), (end, below) = corners[a], corners[b]
+        rise = np.where(below > above, below - above, 1)
+        share = np.clip((y - above) / rise, 0, 1)
+        return np.asarray(start + share * (end - start))
 
-    one = crossing(top, bottom)
-    other = np.where(y < middle[face, 1], crossing(top, middle), crossing(middle, bottom))
+    one = crossing(0, 2)
+    other = np.where(y < corners[1][1], crossing(0, 1), crossing(1, 2))
     left = np.clip(np.ceil(np.minimum(one, other) - 0.5), 0, width).astype(np.int64)
     right = np.clip(np.ceil(np.maximum(one, other) - 0.5), 0, width).astype(np.int64)
     return face, row, left, np.maximum(right - left, 0)
@@ -179,17 +181,28 @@ def _counting(lengths: IntArray) -> IntArray:
     return np.arange(int(lengths.sum())) - np.repeat(ends - lengths, lengths)
 
 
-def _barycentric(tips: FloatArray, column: IntArray, row: IntArray) -> FloatArray:
-    """Return barycentric coordinates (s, 3) of pixel centres in their triangles (s, 3, 3)."""
-    x, y = column + 0.5, row + 0.5
-    a, b, c = (tips[:, corner, :2] for corner in range(3))
-    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+def _barycentric(tips: FloatArray, face: IntArray, column: IntArray, row: IntArray) -> FloatArray:
+    """Return barycentric coordinates (3, s) of pixel centres in their triangles, of m given as (m, 3, 3)."""
+    ax, ay, bx, by, cx, cy = tips[:, :, :2].reshape(-1, 6).T
+    bx, by, cx, cy = bx - ax, by - ay, cx - ax, cy - ay
+    area = bx * cy - cx * by
     area = np.where(area == 0, 1, area)
-    second = ((x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (y - a[:, 1])) / area
-    third = ((b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])) / area
-    weights: FloatArray = np.clip(np.stack([1 - second - third, second, third], axis=1), 0, 1)
-    weights /= weights.sum(axis=1, keepdims=True)
+    x, y = column + 0.5 - ax.take(face), row + 0.5 - ay.take(face)
+    second = x * (cy / area).take(face) - y * (cx / area).take(face)
+    third = y * (bx / area).take(face) - x * (by / area).take(face)
+    weights: FloatArray = np.clip(np.stack([1 - second - third, second, third]), 0, 1)
+    weights /= weights.sum(axis=0)
     return weights
+
+
+def _interpolated(weights: FloatArray, values: FloatArray, face: IntArray) -> FloatArray:
+    """Interpolate values (m, 3, 3) at the corners of m triangles: (s, 3)."""
+    at_corners = np.ascontiguousarray(values.transpose(1, 2, 0))
+    found = np.zeros((3, len(face)))
+    for weight, corner in zip(weights, at_corners, strict=True):
+        for axis in range(3):
+            found[axis] += weight * corner[axis].take(face)
+    return found.T
 
 
 def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
@@ -202,7 +215,8 @@ def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
     u, v = tips[:, 1] - tips[:, 0], tips[:, 2] - tips[:, 0]
     normal = np.cross(u, v)
     upright = np.where(normal[:, 2] == 0, 1, normal[:, 2])
-    slope = np.where(normal[:, 2:] == 0, 0, -normal[:, :2] / upright[:, None])
+    slope_x, slope_y = np.where(normal[:, 2] == 0, 0, -normal[:, :2].T / upright)
+    first_x, first_y, first_z = tips[:, 0].T.copy()
     least, most = depth.min(axis=1), depth.max(axis=1)
 
     face, row, left, columns = _spans(tips, height, width)
@@ -215,29 +229,32 @@ def _nearest_faces(tips: FloatArray, width: int, height: int) -> IntArray:
         x = np.repeat(left[part], columns[part]) + _counting(columns[part])
         y = np.repeat(row[part], columns[part])
         z = (
-            tips[of_face, 0, 2]
-            + slope[of_face, 0] * (x + 0.5 - tips[of_face, 0, 0])
-            + slope[of_face, 1] * (y + 0.5 - tips[of_face, 0, 1])
+            first_z.take(of_face)
+            + slope_x.take(of_face) * (x + 0.5 - first_x.take(of_face))
+            + slope_y.take(of_face) * (y + 0.5 - first_y.take(of_face))
         )
         # The slope of a triangle seen edge-on is unbounded; its corners bound the depth.
-        z = np.clip(z, least[of_face], most[of_face])
+        z = np.clip(z, least.take(of_face), most.take(of_face))
         keys = (((z - low) * scale).astype(np.int64) << 32) | of_face
         np.maximum.at(buffer, y * width + x, keys)
         start = stop
     return np.where(buffer < 0, -1, buffer & 0xFFFFFFFF)
 
 
-def _corner_normals(tips: FloatArray, faces: NDArray[np.int32], count: int) -> FloatArray:
-    """Return unit normals at the corners of every face, (m, 3, 3): smooth where neighbours bend little."""
+def _corner_normals(
+    tips: FloatArray, faces: NDArray[np.int32], count: int, seen: NDArray[np.intp]
+) -> FloatArray:
+    """Return unit normals at the corners of s faces, (s, 3, 3): smooth where neighbours bend little."""
     normals = np.cross(tips[:, 1] - tips[:, 0], tips[:, 2] - tips[:, 0])
     summed = np.stack(
         [np.bincount(faces.ravel(), np.repeat(normals[:, axis], 3), minlength=count) for axis in range(3)],
         axis=1,
     )
     tiny = np.finfo(float).tiny
+    normals = normals[seen]
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), tiny)
     smooth = summed / np.maximum(np.linalg.norm(summed, axis=1, keepdims=True), tiny)
-    corners: FloatArray = smooth[faces]
+    corners: FloatArray = smooth[faces[seen]]
     sharp = np.einsum("mcd,md->mc", corners, unit) < _SMOOTH_COSINE
     corners[sharp] = np.broadcast_to(unit[:, None], corners.shape)[sharp]
     return corners
@@ -249,12 +266,19 @@ def _draw_faces(
     tips = points[faces]
     nearest = _nearest_faces(tips, width, height)
     pixels = np.flatnonzero(nearest >= 0)
-    face = nearest[pixels]
+    # Only the faces that are seen, numbered anew.
+    is_seen = np.zeros(len(faces), bool)
+    is_seen[nearest[pixels]] = True
+    seen = np.flatnonzero(is_seen)
+    face = (np.cumsum(is_seen) - 1)[nearest[pixels]]
     row, column = np.divmod(pixels, width)
-    weights = _barycentric(tips[face], column, row)
-    normals = np.einsum("pc,pcd->pd", weights, _corner_normals(tips, faces, len(points))[face])
+    weights = _barycentric(tips[seen], face, column, row)
+    normals = _interpolated(weights, _corner_normals(tips, faces, len(points), seen), face)
+    # One colour for all vertices is repeated in place, without memory of its own.
+    plain = colors.strides[0] == 0
+    drawn = colors[:1] if plain else _interpolated(weights, colors[faces[seen]], face)
     picture = np.zeros((height * width, 3))
-    picture[pixels] = _shade(np.einsum("pc,pcd->pd", weights, colors[faces[face]]), normals * [1, -1, 1])
+    picture[pixels] = _shade(drawn, normals * [1, -1, 1])
     covered = nearest >= 0
     return picture.reshape(height, width, 3), covered.reshape(height, width)
 
@@ -295,17 +319,19 @@ def _draw_points(
 
 
 def _compose(
-    shaded: FloatArray,
-    covered: NDArray[np.bool_],
-    size: tuple[int, int],
-    background: tuple[int, int, int] | None,
+    shaded: FloatArray, covered: NDArray[np.bool_], background: tuple[int, int, int] | None
 ) -> Image.Image:
-    width, height = size
-    blocks = (height, _SUPERSAMPLING, width, _SUPERSAMPLING)
-    share = covered.reshape(blocks).mean(axis=(1, 3))
-    total = (shaded * covered[:, :, None]).reshape(*blocks, 3).mean(axis=(1, 3))
+    """Average the samples of each pixel; where nothing is covered, `shaded` is 0."""
+    share, total = _reduced(covered.astype(np.float64)), _reduced(shaded)
     if background is not None:
         mixed = total + (1 - share)[:, :, None] * np.asarray(background, float) / 255
         return Image.fromarray(np.round(255 * mixed).astype(np.uint8))
     color = total / np.maximum(share, 1 / _SUPERSAMPLING**2)[:, :, None]
     return Image.fromarray(np.round(255 * np.dstack([color, share])).astype(np.uint8))
+
+
+def _reduced(picture: FloatArray) -> FloatArray:
+    """Average blocks of pixels."""
+    step = _SUPERSAMPLING
+    parts = [picture[row::step, column::step] for row in range(step) for column in range(step)]
+    return np.asarray(sum(parts[1:], parts[0]) / len(parts))
