@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["medial_radii"]
+__all__ = ["ball_centers", "medial_radii"]
 
 # Radii shrink quickly and converge within this number of steps.
 _STEPS = 12
@@ -44,6 +44,22 @@ def medial_radii(points: FloatArray, normals: FloatArray, cloud: FloatArray, lar
     behind = _shrunk(points, normals, cloud, tree, largest)
     before = _shrunk(points, -normals, cloud, tree, largest)
     return np.where(behind <= before, behind, -before)
+
+
+def ball_centers(points: FloatArray, normals: FloatArray, radii: FloatArray) -> FloatArray:
+    """Compute the centres of medial balls, which are points of the medial axis.
+
+    Parameters
+    ----------
+    points, normals : (..., 3) arrays
+    radii : (...) array
+        From `medial_radii`.
+
+    Returns
+    -------
+    centers : (..., 3) array
+    """
+    return np.asarray(points - radii[..., None] * normals)
 
 
 def _shrunk(

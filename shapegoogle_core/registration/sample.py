@@ -7,8 +7,8 @@ import math
 import struct
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
-from typing import Self
+from itertools import accumulate
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
 from shapegoogle_core.mesh.measures import point_normals, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.registration.medial import medial_radii
+from shapegoogle_core.registration.medial import ball_centers, medial_radii
 from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["SampleSettings", "SurfaceSample", "farthest_points", "sample_surface"]
@@ -107,7 +107,7 @@ class SurfaceSample:
     @cached_property
     def centers(self) -> FloatArray:
         """(m, 3) points of the medial axis: the centres of the medial balls."""
-        return self.points - self.radii[:, None] * self.normals
+        return ball_centers(self.points, self.normals, self.radii)
 
     def descriptors_at(self, scale: float, keypoints: int | None = None) -> NDArray[np.float32]:
         """Compute the descriptors that the surface would have at another size.
@@ -225,20 +225,21 @@ class SurfaceSample:
                 f"a surface sample cannot have {points} points and {keypoints} keypoints with {size} numbers"
             )
         lengths = (6 * points, 3 * points, 4 * modes, points, keypoints * size, keypoints * modes)
-        ends = np.cumsum([_HEADER.size, *lengths])
+        ends = list(accumulate(lengths, initial=_HEADER.size))
         if len(data) != ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
-        parts = [data[start:end] for start, end in pairwise(ends)]
-        normals = np.frombuffer(parts[1], np.int8).reshape(points, 3) * _NORMAL_UNIT
-        descriptors = np.frombuffer(parts[4], np.int8).reshape(keypoints, size).astype(np.float32)
-        functions = np.frombuffer(parts[5], np.int8).reshape(keypoints, modes).astype(np.float32)
+
+        def numbers(part: int, kind: str, unit: float, exact: type[np.floating[Any]]) -> NDArray[Any]:
+            stored = np.frombuffer(data, kind, lengths[part] // np.dtype(kind).itemsize, ends[part])
+            return np.multiply(stored, exact(unit), dtype=exact)
+
         return cls(
-            points=np.frombuffer(parts[0], "<i2").reshape(points, 3) * float(step),
-            normals=normals.astype(np.float64),
-            radii=np.frombuffer(parts[3], np.int8).astype(np.float64) * _RADIUS_UNIT,
-            descriptors=descriptors * np.float32(_DESCRIPTOR_UNIT),
-            eigenvalues=np.frombuffer(parts[2], "<f4").astype(np.float64),
-            modes=functions * np.float32(_MODE_UNIT),
+            points=numbers(0, "<i2", step, np.float64).reshape(points, 3),
+            normals=numbers(1, "i1", _NORMAL_UNIT, np.float64).reshape(points, 3),
+            radii=numbers(3, "i1", _RADIUS_UNIT, np.float64),
+            descriptors=numbers(4, "i1", _DESCRIPTOR_UNIT, np.float32).reshape(keypoints, size),
+            eigenvalues=numbers(2, "<f4", 1.0, np.float64),
+            modes=numbers(5, "i1", _MODE_UNIT, np.float32).reshape(keypoints, modes),
             center=center,
             unit=unit,
         )
@@ -305,7 +306,7 @@ def _spin_images(
     share = np.full(len(points), area / len(points))
     closed = np.abs(radii) < _OPEN_RADIUS * math.sqrt(area)
     lengths = np.where(closed, share / np.maximum(np.abs(radii), _SMALLEST_RADIUS), 0)
-    centers = points - radii[:, None] * normals
+    centers = ball_centers(points, normals, radii)
     normals = normals[:keypoints]
     surface = spin_images(points[:keypoints], normals, points, share, _SURFACE_RADIUS, _BINS)
     axis = spin_images(centers[:keypoints], normals, centers, lengths, _AXIS_RADIUS, _BINS)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.registration.aligning.motions import compatibility
+from shapegoogle_core.registration.medial import ball_centers
 from shapegoogle_core.registration.prepared_sample import PreparedSample
 from shapegoogle_core.registration.sample import SurfaceSample
 
@@ -75,9 +76,10 @@ def supports(
         places, normals = (
             np.stack([getattr(one, name)[few] for one in chosen]) for name in ("points", "normals")
         )
-        # As `SurfaceSample.centers`, but only of the keypoints: most candidates are looked at but once.
-        radii = np.stack([one.radii[few] for one in chosen])[..., None]
-        points, centers = places.astype(np.float32), (places - radii * normals).astype(np.float32)
+        # Only of the keypoints: most candidates are looked at but once.
+        radii = np.stack([one.radii[few] for one in chosen])
+        points = places.astype(np.float32)
+        centers = ball_centers(places, normals, radii).astype(np.float32)
         for scale in range(compared.shape[1]):
             asked = np.flatnonzero(compared[some, scale])
             if len(asked):
