@@ -88,16 +88,21 @@ class IsometryTest:
         guessed = min(_GUESSED, size)
         # Eigenfunctions of nearly the same frequency may be swapped, so the descriptors help at first.
         target = np.concatenate([there[:, :guessed], heat[1]], axis=1)
+        half_squares = (target**2).sum(axis=1) / 2
         maps = [
             _nearest(
-                np.concatenate([here[:, :guessed] * np.array(signs, np.float32), heat[0]], axis=1), target
+                np.concatenate([here[:, :guessed] * np.array(signs, np.float32), heat[0]], axis=1),
+                target,
+                half_squares,
             )
             for signs in product((1, -1), repeat=guessed)
         ]
         counts = range(guessed, size + 1, _STEP)
         for step, count in enumerate(counts):
             images = [self._image(there, counterparts, count) for counterparts in maps]
-            maps = [_nearest(here[:, :count] @ image, there[:, :count]) for image in images]
+            target = there[:, :count]
+            half_squares = (target**2).sum(axis=1) / 2
+            maps = [_nearest(here[:, :count] @ image, target, half_squares) for image in images]
             if step in (_PRUNED_AFTER, len(counts) - 1):
                 misfits = [
                     float(np.abs(heat[0] - heat[1][counterparts]).mean()) + _orthogonality(image)
@@ -170,8 +175,12 @@ def _both_positive(values: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
     return np.asarray((values > _SMALLEST_EIGENVALUE) & (others > _SMALLEST_EIGENVALUE))
 
 
-def _nearest(rows: NDArray[np.float32], others: NDArray[np.float32]) -> NDArray[np.intp]:
-    return np.asarray(((others**2).sum(axis=1) / 2 - rows @ others.T).argmin(axis=1))
+def _nearest(
+    rows: NDArray[np.float32], others: NDArray[np.float32], half_squares: NDArray[np.float32]
+) -> NDArray[np.intp]:
+    """Find the nearest of the others, given half of each one's squared length."""
+    products = rows @ others.T
+    return np.asarray(np.subtract(half_squares, products, out=products).argmin(axis=1))
 
 
 def _orthogonality(image: NDArray[np.float32]) -> float:

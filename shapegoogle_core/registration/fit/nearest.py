@@ -226,34 +226,30 @@ def _crossed(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _pieces(triangles: FloatArray) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
     """Cut triangles across their longest sides until they are small: parents, and the balls around them."""
-    doubled = np.linalg.norm(
-        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
-    )
+    # Coordinates first, as in `nearest_on_triangles`.
+    corners = np.ascontiguousarray(triangles.transpose(1, 2, 0))
+    doubled = np.sqrt((_crossed(corners[1] - corners[0], corners[2] - corners[0]) ** 2).sum(axis=0))
     limit = _RADIUS * np.sqrt(doubled.sum() / 2 / max(_FEWEST_PIECES, len(triangles)))
     parent = np.arange(len(triangles))
     done: list[tuple[NDArray[np.int64], FloatArray, FloatArray]] = []
     finished = 0
     while True:
-        sides = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
-        longest = sides.argmax(axis=1)
+        longest = ((corners - corners[[1, 2, 0]]) ** 2).sum(axis=1).argmax(axis=0)
         # Turned so that the longest side goes from the first corner to the second.
-        order = (longest[:, None] + np.arange(3)) % 3
-        triangles = np.take_along_axis(triangles, order[:, :, None], axis=1)
-        middle = triangles[:, :2].mean(axis=1)
-        radii = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
+        order = (longest + np.arange(3)[:, None]) % 3
+        corners = np.take_along_axis(corners, order[:, None], axis=0)
+        middle = (corners[0] + corners[1]) / 2
+        radii = np.sqrt(((corners - middle) ** 2).sum(axis=1).max(axis=0))
         large = radii > limit
-        if finished + len(triangles) + np.count_nonzero(large) > _MOST_PIECES:
+        if finished + len(parent) + np.count_nonzero(large) > _MOST_PIECES:
             large[:] = False
-        done.append((parent[~large], middle[~large], radii[~large]))
+        done.append((parent[~large], middle[:, ~large].T, radii[~large]))
         finished += int(np.count_nonzero(~large))
         if not large.any():
             parents, centers, sizes = (np.concatenate(parts) for parts in zip(*done, strict=True))
             return parents, centers, sizes
-        corners, halves = triangles[large], middle[large]
-        triangles = np.concatenate(
-            [
-                np.stack([corners[:, 0], halves, corners[:, 2]], axis=1),
-                np.stack([halves, corners[:, 1], corners[:, 2]], axis=1),
-            ]
+        (first, second, third), halves = corners[:, :, large], middle[:, large]
+        corners = np.concatenate(
+            [np.stack([first, halves, third]), np.stack([halves, second, third])], axis=2
         )
         parent = np.tile(parent[large], 2)
