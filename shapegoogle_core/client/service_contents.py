@@ -14,9 +14,9 @@ from shapegoogle_core.client.places import Places
 from shapegoogle_core.client.records import placement_from, shape_from
 from shapegoogle_core.client.values import picture, text
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.contents import PAGE
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.library import Library
+from shapegoogle_core.library.parts.listing import PAGE
 from shapegoogle_core.library.placement import Placement
 from shapegoogle_core.library.storage.records import Root, ShapeRecord
 from shapegoogle_core.library.storage.signature_file import signature_from_bytes

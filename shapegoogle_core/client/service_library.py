@@ -4,32 +4,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
 
 from shapegoogle_core.api.arguments import as_tuple, check_count, check_number, check_type
 from shapegoogle_core.client.address import ServiceAddress
-from shapegoogle_core.client.connection import Connection, NotThereError, understood
-from shapegoogle_core.client.examples import Examples
+from shapegoogle_core.client.connection import Connection, understood
 from shapegoogle_core.client.models import cache_folder, model_file, model_of_service
-from shapegoogle_core.client.records import decision_from, group_from, match_from, suggestion_from
-from shapegoogle_core.client.service_contents import ServiceContents, as_in_library, portions
+from shapegoogle_core.client.records import group_from, match_from, suggestion_from
+from shapegoogle_core.client.service_contents import as_in_library, portions
+from shapegoogle_core.client.service_decisions import ServiceDecisions
 from shapegoogle_core.client.versions import check_versions
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.decisions.decision import Decision, DecisionKind
 from shapegoogle_core.library.duplicates.groups import DuplicateGroup
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
-from shapegoogle_core.library.search.query import QueryShape, QueryShapes, as_query_shapes
+from shapegoogle_core.library.search.query import QueryShape, QueryShapes
 from shapegoogle_core.library.search.settings import RANKS, EvidenceSettings, Rank
-from shapegoogle_core.library.storage.signatures import check_signature
 from shapegoogle_core.library.suggestions import Suggestion
 from shapegoogle_core.library.suggestions.suggest import RELATIVES
-from shapegoogle_core.mesh import as_mesh
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.model.signature import ShapeSignature
 
@@ -41,7 +38,7 @@ _MOST_MATCHES, _EXPLAINED = 1_000, 25
 _PAUSE = 2.0
 
 
-class ServiceLibrary(ServiceContents):
+class ServiceLibrary(ServiceDecisions):
     """A library behind a service, see `shapegoogle serve`. Connect to it with `ServiceLibrary.connect`.
 
     It has the methods of a `Library` for searching, looking and deciding, which give the same answers. Shapes
@@ -76,7 +73,6 @@ class ServiceLibrary(ServiceContents):
 
     def __init__(self, connection: Connection, info: Mapping[str, Any], model: ShapeModel) -> None:
         super().__init__(connection, info, model)
-        self._examples = Examples()
         self._model_hash = str(info["model_hash"])
         self.model_file = Path()
 
@@ -305,71 +301,6 @@ class ServiceLibrary(ServiceContents):
                     raise ValueError  # it would never end
                 offset = following
         return groups
-
-    # -- decisions ------------------------------------------------------------------------------------------
-
-    @as_in_library
-    def decide(
-        self,
-        kind: DecisionKind,
-        shape: int | ShapeSignature,
-        other: int | None = None,
-        *,
-        tag: str = "",
-        author: str = "",
-        name: str = "",
-        source: str = "",
-    ) -> Decision:
-        """See `Library.decide`."""
-        check_type("shape", shape, (int, ShapeSignature), "the number of a shape, or a signature")
-        described = [] if isinstance(shape, int) else self._described(shape, "shape")
-
-        def asked() -> dict[str, object]:
-            example = {"shape_id": shape} if not described else self._examples.listed(described)[0]
-            about = {"kind": kind, "shape": example, "other": other, "tag": tag, "author": author}
-            # A file of this computer that the service does not know has no name there.
-            place = self._places.place(source) if source else None
-            return {**about, "name": name, **({} if place is None else {"source": place})}
-
-        answer = self._asked("decisions", asked, once=True)
-        with understood(self._connection.address):
-            return decision_from(answer)
-
-    @as_in_library
-    def decisions(self) -> list[Decision]:
-        """See `Library.decisions`."""
-        answer = self._connection.get("decisions")
-        with understood(self._connection.address):
-            return [decision_from(record) for record in answer["decisions"]]
-
-    @as_in_library
-    def undo(self, number: int) -> Decision:
-        """See `Library.undo`."""
-        answer = self._connection.delete(f"decisions/{int(number)}")
-        with understood(self._connection.address):
-            return decision_from(answer)
-
-    # -- requests -------------------------------------------------------------------------------------------
-
-    def _described(self, shapes: QueryShapes, argument: str) -> list[ShapeSignature]:
-        """Describe meshes; signatures are checked and kept."""
-        signatures = []
-        for shape in as_query_shapes(shapes):
-            if isinstance(shape, ShapeSignature):
-                check_signature(shape, argument, self.model, self.name)
-                signatures.append(shape)
-            else:
-                signatures.append(self.model.describe(as_mesh(shape, argument)))
-        return signatures
-
-    def _asked(self, path: str, asked: Callable[[], dict[str, object]], *, once: bool = False) -> Any:
-        """Send a request; if the service does not know an earlier search any more, with all signatures."""
-        try:
-            return self._connection.post(path, asked(), once=once)
-        except NotThereError:
-            if not self._examples.forget():
-                raise
-        return self._connection.post(path, asked(), once=once)
 
     def _compared(
         self, examples: Sequence[ShapeSignature], numbers: Sequence[int], evidence: int, where: Filter | None

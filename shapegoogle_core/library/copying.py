@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.folders import PathLike
+from shapegoogle_core.library.parts.folders import PathLike
 from shapegoogle_core.library.storage.address import as_place, shown_place
 from shapegoogle_core.library.storage.copying import CopyReport, copy_stored
 from shapegoogle_core.library.storage.opening import open_store

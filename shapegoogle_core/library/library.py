@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Self
 
 from shapegoogle_core.api.arguments import check_count, check_number, check_type
-from shapegoogle_core.library.contents import PathLike
 from shapegoogle_core.library.decisions.deciding import LibraryDecisions
 from shapegoogle_core.library.decisions.in_duplicates import follow_decisions
 from shapegoogle_core.library.duplicates.find import find_duplicates
@@ -17,6 +16,7 @@ from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.duplicates.settings import EXPLAINED_MEMBERS, MIN_SIMILARITY
 from shapegoogle_core.library.duplicates.split_by_evidence import split_by_evidence
 from shapegoogle_core.library.neighbours.pairs import distances_among
+from shapegoogle_core.library.parts.contents import PathLike
 from shapegoogle_core.library.search.settings import SearchSettings
 from shapegoogle_core.library.search.stages import check_stages
 from shapegoogle_core.library.storage.address import as_place

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.folders import PathLike
+from shapegoogle_core.library.parts.folders import PathLike
 from shapegoogle_core.library.storage.address import as_place
 from shapegoogle_core.library.storage.opening import connect
 from shapegoogle_core.library.storage.sqlite.store import SqliteStore

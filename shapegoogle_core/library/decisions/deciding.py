@@ -18,7 +18,7 @@ from shapegoogle_core.library.decisions.decision import (
     ShapeKey,
 )
 from shapegoogle_core.library.decisions.fingerprint import fingerprint, fingerprint_of_measures
-from shapegoogle_core.library.searching import LibrarySearch
+from shapegoogle_core.library.parts.searching import LibrarySearch
 from shapegoogle_core.library.storage.signatures import unpack_measures
 from shapegoogle_core.model.signature import ShapeSignature
 

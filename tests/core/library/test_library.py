@@ -268,7 +268,7 @@ def test_a_long_listing_comes_complete_while_the_library_changes(
     make_signature: Callable[..., ShapeSignature],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("shapegoogle_core.library.contents.PAGE", 2)
+    monkeypatch.setattr("shapegoogle_core.library.parts.listing.PAGE", 2)
     with Library.open(place, model) as library:
         for seed in range(7):
             library.add_signature(make_signature(seed), f"shape {seed}")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from shapegoogle_core.api.arguments import path_text
-from shapegoogle_core.library.folders import LibraryFolders, PathLike
+from shapegoogle_core.library.parts.folders import LibraryFolders, PathLike
 from shapegoogle_core.library.roots.keys import key_below, source_keys
 from shapegoogle_core.library.storage.records import NewShape, Rearrangement, SourceKey, SourceRecord
 from shapegoogle_core.library.storage.signatures import check_signature

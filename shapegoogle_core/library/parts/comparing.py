@@ -9,10 +9,10 @@ from contextlib import contextmanager
 import numpy as np
 
 from shapegoogle_core.api.arguments import as_tuple, check_count, check_type
-from shapegoogle_core.library.contents import LibraryContents
 from shapegoogle_core.library.duplicates.leader_clustering import Wrapper
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.parts.contents import LibraryContents
 from shapegoogle_core.library.search.evidence.copies import copies_first
 from shapegoogle_core.library.search.evidence.explain import by_bags, explain_matches
 from shapegoogle_core.library.search.fusion import Fusion

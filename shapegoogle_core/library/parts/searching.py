@@ -8,10 +8,10 @@ from functools import partial
 
 from shapegoogle_core.api.arguments import check_count, check_type
 from shapegoogle_core.errors import LibraryError
-from shapegoogle_core.library.comparing import LibraryComparison
 from shapegoogle_core.library.filter import Filter
 from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.neighbours.reorder import WalkReranker
+from shapegoogle_core.library.parts.comparing import LibraryComparison
 from shapegoogle_core.library.search.evidence.copies import copies_first
 from shapegoogle_core.library.search.evidence.explain import by_bags
 from shapegoogle_core.library.search.families import Families, collect_families, families_accepted
