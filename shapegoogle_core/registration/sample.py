@@ -231,7 +231,7 @@ class SurfaceSample:
 
         def numbers(part: int, kind: str, unit: float, exact: type[np.floating[Any]]) -> NDArray[Any]:
             stored = np.frombuffer(data, kind, lengths[part] // np.dtype(kind).itemsize, ends[part])
-            return np.multiply(stored, exact(unit), dtype=exact)
+            return np.asarray(np.multiply(stored, exact(unit), dtype=exact))
 
         return cls(
             points=numbers(0, "<i2", step, np.float64).reshape(points, 3),

@@ -9,7 +9,14 @@ from scipy.spatial.transform import Rotation
 
 from shapegoogle_core import Mesh, compute_spectrum
 from shapegoogle_core.registration import SampleSettings, SurfaceSample, sample_surface
-from shapegoogle_core.registration.fit.surface_fit import Surface, fit_surface, frame_between, mirrored
+from shapegoogle_core.registration.fit.surface_fit import (
+    Surface,
+    best_frame,
+    fit_surface,
+    frame_between,
+    measured,
+    mirrored,
+)
 from shapegoogle_core.registration.frames import Frame
 from tests.core.conftest import Shapes
 
@@ -93,3 +100,12 @@ def test_twice_mirrored_is_the_sample_again(sample: SurfaceSample) -> None:
     np.testing.assert_array_equal(again.points, sample.points)
     np.testing.assert_array_equal(again.centers, sample.centers)
     assert mirrored(sample).descriptors is sample.descriptors
+
+
+def test_the_best_frame_is_the_one_with_the_least_distance(bumpy: Mesh, sample: SurfaceSample) -> None:
+    surface, random = Surface(bumpy, sample), np.random.default_rng(5)
+    near = [Frame(1.0, np.eye(3), 0.01 * random.normal(size=3)) for _ in range(3)]
+    turned = [Frame(1.0, turn.as_matrix(), np.zeros(3)) for turn in Rotation.random(3, random)]
+    frames = [*turned, *near]
+    distances = [measured(surface, sample, frame) for frame in frames]
+    assert best_frame(surface, sample, frames) is frames[int(np.argmin(distances))]
