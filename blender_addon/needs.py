@@ -63,7 +63,7 @@ def draw_sentence(layout: Any, text: str, letters: int, icon: str = "ERROR") -> 
     """
     column = layout.column(align=True)
     for number, line in enumerate(split_lines(text, letters)):
-        column.label(text=line, translate=False, icon="BLANK1" if number else icon)
+        column.label(text=line, translate=False, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
 class SHAPEGOOGLE_PT_needs(SidebarPanel, bpy.types.Panel):

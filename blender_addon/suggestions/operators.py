@@ -11,6 +11,7 @@ import bpy
 from .. import connections, jobs
 from ..library.address import library_address, library_missing
 from ..library.open_file import open_source
+from ..needs import draw_sentence
 from ..reading.assets import CATALOG_FILE, catalogs_for, tags_of
 from ..scene.selection import query_objects
 from ..state import session_of
@@ -27,6 +28,8 @@ __all__ = ["known_catalogs", "register", "unregister"]
 MOST_SHOWN = 10
 LEAST_CONFIDENCE = 0.1
 CHOSEN_FROM = 0.5
+# Of the dialog: its width, and the longest line in it.
+WIDTH, LETTERS = 360, 48
 
 
 class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
@@ -169,7 +172,7 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Show the suggestions, and write after confirmation."""
-        result: set[str] = context.window_manager.invoke_props_dialog(self, width=360)
+        result: set[str] = context.window_manager.invoke_props_dialog(self, width=WIDTH)
         return result
 
     def draw(self, context: Any) -> None:
@@ -178,8 +181,11 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         item = _object_of(session.suggested_for)
         column = self.layout.column()
         if item is None or not len(session.suggestions):
-            column.label(text="The nearest shapes have no further tags or catalogs.")
-            column.label(text="Tag some assets, index them, and try again.")
+            for text in (
+                tr("The nearest shapes have no further tags or catalogs."),
+                tr("Tag some assets, index them, and try again."),
+            ):
+                draw_sentence(column, text, letters=LETTERS, icon="NONE")
             return
         text = tr("{name}: what the nearest shapes have")
         column.label(text=text.format(name=item.name), translate=False)
