@@ -48,7 +48,8 @@ def mean_reciprocal_ranks(library: sg.Library, queries: dict[str, Path]) -> list
 @pytest.mark.real_data
 def test_another_pose_finds_its_null_shape(library: sg.Library, data_folder: Path) -> None:
     tosca = labelled(data_folder, "tosca")
-    queries = {name: paths[-1] for name, paths in tosca.items() if len(paths) > 1}
+    # Every other class here, the others below: describing a shape of 50,000 vertices takes seconds.
+    queries = {name: paths[-1] for name, paths in list(tosca.items())[::2] if len(paths) > 1}
     assert min(mean_reciprocal_ranks(library, queries)) >= 0.95
 
 
@@ -56,5 +57,5 @@ def test_another_pose_finds_its_null_shape(library: sg.Library, data_folder: Pat
 def test_another_triangulation_finds_its_null_shape(library: sg.Library, data_folder: Path) -> None:
     tosca = labelled(data_folder, "tosca")
     remeshed = labelled(data_folder, "tosca_remeshed")
-    queries = {name: paths[0] for name, paths in remeshed.items() if name in tosca}
+    queries = {name: remeshed[name][0] for name in list(tosca)[1::2] if name in remeshed}
     assert min(mean_reciprocal_ranks(library, queries)) >= 0.9

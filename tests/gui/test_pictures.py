@@ -10,6 +10,7 @@ They show the demo's library of creatures. Look at them before you keep them.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ import pytest
 from PIL import Image
 
 from benchmarks.creatures import make_creature
-from tests.gui.conftest import FIRST, ROOT, SIZE, write_ply
+from tests.gui.conftest import write_ply
+from tests.gui.window import FIRST, ROOT, SIZE
 
 TARGET = os.environ.get("SHAPEGOOGLE_SCREENSHOTS")
 BLENDS = ROOT / "demo" / "blend_library"
@@ -34,11 +36,15 @@ def horse(folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def library(window: Any, folder: Path, horse: Any) -> None:
+def library(window: Any, folder: Path, horse: Any) -> Iterator[None]:
     """A library of the demo's .blend files, indexed while it is photographed."""
     if not BLENDS.is_dir():
         pytest.skip("there is no demo/blend_library; run python3 scripts/demo.py first")
     window.clean_scene(horse, NAME)
+    before = window.run(
+        "folder = preferences.folders[0]\n"
+        "result = [preferences.library, preferences.jobs, folder.name, folder.path]"
+    )
     window.run(
         f"preferences.library = {str(folder / 'creatures.sglib')!r}; preferences.jobs = 0\n"
         f"preferences.folders[0].name = 'creatures'; preferences.folders[0].path = {str(BLENDS)!r}\n"
@@ -54,6 +60,12 @@ def library(window: Any, folder: Path, horse: Any) -> None:
     save(window.photograph(), "library")
     state = window.wait(lambda state: not state["session"]["indexing"], "all files")
     assert not state["errors"]
+    yield
+    # For the tests after these.
+    window.run(
+        "(preferences.library, preferences.jobs, preferences.folders[0].name, preferences.folders[0].path) = "
+        f"{before!r}"
+    )
 
 
 def save(image: Image.Image, name: str) -> None:
@@ -70,10 +82,7 @@ def test_search_and_words(window: Any, library: Any, horse: Any) -> None:
     window.clean_scene(horse, NAME)
     window.open("Search")
     window.press("shape_google.find_similar")
-    window.wait(lambda state: state["matches"], "an answer")
-    window.wait(
-        lambda state: all("Comparing" not in match["kind"] for match in state["matches"]), "kinds of matches"
-    )
+    window.wait_for_kinds()
     window.press("shape_google.choose_match", columns=(0.75,))
     window.press("shape_google.mark_match")
     window.wait(lambda state: "sg_word" in state["objects"][NAME]["attributes"], "words")
@@ -92,12 +101,7 @@ def test_gallery(window: Any, library: Any, horse: Any) -> None:
     window.wait(lambda _: window.ask("gallery"), "the gallery")
     window.run("bpy.context.window_manager.shape_google.matches.clear()")
     window.press("shape_google.find_similar")
-    window.wait(
-        lambda state: (
-            state["matches"] and all("Comparing" not in match["kind"] for match in state["matches"])
-        ),
-        "an answer with the kinds of matches",
-    )
+    window.wait_for_kinds()
     save(window.picture(), "gallery")
     x, y = window.ask("gallery")["pictures"][1]
     window.click(x, y)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import os
 import select
-import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -21,14 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
-import trimesh
 from PIL import Image
 
-from benchmarks.creatures import make_creature
-
 ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).parent
 SIZE = 1280, 800
 # The panels from top to bottom, each with the first of its buttons.
 PANELS = {
@@ -50,16 +44,6 @@ SIDESTEP, MENU_STEP, MENU_INDENT = 6, 10, 30
 LIMIT, STILL = 600.0, 1.0
 # Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
 HESITATION = 0.5
-TOOLS = ("Xvfb", "xdotool", "import")
-CREATURES = {
-    "horse": ("rest", "walk", "gallop"),
-    "dog": ("rest", "sit"),
-    "human": ("stand", "walk"),
-    "octopus": ("sprawl",),
-    "bird": ("glide",),
-}
-VERTICES = 2000
-QUERY = ("horse", "rear", 2600)
 
 
 class Window:
@@ -112,6 +96,14 @@ class Window:
             assert time.monotonic() < end, f"not within {LIMIT:.0f} s: {what}\n{json.dumps(state, indent=1)}"
             time.sleep(0.05)
         return state
+
+    def wait_for_kinds(self) -> dict[str, Any]:
+        """Wait for the answer to a query, until every match has been compared."""
+        self.wait(lambda state: state["matches"] and not state["session"]["searching"], "an answer")
+        return self.wait(
+            lambda state: all("Comparing" not in match["kind"] for match in state["matches"]),
+            "kinds of matches",
+        )
 
     # -- pointer and keys
 
@@ -390,102 +382,3 @@ def screen(log: Path) -> Iterator[str]:
         os.close(reading)
         server.terminate()
         server.wait(LIMIT)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder for everything."""
-    return tmp_path_factory.mktemp("window")
-
-
-@pytest.fixture(scope="module")
-def query(folder: Path) -> Path:
-    """A horse in a pose that is in no file."""
-    kind, pose, vertices = QUERY
-    return write_ply(folder / "query.ply", make_creature(kind, 2011, vertex_count=vertices).pose(pose))
-
-
-@pytest.fixture(scope="module")
-def shapes(folder: Path) -> Path:
-    """The folder to index; `prepare.py` writes what is good in it, here is a file that is none."""
-    place = folder / "shapes"
-    place.mkdir()
-    (place / "unicorn.blend").write_bytes(b"There are no unicorns.")
-    return place
-
-
-def write_ply(path: Path, mesh: Any) -> Path:
-    trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path)
-    return path
-
-
-def blend_files(folder: Path) -> Iterator[str]:
-    """Write the meshes of the library, and say which belong into one file."""
-    for kind, poses in CREATURES.items():
-        creature = make_creature(kind, 2011, vertex_count=VERTICES)
-        paths = [folder / f"{kind} {pose}.ply".title().replace(".Ply", ".ply") for pose in poses]
-        for path, pose in zip(paths, poses, strict=True):
-            write_ply(path, creature.pose(pose))
-        yield "|".join([kind, *map(str, paths)])
-
-
-@pytest.fixture(scope="module")
-def user_folder(folder: Path, shapes: Any) -> Path:
-    """A user folder of Blender with the built extension, which knows the folder to index."""
-    extension = os.environ.get("SHAPEGOOGLE_EXTENSION")
-    missing = [tool for tool in TOOLS if not shutil.which(tool)]
-    if not extension or not os.environ.get("BLENDER"):
-        pytest.skip("SHAPEGOOGLE_EXTENSION or BLENDER is not set; run scripts/test.py tests/gui")
-    if missing:
-        pytest.skip(f"not installed: {', '.join(missing)}; Debian: apt install xvfb xdotool imagemagick")
-    user = folder / "user"
-    modules = user / "scripts" / "modules"
-    modules.mkdir(parents=True)
-    # As people must give numpy to a Blender that has none.
-    for package in Path(os.environ["SHAPEGOOGLE_BLENDER_MODULES"]).glob("numpy*"):
-        (modules / package.name).symlink_to(package)
-    arguments = [extension, folder / "shapes.sglib", shapes, *blend_files(folder)]
-    command = [os.environ["BLENDER"], "--background", "--python-exit-code", "1"]
-    result = subprocess.run(
-        [*command, "--python", HERE / "prepare.py", "--", *arguments],
-        cwd=ROOT,
-        env={**os.environ, "BLENDER_USER_RESOURCES": str(user)},
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=5 * LIMIT,
-        check=False,
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-    return user
-
-
-@pytest.fixture(scope="module")
-def window(folder: Path, user_folder: Any) -> Iterator[Window]:
-    """Blender's window, with the add-on's tab of the sidebar open."""
-    requests = folder / "requests"
-    requests.mkdir()
-    with screen(folder / "xvfb.log") as display, (folder / "blender.log").open("wb") as log:
-        variables = {"DISPLAY": display, "BLENDER_USER_RESOURCES": str(user_folder)}
-        size = ("--window-geometry", "0", "0", *map(str, SIZE))
-        process = subprocess.Popen(
-            [os.environ["BLENDER"], *size, "--python", HERE / "driver.py", "--", requests],
-            cwd=ROOT,
-            env={**os.environ, **variables, "LIBGL_ALWAYS_SOFTWARE": "1"},
-            stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        try:
-            window = Window(process, display, requests)
-            window.ask("show_sidebar")
-            window.wait(lambda state: window.ask("show_tab"), "the tab of the add-on in the sidebar")
-            window.picture()
-            yield window
-            window.ask("quit_blender")
-            process.wait(LIMIT)
-        finally:
-            if process.poll() is None:
-                os.killpg(process.pid, 9)
-                process.wait()
