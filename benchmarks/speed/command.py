@@ -8,6 +8,7 @@ spectra     eigenpairs from vertices and faces, compared with LaPy (with and wit
 describing  from a file to a signature, stage by stage
 search      codes and libraries by their size
 kinds       searches, and the kinds of the best 10 and 50 matches, compared with describing the query
+walk        the neighbour graph: adding shapes, and the walk in a search
 indexing    one worker compared with two, memory over a long run
 blender     waiting times in Blender; needs the module bpy
 
@@ -35,7 +36,7 @@ from benchmarks.speed.reporting import line, write_figure, write_rows
 
 __all__ = ["add_options", "run"]
 
-SECTIONS = ("spectra", "describing", "search", "kinds", "indexing", "blender")
+SECTIONS = ("spectra", "describing", "search", "kinds", "walk", "indexing", "blender")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
