@@ -184,20 +184,11 @@ def unpack_measures(store: Store, shape_ids: Sequence[int]) -> dict[int, MeshMea
     Returns
     -------
     measures : dict of int to MeshMeasures
-        By shape id; without shapes that have none.
-
-    Raises
-    ------
-    LibraryError
-        If they are damaged.
+        By shape id; without shapes that have none, or those of another version of Shape Google.
     """
-    found = {}
-    for shape_id, content in store.measures(shape_ids).items():
-        try:
-            found[shape_id] = MeshMeasures.from_bytes(content)
-        except ValueError as error:
-            raise damaged(store.name, f"the measures of shape {shape_id} cannot be read") from error
-    return found
+    stored = store.measures(shape_ids).items()
+    found = ((shape_id, MeshMeasures.from_bytes(content)) for shape_id, content in stored)
+    return {shape_id: measures for shape_id, measures in found if measures is not None}
 
 
 def unpack_sample(store: Store, model: ShapeModel, shape_id: int, data: bytes) -> SurfaceSample:

@@ -8,7 +8,9 @@ is a tenth longer. Integrals over all triangles do not. Two groups of numbers ar
   triangulation of a surface, but for the distance between a curved surface and its triangles.
 - **Of the mesh**: spectra of the lengths of the edges, Σ cos(2π l / λ) and Σ sin(2π l / λ). They are the same
   for a copy with its vertices and faces in any order, in any place, and for its mirror image; a single vertex
-  that has moved by a fraction of λ changes them.
+  that has moved by a fraction of λ changes them. Those of the corners along fixed directions u,
+  Σ cos(2π u·x / λ) and Σ sin(2π u·x / λ), are the same only for a copy in the same place: a gear that is
+  turned by a part of a tooth still has the same moments.
 """
 
 from __future__ import annotations
@@ -24,8 +26,18 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.registration.measures.moments import (
+    FULL,
+    full,
+    full_cubic,
+    octants,
+    surface_moments,
+    upper,
+    upper_cubic,
+    volume,
+)
 
-__all__ = ["WAVELENGTHS", "MeshMeasures", "full", "measure_mesh", "stacked_moments"]
+__all__ = ["WAVELENGTHS", "MeshMeasures", "measure_mesh", "stacked_moments"]
 
 # Longest wavelength of the spectra, and their number; each is a quarter of the last.
 _LONGEST, _QUARTERS = 8e-3, 3
@@ -36,12 +48,17 @@ WAVELENGTHS = _LONGEST / 4.0 ** np.arange(_QUARTERS)
 _SHARPEST = np.radians(40)
 # ... and those with a smaller one to a flat side, but for rounding.
 _FLATTEST = 1e-3
+# Error of a product or a volume where coordinates have an error of 1.
+_HANDED_ERROR = 100.0
+# Sums of products below this are those of rounding errors.
+_LEAST_PRODUCT = 1e-6
 # Coordinates are rounded to single precision by most files.
 _ROUNDING = 2.0**-24
 _HEADER = struct.Struct("<QQQ")
-_COUNT = 30 + 2 * len(WAVELENGTHS)
-# Third moments below this vanish but for rounding, so that they have no direction.
-_LEAST_THIRD = 1e-3
+_COUNT = 44 + 4 * len(WAVELENGTHS)
+# Directions of the spectra of corners, one for each wavelength: of unit length, and along no edge of a box.
+_ALONG = np.array([[0.62, 0.35, 0.70], [-0.41, 0.87, 0.27], [0.53, -0.29, 0.80]])
+_ALONG /= np.linalg.norm(_ALONG, axis=1, keepdims=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +84,21 @@ class MeshMeasures:
         Centre of mass of the surface.
     second, normals : (6,) arrays
         Upper triangles of the mean of x xᵀ, with x relative to the centre, and of n nᵀ.
-    third : (3,) array
-        Mean of x |x|².
+    cubic : (10,) array
+        Mean of x_i x_j x_k for i ≤ j ≤ k.
     twist : (6,) array
         Upper triangle of the symmetric part of the mean of (x × n) nᵀ, which changes sign under reflection.
+    swirl : (6,) array
+        The same of (x · n) x (x × n)ᵀ.
     fourth, support : float
         Means of |x|⁴ and of (x · n)².
+    chirality : float
+        How much more of the mesh is right-handed than left-handed, from −1 to 1; see `_chirality`.
     spectra : (2 w,) array
         Cosines and sines of the edges' lengths. Of a point cloud: of the distances to the nearest point.
+    corners : (2 w,) array
+        Cosines and sines of the corners' coordinates relative to the centre, each wavelength along a
+        direction of its own. NaN where they are not known.
     """
 
     vertex_count: int
@@ -87,11 +111,14 @@ class MeshMeasures:
     center: FloatArray
     second: FloatArray
     normals: FloatArray
-    third: FloatArray
+    cubic: FloatArray
     twist: FloatArray
+    swirl: FloatArray
     fourth: float
     support: float
+    chirality: float
     spectra: FloatArray
+    corners: FloatArray
 
     @property
     def unit(self) -> float:
@@ -104,18 +131,28 @@ class MeshMeasures:
         return np.asarray(stacked_moments([self])[0])
 
     @cached_property
+    def third(self) -> FloatArray:
+        """(3,) mean of x |x|²."""
+        return np.asarray(np.einsum("ijj->i", full_cubic(self.cubic)))
+
+    @cached_property
     def handedness(self) -> FloatArray:
-        """(4,) measures that change sign under reflection; 0 for a surface that is its own mirror image."""
-        second, normals, twist = full(self.second), full(self.normals), full(self.twist)
+        """(8, 2) measures that change sign under reflection, and their errors.
+
+        The measures are 0 for a surface that is its own mirror image: the mean of the product of the
+        coordinates along the principal axes of the points, and along those of the normals; volumes that
+        vectors span; products of twist and swirl with second and normals. An error is that where coordinates
+        have an error of 1.
+        """
+        second, normals = full(self.second), full(self.normals)
         bent = second @ self.third
-        return np.array(
-            [
-                _volume(self.third, bent, second @ bent),
-                _volume(self.third, bent, normals @ self.third),
-                (twist * second).sum(),
-                (twist * normals).sum(),
-            ]
-        )
+        others = [
+            volume(self.third, bent, second @ bent),
+            volume(self.third, bent, normals @ self.third),
+            *((full(each) * other).sum() for each in (self.twist, self.swirl) for other in (second, normals)),
+        ]
+        along = [octants(self.cubic, matrix) for matrix in (second, normals)]
+        return np.array([*along, *((value, _HANDED_ERROR) for value in others)])
 
     def moved(self, matrix: FloatArray) -> MeshMeasures:
         """Return the measures of the mesh after a similarity transformation.
@@ -128,7 +165,7 @@ class MeshMeasures:
         Returns
         -------
         measures : MeshMeasures
-            Without a hash of its own, so that only the other measures are compared.
+            Without a hash and spectra of corners, so that only the other measures are compared.
         """
         linear = np.asarray(matrix, np.float64)[:3, :3]
         scale = float(np.cbrt(abs(np.linalg.det(linear))))
@@ -138,13 +175,16 @@ class MeshMeasures:
         return replace(
             self,
             hash=0,
+            corners=np.full_like(self.corners, np.nan),
             area=scale**2 * self.area,
             rounding=farthest * _ROUNDING,
             center=center,
-            second=_upper(turn @ full(self.second) @ turn.T),
-            normals=_upper(turn @ full(self.normals) @ turn.T),
-            third=turn @ self.third,
-            twist=_upper(np.linalg.det(turn) * turn @ full(self.twist) @ turn.T),
+            second=upper(turn @ full(self.second) @ turn.T),
+            normals=upper(turn @ full(self.normals) @ turn.T),
+            cubic=upper_cubic(np.einsum("ai,bj,ck,ijk->abc", turn, turn, turn, full_cubic(self.cubic))),
+            twist=upper(np.linalg.det(turn) * turn @ full(self.twist) @ turn.T),
+            swirl=upper(np.linalg.det(turn) * turn @ full(self.swirl) @ turn.T),
+            chirality=float(np.sign(np.linalg.det(turn))) * self.chirality,
         )
 
     def to_bytes(self) -> bytes:
@@ -154,13 +194,15 @@ class MeshMeasures:
         -------
         data : bytes
         """
-        numbers = [self.area, self.rounding, self.coarseness, self.curved, self.fourth, self.support]
-        arrays = [self.center, self.second, self.normals, self.third, self.twist, self.spectra]
+        numbers = [self.area, self.rounding, self.coarseness, self.curved]
+        numbers += [self.fourth, self.support, self.chirality]
+        arrays = [self.center, self.second, self.normals, self.cubic, self.twist, self.swirl]
+        arrays += [self.spectra, self.corners]
         header = _HEADER.pack(self.vertex_count, self.face_count, self.hash)
         return header + np.concatenate([numbers, *arrays]).astype("<f8").tobytes()
 
     @classmethod
-    def from_bytes(cls, data: bytes) -> Self:
+    def from_bytes(cls, data: bytes) -> Self | None:
         """Rebuild measures from `to_bytes`.
 
         Parameters
@@ -169,23 +211,18 @@ class MeshMeasures:
 
         Returns
         -------
-        measures : MeshMeasures
-
-        Raises
-        ------
-        ValueError
-            If the data has another length.
+        measures : MeshMeasures or None
+            None if the data has another length, as those of another version of Shape Google.
         """
-        expected = _HEADER.size + 8 * _COUNT
-        if len(data) != expected:
-            raise ValueError(f"measures have {expected} bytes, not {len(data)}")
+        if len(data) != _HEADER.size + 8 * _COUNT:
+            return None
         values = np.frombuffer(data, "<f8", offset=_HEADER.size).astype(np.float64)
-        area, rounding, coarseness, curved, fourth, support = values[:6].tolist()
+        area, rounding, coarseness, curved, fourth, support, chirality = values[:7].tolist()
         vertices, faces, hashed = _HEADER.unpack_from(data)
         counts = int(vertices), int(faces), int(hashed)
-        starts, ends = (6, 9, 15, 21, 24, 30), (9, 15, 21, 24, 30, _COUNT)
-        parts = (values[start:end] for start, end in zip(starts, ends, strict=True))
-        center, second, normals, third, twist, spectra = parts
+        lengths = (3, 6, 6, 10, 6, 6, 2 * len(WAVELENGTHS), 2 * len(WAVELENGTHS))
+        parts = np.split(values[7:], np.cumsum(lengths)[:-1])
+        center, second, normals, cubic, twist, swirl, spectra, corners = parts
         return cls(
             *counts,
             area,
@@ -195,11 +232,14 @@ class MeshMeasures:
             center,
             second,
             normals,
-            third,
+            cubic,
             twist,
+            swirl,
             fourth,
             support,
+            chirality,
             spectra,
+            corners,
         )
 
 
@@ -239,12 +279,15 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
     if not area > 0:
         return None
     unit = np.sqrt(area)
-    mean, second, third, twist, fourth, support = _moments((corners - origin) / unit, normals, weights / area)
+    relative = (corners - origin) / unit
+    moments = surface_moments(relative, normals, weights / area)
     wave = np.exp(2j * np.pi / _LONGEST / unit * lengths)
     sums = []
     for _ in range(_QUARTERS):
         sums.append(wave.sum())
         wave = np.square(np.square(wave))
+    along = (relative.reshape(-1, 3) - moments.mean) @ _ALONG.T
+    placed = np.exp(2j * np.pi / WAVELENGTHS * along).sum(axis=0)
     return MeshMeasures(
         len(mesh.vertices),
         len(mesh.faces),
@@ -253,54 +296,46 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         float(np.abs(points).max() / unit * _ROUNDING),
         coarseness,
         curved,
-        origin + unit * mean,
-        second,
-        _upper((weights / area * normals.T) @ normals),
-        third,
-        twist,
-        fourth,
-        support,
+        origin + unit * moments.mean,
+        moments.second,
+        upper((weights / area * normals.T) @ normals),
+        moments.cubic,
+        moments.twist,
+        moments.swirl,
+        moments.fourth,
+        moments.support,
+        _chirality(relative - moments.mean),
         np.concatenate([np.real(sums), np.imag(sums)]),
+        np.concatenate([placed.real, placed.imag]),
     )
 
 
-def _moments(
-    corners: FloatArray, normals: FloatArray, weights: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float, float]:
-    """Integrate polynomials over triangles, exactly up to degree 4."""
-    if corners.shape[1] == 1:
-        nodes, shares = np.ones((1, 1)), np.ones(1)
-    else:
-        nodes, shares = _QUADRATURE
-    mean = (weights @ corners.mean(axis=1)).astype(np.float64)
-    corners = corners - mean
-    arms = np.cross(corners.mean(axis=1), normals)
-    twist = (weights * arms.T) @ normals
-    second, third, fourth, support = np.zeros((3, 3)), np.zeros(3), 0.0, 0.0
-    for node, share in zip(nodes, shares, strict=True):
-        points = node @ corners
-        weighted = share * weights
-        squares = (points**2).sum(axis=1)
-        second += (weighted * points.T) @ points
-        third += (weighted * squares) @ points
-        fourth += float(weighted @ squares**2)
-        support += float(weighted @ (points * normals).sum(axis=1) ** 2)
-    return mean, _upper(second), third, _upper((twist + twist.T) / 2), fourth, support
+def _chirality(corners: FloatArray) -> float:
+    """Compare the right-handed triangles of a mesh with the left-handed ones.
 
+    A triangle counts with the determinant of its corners, in the order of their distances from the centre:
+    Σ q / Σ |q| with q = det(a, b, c) (|a| − |b|)(|b| − |c|)(|c| − |a|), divided by all the lengths in it. It
+    does not depend on the order in which a file has the corners.
 
-def _quadrature() -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights of the rule of six points that is exact to degree 4 (Dunavant 1985)."""
-    nodes, shares = [], []
-    for place, share in ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322)):
-        for corner in range(3):
-            node = np.full(3, place)
-            node[corner] = 1 - 2 * place
-            nodes.append(node)
-            shares.append(share)
-    return np.array(nodes), np.array(shares)
+    Parameters
+    ----------
+    corners : (f, 3, 3) array
+        Relative to the centre; for a point cloud (f, 1, 3).
 
-
-_QUADRATURE = _quadrature()
+    Returns
+    -------
+    chirality : float
+        Its negative for the mirror image; 0 for a mesh that is its own mirror image, and for a point cloud.
+    """
+    if corners.shape[1] != 3:
+        return 0.0
+    away = np.linalg.norm(corners, axis=2)
+    sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
+    lengths = np.prod(away * sides, axis=1)
+    products = np.linalg.det(corners) * np.prod(away - np.roll(away, -1, axis=1), axis=1)
+    products /= np.where(lengths > 0, lengths, 1)
+    total = np.abs(products).sum()
+    return float(products.sum() / total) if total > _LEAST_PRODUCT else 0.0
 
 
 def _bending(mesh: Mesh, normals: FloatArray, weights: FloatArray) -> tuple[float, float]:
@@ -345,16 +380,6 @@ def _hash(corners: FloatArray) -> int:
         return int(_mixed(hashed).sum(dtype=np.uint64))
 
 
-def _volume(*vectors: FloatArray) -> float:
-    """Volume of a parallelepiped relative to its longest edges, or 0 where an edge vanishes."""
-    lengths = np.array([np.linalg.norm(vector) for vector in vectors])
-    if lengths[0] < _LEAST_THIRD or lengths.min() == 0:
-        return 0.0
-    return float(
-        np.linalg.det(np.stack([vector / length for vector, length in zip(vectors, lengths, strict=True)]))
-    )
-
-
 def stacked_moments(measures: Sequence[MeshMeasures]) -> FloatArray:
     """Compute `MeshMeasures.moments` of several meshes at once.
 
@@ -367,28 +392,6 @@ def stacked_moments(measures: Sequence[MeshMeasures]) -> FloatArray:
     moments : (n, 8) array
     """
     matrices = np.array([(own.second, own.normals) for own in measures]).reshape(-1, 2, 6)
-    roots = np.linalg.eigvalsh(matrices[..., _FULL].reshape(-1, 2, 3, 3))
+    roots = np.linalg.eigvalsh(matrices[..., FULL].reshape(-1, 2, 3, 3))
     others = np.array([(own.fourth, own.support) for own in measures]).reshape(-1, 2)
     return np.concatenate([roots.reshape(-1, 6), others], axis=1)
-
-
-# Places in an upper triangle of the entries of its matrix, row by row.
-_FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
-
-
-def full(upper: FloatArray) -> FloatArray:
-    """Return the symmetric matrix of an upper triangle.
-
-    Parameters
-    ----------
-    upper : (6,) array
-
-    Returns
-    -------
-    matrix : (3, 3) array
-    """
-    return np.asarray(np.asarray(upper)[_FULL].reshape(3, 3))
-
-
-def _upper(matrix: FloatArray) -> FloatArray:
-    return np.asarray(matrix[np.triu_indices(3)])

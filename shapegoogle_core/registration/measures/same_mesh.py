@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
-from shapegoogle_core.registration.measures.mesh_measures import WAVELENGTHS, MeshMeasures, full
+from shapegoogle_core.registration.measures.mesh_measures import WAVELENGTHS, MeshMeasures
+from shapegoogle_core.registration.measures.moments import LEAST_GAP, full
 
 __all__ = [
     "are_flat_sided",
@@ -23,6 +24,10 @@ __all__ = [
 _FINE = 1e-5
 # An edge that is longer by a tenth of the shortest wavelength changes its spectrum by this.
 _SPECTRAL = 0.6
+# Error of coordinates that files with six digits have, on average over the vertices.
+_COORDINATE = 1e-7
+# Least chirality of a mesh that is not its own mirror image.
+_CHIRAL = 1e-4
 _NOISE = 4.0
 # Largest error of a moment, in units of both shapes' coarseness. Between other triangulations of one surface
 # it is up to 1.2, between poses 1.6 and more (docs/measurements/evidence.md).
@@ -33,8 +38,6 @@ _NEARLY_EQUAL = 0.025
 _FLAT_SIDED = 0.1
 # Share of edges that change their length at the joints of a flat-sided shape.
 _CHANGED_EDGES = 0.05
-# Least difference of the spread along two axes that can be told apart, relative to the largest spread.
-_LEAST_GAP = 1e-3
 
 
 def is_same_mesh(first: MeshMeasures, second: MeshMeasures) -> bool:
@@ -55,11 +58,15 @@ def is_same_mesh(first: MeshMeasures, second: MeshMeasures) -> bool:
     rounding = first.rounding + second.rounding
     if np.abs(first.moments - second.moments).max() > _FINE + 8 * rounding:
         return False
-    count = 3 * first.face_count or first.vertex_count
+    return _are_equal(first.spectra, second.spectra, rounding, 3 * first.face_count or first.vertex_count)
+
+
+def _are_equal(first: FloatArray, second: FloatArray, rounding: float, count: int) -> bool:
+    """Decide whether two spectra are those of the same lengths, as far as their number allows to tell."""
     # Rounding errors of the lengths add up like a random walk.
     noise = _NOISE * 2 * np.pi * rounding / WAVELENGTHS * np.sqrt(count)
     usable = noise < np.sqrt(count) / 2
-    difference = np.abs(first.spectra - second.spectra).reshape(2, -1)
+    difference = np.abs(first - second).reshape(2, -1)
     return bool(usable[:1].all() and (difference[:, usable] <= (_SPECTRAL + noise)[usable]).all())
 
 
@@ -77,12 +84,17 @@ def is_same_place(first: MeshMeasures, second: MeshMeasures) -> bool:
     """
     if first.hash == second.hash != 0:
         return True
+    rounding = first.rounding + second.rounding
     apart = np.abs(first.center - second.center).max() / first.unit
     turned = max(
-        np.abs(getattr(first, name) - getattr(second, name)).max() for name in ("second", "normals", "third")
+        np.abs(getattr(first, name) - getattr(second, name)).max() for name in ("second", "normals", "cubic")
     )
-    tolerance = _FINE + 4 * (first.rounding + second.rounding)
-    return is_same_size(first, second) and bool(max(apart, turned) <= tolerance)
+    if not is_same_size(first, second) or max(apart, turned) > _FINE + 4 * rounding:
+        return False
+    if np.isnan(first.corners + second.corners).any():
+        # Without spectra only axes that can be told apart show that nothing was turned.
+        return _has_axes(first)
+    return _are_equal(first.corners, second.corners, rounding, 3 * first.face_count or first.vertex_count)
 
 
 def is_same_size(first: MeshMeasures, second: MeshMeasures) -> bool:
@@ -110,19 +122,30 @@ def handed_alike(first: MeshMeasures, second: MeshMeasures) -> bool | None:
     -------
     alike : bool or None
         False if one is the mirror image of the other; None if the moments are those of a surface that is its
-        own mirror image.
+        own mirror image, and so are the triangles if both have the same.
     """
-    noise = _FINE / 10 + 100 * (first.rounding + second.rounding)
+    (own, own_error), (other, other_error) = first.handedness.T, second.handedness.T
+    noise = np.maximum(own_error, other_error) * (_COORDINATE + first.rounding + second.rounding)
     if not is_same_mesh(first, second):
         noise += 3 * (first.coarseness + second.coarseness)
-    alike = np.abs(first.handedness - second.handedness)
-    unlike = np.abs(first.handedness + second.handedness)
+    alike, unlike = np.abs(own - other), np.abs(own + other)
     certain = np.flatnonzero(np.maximum(alike, unlike) > noise)
     certain = certain[np.minimum(alike, unlike)[certain] < 0.1 * np.maximum(alike, unlike)[certain]]
     if len(certain) == 0:
-        return None
-    largest = certain[np.maximum(alike, unlike)[certain].argmax()]
+        return _chiral_alike(first, second) if is_same_mesh(first, second) else None
+    largest = certain[(np.maximum(alike, unlike) / noise)[certain].argmax()]
     return bool(alike[largest] < unlike[largest])
+
+
+def _chiral_alike(first: MeshMeasures, second: MeshMeasures) -> bool | None:
+    """Decide whether two meshes of the same triangles are mirror images, where their moments do not tell.
+
+    A small engraving on a square plate does not change the moments enough.
+    """
+    alike, unlike = abs(first.chirality - second.chirality), abs(first.chirality + second.chirality)
+    if max(alike, unlike) < _CHIRAL or min(alike, unlike) > 0.1 * max(alike, unlike):
+        return None
+    return alike < unlike
 
 
 def are_flat_sided(first: MeshMeasures, second: MeshMeasures) -> bool:
@@ -166,6 +189,12 @@ def may_be_bent(first: MeshMeasures, second: MeshMeasures) -> bool:
     return bool(away <= _CHANGED_EDGES * 3 * first.face_count)
 
 
+def _has_axes(measures: MeshMeasures) -> bool:
+    """Whether the three principal axes can be told apart."""
+    values = np.linalg.eigvalsh(full(measures.second))
+    return bool(np.diff(values).min() >= LEAST_GAP * values[-1])
+
+
 def principal_motions(
     first: MeshMeasures, second: MeshMeasures, *, reflected: bool = False
 ) -> list[tuple[float, FloatArray, FloatArray]]:
@@ -182,10 +211,10 @@ def principal_motions(
     motions : list of (float, (3, 3) array, (3,) array)
         s, R and t: four, because axes have no sign; none where two axes are hard to tell apart.
     """
-    values, axes = np.linalg.eigh(full(first.second))
-    other_values, other_axes = np.linalg.eigh(full(second.second))
-    if min(np.diff(found).min() for found in (values, other_values)) < _LEAST_GAP * values.max():
+    if not (_has_axes(first) and _has_axes(second)):
         return []
+    _, axes = np.linalg.eigh(full(first.second))
+    _, other_axes = np.linalg.eigh(full(second.second))
     scale = first.unit / second.unit
     motions = []
     for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)):

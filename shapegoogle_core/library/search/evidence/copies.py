@@ -40,7 +40,7 @@ def copy_kind(query: MeshMeasures | None, match: MeshMeasures | None) -> tuple[E
     Returns
     -------
     kind, factor : str, float
-        "identical", "moved", "scaled" or "mirrored", and the size relative to the query; a shape that is its
+        "identical", "moved", "scaled" or "mirrored", and the size relative to the query; a mesh that is its
         own mirror image is never "mirrored". None if the match is no copy, or if that is not known.
     """
     if query is None or match is None or not is_same_mesh(query, match):
