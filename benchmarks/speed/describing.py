@@ -36,6 +36,7 @@ from shapegoogle_core.preprocessing import steps
 from shapegoogle_core.processes.launching import single_threaded
 from shapegoogle_core.registration import LocalWords
 from shapegoogle_core.views import ViewModel
+from shapegoogle_core.views.network_views import NetworkViews
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,8 +55,10 @@ STAGES = (
     "sample",
     "codes",
     "views",
+    "network",
 )
-"""In order of execution. "bags" is the rest of `shape_bags`, without descriptors and words."""
+"""In order of execution. "bags" is the rest of `shape_bags`, without descriptors and words; "views" that of
+`ViewModel.describe`, without the network."""
 
 # Functions of each stage; time in an inner function does not count for the outer one.
 WATCHED: tuple[tuple[Any, str, str], ...] = (
@@ -70,6 +73,7 @@ WATCHED: tuple[tuple[Any, str, str], ...] = (
     (sg.ShapeModel, "codes", "codes"),
     (LocalWords, "code", "codes"),
     (ViewModel, "describe", "views"),
+    (NetworkViews, "describe", "network"),
     (ViewModel, "code", "codes"),
 )
 

@@ -265,9 +265,10 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         area = float((np.ptp(points, axis=0) ** 2).sum())
         lengths, _ = cKDTree(points).query(points, min(2, len(points)))
         lengths = np.asarray(lengths).reshape(len(points), -1)[:, -1]
-        normals = np.zeros((len(corners), 3))
+        normals, uses = np.zeros((len(corners), 3)), np.ones(len(points))
         weights, coarseness, curved = np.full(len(corners), area / len(corners)), np.inf, 1.0
     else:
+        uses = np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)).astype(float)
         sides = corners - np.roll(corners, -1, axis=1)
         lengths = np.sqrt((sides**2).sum(axis=2)).ravel()
         normals = np.cross(sides[:, 0], sides[:, 1])
@@ -279,19 +280,19 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
     if not area > 0:
         return None
     unit = np.sqrt(area)
-    relative = (corners - origin) / unit
-    moments = surface_moments(relative, normals, weights / area)
+    relative = np.ascontiguousarray(((corners - origin) / unit).transpose(1, 2, 0))
+    moments = surface_moments(relative, np.ascontiguousarray(normals.T), weights / area)
     wave = np.exp(2j * np.pi / _LONGEST / unit * lengths)
     sums = []
     for _ in range(_QUARTERS):
         sums.append(wave.sum())
         wave = np.square(np.square(wave))
-    along = (relative.reshape(-1, 3) - moments.mean) @ _ALONG.T
-    placed = np.exp(2j * np.pi / WAVELENGTHS * along).sum(axis=0)
+    along = ((mesh.vertices - origin) / unit - moments.mean) @ _ALONG.T
+    placed = uses @ np.exp(2j * np.pi / WAVELENGTHS * along)
     return MeshMeasures(
         len(mesh.vertices),
         len(mesh.faces),
-        _hash(corners),
+        _hash(mesh),
         area,
         float(np.abs(points).max() / unit * _ROUNDING),
         coarseness,
@@ -304,7 +305,7 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         moments.swirl,
         moments.fourth,
         moments.support,
-        _chirality(relative - moments.mean),
+        _chirality(relative - moments.mean[:, None]),
         np.concatenate([np.real(sums), np.imag(sums)]),
         np.concatenate([placed.real, placed.imag]),
     )
@@ -319,20 +320,26 @@ def _chirality(corners: FloatArray) -> float:
 
     Parameters
     ----------
-    corners : (f, 3, 3) array
-        Relative to the centre; for a point cloud (f, 1, 3).
+    corners : (3, 3, f) array
+        Corners and their coordinates relative to the centre; for a point cloud (1, 3, f).
 
     Returns
     -------
     chirality : float
         Its negative for the mirror image; 0 for a mesh that is its own mirror image, and for a point cloud.
     """
-    if corners.shape[1] != 3:
+    if len(corners) != 3:
         return 0.0
-    away = np.linalg.norm(corners, axis=2)
-    sides = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
-    lengths = np.prod(away * sides, axis=1)
-    products = np.linalg.det(corners) * np.prod(away - np.roll(away, -1, axis=1), axis=1)
+    first, second, third = corners
+    away = np.sqrt((corners**2).sum(axis=1))
+    sides = np.sqrt(((corners - np.roll(corners, -1, axis=0)) ** 2).sum(axis=1))
+    lengths = np.prod(away * sides, axis=0)
+    determinants = (
+        first[0] * (second[1] * third[2] - second[2] * third[1])
+        + first[1] * (second[2] * third[0] - second[0] * third[2])
+        + first[2] * (second[0] * third[1] - second[1] * third[0])
+    )
+    products = determinants * np.prod(away - np.roll(away, -1, axis=0), axis=0)
     products /= np.where(lengths > 0, lengths, 1)
     total = np.abs(products).sum()
     return float(products.sum() / total) if total > _LEAST_PRODUCT else 0.0
@@ -370,14 +377,13 @@ def _mixed(columns: NDArray[np.uint64]) -> NDArray[np.uint64]:
     return hashed
 
 
-def _hash(corners: FloatArray) -> int:
+def _hash(mesh: Mesh) -> int:
     """Sum of the hashes of all triangles; their order, their first corners and orientations do not matter."""
-    single = corners.reshape(-1, 3).astype(np.float32) + np.float32(0)
-    hashed = np.sort(_mixed(single.view(np.uint32).astype(np.uint64)).reshape(len(corners), -1), axis=1)
-    if hashed.shape[1] == 1:
-        hashed = np.repeat(hashed, 3, axis=1)
+    single = mesh.vertices.astype(np.float32) + np.float32(0)
+    mixed = _mixed(single.view(np.uint32).astype(np.uint64))
+    faces = np.repeat(mixed[:, None], 3, axis=1) if mesh.is_point_cloud else mixed[mesh.faces]
     with np.errstate(over="ignore"):
-        return int(_mixed(hashed).sum(dtype=np.uint64))
+        return int(_mixed(np.sort(faces, axis=1)).sum(dtype=np.uint64))
 
 
 def stacked_moments(measures: Sequence[MeshMeasures]) -> FloatArray:
