@@ -77,6 +77,8 @@ WATCHED: tuple[tuple[Any, str, str], ...] = (
     (ViewModel, "code", "codes"),
 )
 
+# The ten colours of matplotlib, and two more.
+_COLORS = (*(f"C{number}" for number in range(10)), "#aec7e8", "#ffbb78")
 FORMATS = (".ply", ".obj")
 GOALS = {1_000: 0.12, 10_000: 0.45, 100_000: 1.2, 1_000_000: 12.0}  # seconds of one core
 SIZES, REPEATS = tuple(GOALS), 5
@@ -206,7 +208,7 @@ def draw(rows: Sequence[Row]) -> Figure:
         bottom = np.zeros(len(files))
         for index, stage in enumerate(STAGES):
             heights = np.array([row["stages"][stage] for row in files])
-            panel.bar(names, heights, 0.6, bottom=bottom, color=f"C{index}", label=stage)
+            panel.bar(names, heights, 0.6, bottom=bottom, color=_COLORS[index], label=stage)
             bottom += heights
         others = np.array([row["total"] for row in files]) - bottom
         panel.bar(names, np.maximum(others, 0), 0.6, bottom=bottom, color="0.8", label="the rest")
