@@ -379,7 +379,8 @@ def _mixed(columns: NDArray[np.uint64]) -> NDArray[np.uint64]:
 
 def _hash(mesh: Mesh) -> int:
     """Sum of the hashes of all triangles; their order, their first corners and orientations do not matter."""
-    single = mesh.vertices.astype(np.float32) + np.float32(0)
+    with np.errstate(over="ignore"):
+        single = mesh.vertices.astype(np.float32) + np.float32(0)
     mixed = _mixed(single.view(np.uint32).astype(np.uint64))
     faces = np.repeat(mixed[:, None], 3, axis=1) if mesh.is_point_cloud else mixed[mesh.faces]
     with np.errstate(over="ignore"):

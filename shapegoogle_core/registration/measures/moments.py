@@ -145,7 +145,7 @@ def octants(cubic: FloatArray, second: FloatArray) -> tuple[float, float]:
     """
     values, axes = np.linalg.eigh(second)
     gap = np.diff(values).min()
-    if gap < LEAST_GAP * values[-1]:
+    if gap <= LEAST_GAP * values[-1]:  # also where all are 0, as the normals of a point cloud
         return 0.0, 1.0
     x, y, z = axes.T * np.sign(np.linalg.det(axes))
     mean = float(np.einsum("ijk,i,j,k", full_cubic(cubic), x, y, z))
