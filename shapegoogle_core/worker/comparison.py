@@ -133,12 +133,12 @@ def compare_surfaces(
     if given is None or len(given.faces) > _MOST_FACES:
         given = query.surface
     own, own_origin = _surface(given, library.preview(stored[number]) if number >= 0 else None, sample)
-    theirs, origin = _surface(_file_mesh(match), library.preview(match.shape_id), other.sample)
     placed = _placed_by(match, library.placements(match.shape_id))
     other_sample = other.sample.placed(placed)
     if mesh is not None and len(mesh.vertices):
         theirs, origin = mesh, "mesh"
     else:
+        theirs, origin = _surface(_file_mesh(match), library.preview(match.shape_id), other.sample)
         theirs = Mesh(theirs.vertices @ placed[:3, :3].T + placed[:3, 3], theirs.faces)
     kind = "similar" if match.evidence is None else match.evidence.kind
     size = None
