@@ -12,11 +12,11 @@ from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = [
     "FULL",
-    "LEAST_GAP",
     "SurfaceMoments",
     "full",
     "full_cubic",
     "octants",
+    "principal_axes",
     "surface_moments",
     "upper",
     "upper_cubic",
@@ -32,8 +32,8 @@ _FULL_CUBIC = [_CUBIC.index(tuple(sorted(place))) for place in product(range(3),
 _AT_ONCE = 8_192
 # Third moments below this vanish but for rounding, so that they have no direction.
 _LEAST_THIRD = 1e-3
-LEAST_GAP = 1e-3
-"""Least difference of two eigenvalues whose eigenvectors are certain, relative to the largest one."""
+# Least difference of two eigenvalues whose eigenvectors are certain, relative to the largest one.
+_LEAST_GAP = 1e-3
 
 
 class SurfaceMoments(NamedTuple):
@@ -143,13 +143,31 @@ def octants(cubic: FloatArray, second: FloatArray) -> tuple[float, float]:
     error : float
         Its error where coordinates, and entries of the matrix, have an error of 1.
     """
-    values, axes = np.linalg.eigh(second)
-    gap = np.diff(values).min()
-    if gap <= LEAST_GAP * values[-1]:  # also where all are 0, as the normals of a point cloud
+    found = principal_axes(second)
+    if found is None:
         return 0.0, 1.0
+    gap, axes = found
     x, y, z = axes.T * np.sign(np.linalg.det(axes))
     mean = float(np.einsum("ijk,i,j,k", full_cubic(cubic), x, y, z))
     return mean, float(1 + 3 * np.abs(cubic).max() / gap)
+
+
+def principal_axes(matrix: FloatArray) -> tuple[float, FloatArray] | None:
+    """Find the eigenvectors of a symmetric matrix, if they can be told apart.
+
+    Parameters
+    ----------
+    matrix : (3, 3) array
+
+    Returns
+    -------
+    gap, axes : float, (3, 3) array
+        Least difference of two eigenvalues, and the eigenvectors as columns, in ascending order. None where
+        two eigenvalues are hard to tell apart, also where all are 0, as of the normals of a point cloud.
+    """
+    values, axes = np.linalg.eigh(matrix)
+    gap = float(np.diff(values).min())
+    return None if gap <= _LEAST_GAP * values[-1] else (gap, np.asarray(axes))
 
 
 def full(entries: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.measures.mesh_measures import WAVELENGTHS, MeshMeasures
-from shapegoogle_core.registration.measures.moments import LEAST_GAP, full
+from shapegoogle_core.registration.measures.moments import full, principal_axes
 
 __all__ = [
     "are_flat_sided",
@@ -93,7 +93,7 @@ def is_same_place(first: MeshMeasures, second: MeshMeasures) -> bool:
         return False
     if np.isnan(first.corners + second.corners).any():
         # Without spectra only axes that can be told apart show that nothing was turned.
-        return _has_axes(first)
+        return principal_axes(full(first.second)) is not None
     return _are_equal(first.corners, second.corners, rounding, 3 * first.face_count or first.vertex_count)
 
 
@@ -189,12 +189,6 @@ def may_be_bent(first: MeshMeasures, second: MeshMeasures) -> bool:
     return bool(away <= _CHANGED_EDGES * 3 * first.face_count)
 
 
-def _has_axes(measures: MeshMeasures) -> bool:
-    """Whether the three principal axes can be told apart."""
-    values = np.linalg.eigvalsh(full(measures.second))
-    return bool(np.diff(values).min() >= LEAST_GAP * values[-1])
-
-
 def principal_motions(
     first: MeshMeasures, second: MeshMeasures, *, reflected: bool = False
 ) -> list[tuple[float, FloatArray, FloatArray]]:
@@ -211,10 +205,10 @@ def principal_motions(
     motions : list of (float, (3, 3) array, (3,) array)
         s, R and t: four, because axes have no sign; none where two axes are hard to tell apart.
     """
-    if not (_has_axes(first) and _has_axes(second)):
+    found, other_found = (principal_axes(full(measures.second)) for measures in (first, second))
+    if found is None or other_found is None:
         return []
-    _, axes = np.linalg.eigh(full(first.second))
-    _, other_axes = np.linalg.eigh(full(second.second))
+    (_, axes), (_, other_axes) = found, other_found
     scale = first.unit / second.unit
     motions = []
     for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)):
