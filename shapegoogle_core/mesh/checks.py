@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.connectivity import used_vertices
-from shapegoogle_core.mesh.measures import face_areas, vertex_areas
+from shapegoogle_core.mesh.connectivity import used_points, used_vertices
+from shapegoogle_core.mesh.measures import bounding_box, box_sides, face_areas, vertex_areas
 from shapegoogle_core.mesh.mesh import Mesh, counted
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
 
@@ -49,12 +49,10 @@ def check_surface(mesh: Mesh) -> None:
         raise MeshError(
             f"{mesh.name!r} has only {counted(count, 'vertex', 'vertices')}; a shape needs at least 4"
         )
-    used = np.zeros(count, bool)
-    used[mesh.faces] = True
-    corners = mesh.vertices[used]
+    low, high = bounding_box(used_points(mesh))
     with np.errstate(over="ignore"):
-        extent = float(np.ptp(corners, axis=0).max())
-    if extent <= 4 * np.finfo(np.float64).eps * float(np.abs(corners).max()):
+        extent = float((high - low).max())
+    if extent <= 4 * np.finfo(np.float64).eps * float(np.abs([low, high]).max()):
         raise MeshError("{name!r}: all points of its faces coincide; export the mesh again", name=mesh.name)
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         area = mesh.area
@@ -138,7 +136,7 @@ def check_cloud(mesh: Mesh) -> None:
             f"least {FEWEST_POINTS}, a mesh its faces: export it again"
         )
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        extent = np.ptp(mesh.vertices, axis=0).max()
+        extent = box_sides(mesh.vertices).max()
         area = extent**2
     if not 0 < area < np.inf:
         raise MeshError(

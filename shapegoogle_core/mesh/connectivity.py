@@ -7,12 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 
 if TYPE_CHECKING:
     from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 
-__all__ = ["boundary_vertices", "edge_lengths", "unique_edges", "used_vertices"]
+__all__ = [
+    "boundary_vertices",
+    "edge_lengths",
+    "shared_sides",
+    "sorted_pairs",
+    "unique_edges",
+    "used_points",
+    "used_vertices",
+]
 
 
 def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
@@ -93,3 +101,69 @@ def used_vertices(faces: NDArray[np.integer], count: int) -> tuple[NDArray[np.in
     if len(used) == count:
         return used, faces
     return used, (np.cumsum(is_used) - 1)[faces]
+
+
+def used_points(mesh: Mesh) -> FloatArray:
+    """Return the positions of the vertices that faces use; of a point cloud, of all.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    points : (u, 3) array
+        The vertices themselves if all are used.
+    """
+    if mesh.is_point_cloud:
+        return mesh.vertices
+    is_used = np.zeros(len(mesh.vertices), bool)
+    is_used[mesh.faces] = True
+    return mesh.vertices if is_used.all() else mesh.vertices[is_used]
+
+
+def sorted_pairs(first: IntArray, second: IntArray, count: int) -> NDArray[np.int32]:
+    """Sort pairs of vertices by counting, in linear time: ``numpy.lexsort((second, first))``.
+
+    Parameters
+    ----------
+    first, second : (n,) arrays of int32
+    count : int
+        Number of vertices.
+
+    Returns
+    -------
+    order : (n,) array of int32
+        Equal pairs keep their order.
+    """
+    # A sparse matrix with one entry per row sorts these when it is turned into columns.
+    starts = np.arange(len(first) + 1, dtype=np.int32)
+    shape = len(first), count
+    by_second = csr_array((first, second, starts), shape=shape).tocsc()
+    by_both = csr_array((by_second.indices, by_second.data, starts), shape=shape).tocsc()
+    return np.asarray(by_both.data, np.int32)
+
+
+def shared_sides(corners: NDArray[np.integer], count: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Find the sides of faces that lie on the same edge.
+
+    Parameters
+    ----------
+    corners : (m, 3) array of int
+        Of each face. Side 3f + c goes from corner c of face f to the next one.
+    count : int
+        Number of vertices.
+
+    Returns
+    -------
+    one, other : (k,) arrays of int32
+        Of an edge with j faces j - 1 pairs of sides, each with the next one in order, sorted by edge.
+    """
+    start = corners.astype(np.int32)
+    end = start[:, [1, 2, 0]].ravel()
+    start = start.ravel()
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    order = sorted_pairs(low, high, count)
+    low, high = low[order], high[order]
+    same = np.flatnonzero((low[1:] == low[:-1]) & (high[1:] == high[:-1]))
+    return order[same], order[same + 1]

@@ -13,12 +13,47 @@ from scipy.spatial import KDTree
 if TYPE_CHECKING:
     from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 
-__all__ = ["cross_lengths", "face_areas", "face_blocks", "point_normals", "vertex_areas", "vertex_normals"]
+__all__ = [
+    "bounding_box",
+    "box_sides",
+    "cross_lengths",
+    "cross_products",
+    "dots",
+    "face_areas",
+    "face_blocks",
+    "face_normals",
+    "point_normals",
+    "vertex_areas",
+    "vertex_normals",
+]
 
 # Face blocks of this many faces stay in the processor's cache, which is several times faster, and need
 # little memory.
 FACES_AT_ONCE = 1 << 14
 NEIGHBOURS = 16  # of a point of a cloud
+
+
+def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Find the corners of the axis-aligned box around points.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        At least one.
+
+    Returns
+    -------
+    low, high : (3,) arrays
+        Least and largest coordinates.
+    """
+    # Column by column takes a tenth of the time of rows of three numbers.
+    return np.array([x.min() for x in points.T]), np.array([x.max() for x in points.T])
+
+
+def box_sides(points: FloatArray) -> FloatArray:
+    """Compute the side lengths (3,) of the axis-aligned box around points (n, 3)."""
+    low, high = bounding_box(points)
+    return np.asarray(high - low)
 
 
 def face_areas(mesh: Mesh) -> FloatArray:
@@ -37,6 +72,29 @@ def face_areas(mesh: Mesh) -> FloatArray:
     for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
         areas[block] = 0.5 * cross_lengths(b - a, c - a)
     return areas
+
+
+def face_normals(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """Compute the normal and the area of each face.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    normals : (m, 3) array
+        Of unit length; 0 for a face without area.
+    areas : (m,) array
+        Equal to `face_areas` but for rounding.
+    """
+    normals, doubled = np.empty((len(mesh.faces), 3)), np.empty(len(mesh.faces))
+    for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
+        product = cross_products(a - b, b - c)
+        length = np.sqrt(_squares(product))
+        normals[block] = (product / np.maximum(length, np.finfo(float).tiny)).T
+        doubled[block] = length
+    return normals, doubled / 2
 
 
 def vertex_areas(mesh: Mesh) -> FloatArray:
@@ -117,7 +175,7 @@ def face_blocks(
 
 
 def cross_lengths(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Lengths of cross products: to the last bit those of `numpy.cross`, computed faster.
+    """Compute the lengths of cross products: to the last bit those of `numpy.cross`, in less time.
 
     Parameters
     ----------
@@ -128,6 +186,30 @@ def cross_lengths(first: FloatArray, second: FloatArray) -> FloatArray:
     lengths : (n,) array
         Twice the areas of the triangles that have these sides.
     """
+    return np.asarray(np.sqrt(_squares(cross_products(first, second))))
+
+
+def cross_products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Compute cross products: to the last bit those of `numpy.cross`, in less time.
+
+    Parameters
+    ----------
+    first, second : (n, 3) arrays
+
+    Returns
+    -------
+    products : (3, n) array
+    """
     (x1, y1, z1), (x2, y2, z2) = first.T, second.T
-    x, y, z = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
+    return np.stack([y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2])
+
+
+def dots(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Compute the dot products (n,) of vectors (n, 3): to the last bit their sums, in a fifth of the time."""
+    (x1, y1, z1), (x2, y2, z2) = first.T, second.T
+    return np.asarray(x1 * x2 + y1 * y2 + z1 * z2)
+
+
+def _squares(columns: FloatArray) -> FloatArray:
+    x, y, z = columns
+    return np.asarray(x * x + y * y + z * z)

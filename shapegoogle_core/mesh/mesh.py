@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh.connectivity import used_vertices
-from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.connectivity import used_points
+from shapegoogle_core.mesh.measures import box_sides, face_areas
 
 __all__ = ["FloatArray", "IntArray", "Mesh", "counted"]
 
@@ -99,12 +99,10 @@ class Mesh:
     @property
     def extents(self) -> tuple[float, float, float]:
         """Side lengths of the axis-aligned box around the surface; of a point cloud, around its points."""
-        points = self.vertices
-        if not self.is_point_cloud:  # a stray vertex is not part of the surface
-            points = points[used_vertices(self.faces, len(points))[0]]
+        points = used_points(self)  # a stray vertex is not part of the surface
         if len(points) == 0:
             return (0.0, 0.0, 0.0)
-        x, y, z = np.ptp(points, axis=0).tolist()
+        x, y, z = box_sides(points).tolist()
         return (x, y, z)
 
     @property

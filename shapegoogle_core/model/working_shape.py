@@ -11,6 +11,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.laplacian import POINT_CLOUD, build_operator
 from shapegoogle_core.mesh import Mesh, check_cloud, check_surface
 from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import bounding_box
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.preprocessing import preprocess, repair
@@ -107,7 +108,7 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
         # A vertex that no face uses must not influence the scale.
         used, faces = used_vertices(mesh.faces, len(mesh.vertices))
         vertices = mesh.vertices[used]
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = bounding_box(vertices)
     # To unit size first: squares of very small or very large coordinates would leave the range of floats.
     origin, size = (low + high) / 2, float(np.linalg.norm(high - low))
     centered = Mesh((vertices - origin) / size, faces, mesh.name)

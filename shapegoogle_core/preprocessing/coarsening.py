@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.ear_clipping import Triangle, clip_ears, outline_around
-from shapegoogle_core.preprocessing.flat_regions import FLATNESS, flat_regions
+from shapegoogle_core.preprocessing.flat_regions import flat_regions, height_tolerance
 from shapegoogle_core.preprocessing.triangulation import EdgeTable, Indices, edge_table, flip_edges
 
 __all__ = ["coarsen"]
@@ -23,7 +23,7 @@ def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
     """Remove the vertices inside flat regions and on straight edges between them.
 
     What is left are the corners of the surface: the same ones whether a modeller cut it into long triangles,
-    a grid, or triangles split in four. The surface does not change, point by point, up to `FLATNESS`.
+    a grid, or triangles split in four. The surface does not change, point by point, up to `height_tolerance`.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
     if len(region) == 0 or region.max() + 1 == len(region):
         return mesh, region
     vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
-    tolerance = FLATNESS * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    tolerance = height_tolerance(vertices)
     faces, region = _remove_vertices(vertices, faces, region, tolerance)
     faces = flip_edges(vertices, faces, region)
     used, compact = used_vertices(faces, len(vertices))

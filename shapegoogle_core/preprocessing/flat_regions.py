@@ -7,16 +7,32 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from shapegoogle_core.mesh.measures import box_sides
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.triangulation import Indices, edge_table
 
-__all__ = ["FLATNESS", "flat_regions"]
+__all__ = ["flat_regions", "height_tolerance"]
 
+# Height over a plane, as a share of the bounding-box diagonal, that counts as none: what is left of a flat
+# region after it was moved and stored in float32, and less than anyone models.
 FLATNESS = 1e-5
-"""Height over a plane, as a share of the bounding-box diagonal, that counts as none: what is left of a flat
-region after it was moved and stored in float32, and less than anyone models."""
 
 LEAST_COSINE = 0.9  # between the normals of neighbours: a low face may be turned by rounding
+
+
+def height_tolerance(vertices: FloatArray) -> float:
+    """Compute the height over a plane that counts as none.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+        Of the whole mesh.
+
+    Returns
+    -------
+    tolerance : float
+    """
+    return FLATNESS * float(np.linalg.norm(box_sides(vertices)))
 
 
 def flat_regions(mesh: Mesh) -> Indices:
@@ -35,7 +51,7 @@ def flat_regions(mesh: Mesh) -> Indices:
         every face is a region.
     """
     vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
-    tolerance = FLATNESS * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    tolerance = height_tolerance(vertices)
     edges = edge_table(faces)
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
     normal = np.asarray(np.cross(b - a, c - a), np.float64)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.connectivity import unique_edges
-from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.measures import box_sides, face_areas
 from shapegoogle_core.mesh.mesh import Mesh
 
 __all__ = ["boundary_loops", "close_holes"]
@@ -64,7 +64,7 @@ def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
     radius = np.maximum.reduceat(np.linalg.norm(spokes, axis=1), starts)
     lid_area = np.add.reduceat(np.linalg.norm(np.cross(spokes, end - start), axis=1) / 2, starts)
     part_area = _part_areas(mesh)[owners[edge[starts]]]
-    diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    diagonal = np.linalg.norm(box_sides(mesh.vertices))
     wanted = (
         (2 * radius <= max_diameter * diagonal)
         & (lid_area < LARGEST_SHARE * part_area)

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.connectivity import used_vertices
-from shapegoogle_core.mesh.measures import cross_lengths, face_blocks
+from shapegoogle_core.mesh.connectivity import used_points, used_vertices
+from shapegoogle_core.mesh.measures import bounding_box, box_sides, cross_lengths, face_blocks
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.mesh.places import first_at_place, first_in_group, hashed_rows, repeated_keys
 
 __all__ = ["repair", "repair_mapped"]
 
@@ -94,10 +95,7 @@ def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
 
 
 def _weld_tolerance(mesh: Mesh) -> float:
-    corners = mesh.vertices
-    if not mesh.is_point_cloud:
-        corners = corners[used_vertices(mesh.faces, len(corners))[0]]
-    tolerance = WELD_TOLERANCE * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    tolerance = WELD_TOLERANCE * float(np.linalg.norm(box_sides(used_points(mesh))))
     if not mesh.is_point_cloud:
         lengths = np.empty((3, len(mesh.faces)))
         for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
@@ -115,18 +113,18 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     cell along each set of axes, at least one has no wall between two points within the tolerance.
     Sorting cells needs no list of pairs, which has n² entries when many points crowd in one place.
     """
-    first = _first_at_place(vertices)
+    first = first_at_place(vertices)
     places = np.flatnonzero(first == np.arange(len(vertices)))
     if tolerance <= 0:
         return first
     points = vertices[places]
-    cells = (points - points.min(axis=0)) / (2 * tolerance)
+    cells = (points - bounding_box(points)[0]) / (2 * tolerance)
     crowded = _may_share_a_cell(cells)
     cells = cells[crowded]
     links = []
     for shift in np.ndindex(2, 2, 2):
         cell = np.floor(cells + 0.5 * np.array(shift))
-        leader = _first_in_group(_hash(cell))
+        leader = first_in_group(hashed_rows(cell.T))
         linked = np.flatnonzero((leader != np.arange(len(cell))) & (cell[leader] == cell).all(axis=1))
         links.append(np.stack([linked, leader[linked]]))
     row, column = np.concatenate(links, axis=1)
@@ -135,23 +133,10 @@ def _weld(vertices: FloatArray, tolerance: float) -> NDArray[np.int64]:
     graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(len(cells), len(cells)))
     _, label = connected_components(graph, directed=False)
     leader_of_place = places.copy()
-    leader_of_place[crowded] = places[crowded[_first_in_group(label)]]
+    leader_of_place[crowded] = places[crowded[first_in_group(label)]]
     rank = np.empty(len(vertices), np.int64)
     rank[places] = np.arange(len(places))
     return leader_of_place[rank[first]]
-
-
-def _first_at_place(vertices: FloatArray) -> NDArray[np.int64]:
-    """For each vertex the first one with the same coordinates."""
-    everything = np.arange(len(vertices))
-    keys = _hash(vertices + 0.0)  # + 0.0: minus zero is zero
-    candidates = _repeated(keys)
-    if candidates.size == 0:
-        return everything
-    first = everything.copy()
-    first[candidates] = candidates[_first_in_group(keys[candidates])]
-    same = (vertices[first] == vertices).all(axis=1)
-    return np.where(same, first, everything)  # two places with one hash, if ever, stay apart
 
 
 def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
@@ -164,39 +149,8 @@ def _may_share_a_cell(cells: FloatArray) -> NDArray[np.int64]:
     coarse -= cell
     wall = 1.5 / COARSE  # no two in one cell are farther than one from each other; the rest is for rounding
     chosen: NDArray[np.bool_] = np.any((coarse < wall) | (coarse > 1 - wall), axis=1)
-    chosen[_repeated(_hash(cell))] = True
+    chosen[repeated_keys(hashed_rows(cell.T))] = True
     return np.flatnonzero(chosen)
-
-
-def _repeated(keys: NDArray[np.uint64]) -> NDArray[np.int64]:
-    """Find all entries whose key is there more than once."""
-    ordered = np.sort(keys)
-    if (ordered[1:] != ordered[:-1]).all():  # mostly; sorting without indices is twice as fast
-        return np.empty(0, np.int64)
-    order = np.argsort(keys)
-    same = keys[order[1:]] == keys[order[:-1]]
-    repeated = np.zeros(len(keys), bool)
-    repeated[order[1:][same]] = True
-    repeated[order[:-1][same]] = True
-    return np.flatnonzero(repeated)
-
-
-def _hash(rows: FloatArray | NDArray[np.int64]) -> NDArray[np.uint64]:
-    """One 64-bit number per row of three: equal rows have equal numbers, others almost surely not."""
-    bits = np.ascontiguousarray(rows).view(np.uint64)
-    mixed = np.zeros(len(rows), np.uint64)
-    for axis in range(3):
-        # Rounds of the splitmix64 finaliser; unsigned arithmetic wraps on purpose.
-        mixed = (mixed ^ bits[:, axis]) * np.uint64(0xBF58476D1CE4E5B9)
-        mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        mixed ^= mixed >> np.uint64(31)
-    return mixed
-
-
-def _first_in_group(keys: NDArray[np.integer]) -> NDArray[np.int64]:
-    """For each entry the index of the first entry with the same key."""
-    _, first, group = np.unique(keys, return_index=True, return_inverse=True)
-    return np.asarray(first[group])
 
 
 def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float) -> NDArray[np.bool_]:
@@ -221,7 +175,7 @@ def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.in
     low, high = faces.min(axis=1), faces.max(axis=1)
     middle = faces.sum(axis=1) - low - high
     everything = np.arange(len(faces))
-    candidates = _repeated(_hash(np.stack([low, middle, high], axis=1)))
+    candidates = repeated_keys(hashed_rows(np.stack([low, middle, high])))
     if candidates.size == 0:
         return everything
     low, middle, high = low[candidates], middle[candidates], high[candidates]

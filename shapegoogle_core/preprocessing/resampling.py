@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.measures import face_areas
+from shapegoogle_core.mesh.measures import bounding_box, face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 from shapegoogle_core.preprocessing.coarsening import coarsen
 from shapegoogle_core.preprocessing.repair import repair
@@ -124,8 +124,8 @@ def _collapse(mesh: Mesh, budget: int) -> Mesh:
     target = len(mesh.faces) - 2 * (len(mesh.vertices) - budget)
     if target <= 0:
         return mesh
-    origin = mesh.vertices.min(axis=0)
-    unit = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / COLLAPSED_DIAGONAL
+    origin, end = bounding_box(mesh.vertices)
+    unit = np.linalg.norm(end - origin) / COLLAPSED_DIAGONAL
     vertices, faces = fast_simplification.simplify(
         (mesh.vertices - origin) / unit, np.array(mesh.faces), target_count=target, preserve_border=True
     )
@@ -141,7 +141,7 @@ def _part_count(mesh: Mesh) -> int:
 
 def _merge_on_grid(mesh: Mesh, budget: int) -> Mesh:
     """Merge the vertices in each cell of the finest grid that leaves no more than `budget` of them."""
-    position = mesh.vertices - mesh.vertices.min(axis=0)
+    position = mesh.vertices - bounding_box(mesh.vertices)[0]
 
     def count_at(cell: float) -> int:
         return int(np.count_nonzero(np.bincount(_cells(position, mesh.faces, cell)[1].ravel())))
@@ -180,7 +180,7 @@ def thin(points: FloatArray, count: int) -> FloatArray:
     """
     if len(points) <= count:
         return points
-    position = points - points.min(axis=0)
+    position = points - bounding_box(points)[0]
     cell = finest_cell(
         float(position.max()),
         lambda cell: len(np.unique(cell_numbers(position, cell))),

@@ -25,8 +25,8 @@ from shapegoogle_core.registration.isometry import spectral_difference as spectr
 from shapegoogle_core.registration.local_words import LocalSettings as LocalSettings
 from shapegoogle_core.registration.local_words import LocalWords as LocalWords
 from shapegoogle_core.registration.local_words import fit_local_words as fit_local_words
+from shapegoogle_core.registration.measures.measuring import measure_mesh as measure_mesh
 from shapegoogle_core.registration.measures.mesh_measures import MeshMeasures as MeshMeasures
-from shapegoogle_core.registration.measures.mesh_measures import measure_mesh as measure_mesh
 from shapegoogle_core.registration.measures.mesh_measures import stacked_moments as stacked_moments
 from shapegoogle_core.registration.measures.same_mesh import are_flat_sided as are_flat_sided
 from shapegoogle_core.registration.measures.same_mesh import handed_alike as handed_alike

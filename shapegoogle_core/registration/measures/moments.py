@@ -7,7 +7,9 @@ from itertools import combinations_with_replacement, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from shapegoogle_core.mesh.measures import cross_products
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = [
@@ -29,7 +31,7 @@ FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 _CUBIC: list[tuple[int, ...]] = list(combinations_with_replacement(range(3), 3))
 _FULL_CUBIC = [_CUBIC.index(tuple(sorted(place))) for place in product(range(3), repeat=3)]
 # Triangles that are integrated at once.
-_AT_ONCE = 8_192
+_AT_ONCE = 1 << 11
 # Third moments below this vanish but for rounding, so that they have no direction.
 _LEAST_THIRD = 1e-3
 # Least difference of two eigenvalues whose eigenvectors are certain, relative to the largest one.
@@ -37,9 +39,8 @@ _LEAST_GAP = 1e-3
 
 
 class SurfaceMoments(NamedTuple):
-    """Moments of a surface, as in `MeshMeasures`, about their mean."""
+    """Moments of a surface about the origin, as in `MeshMeasures`."""
 
-    mean: FloatArray
     second: FloatArray
     cubic: FloatArray
     twist: FloatArray
@@ -48,56 +49,56 @@ class SurfaceMoments(NamedTuple):
     support: float
 
 
-def surface_moments(corners: FloatArray, normals: FloatArray, weights: FloatArray) -> SurfaceMoments:
+def surface_moments(
+    points: FloatArray, faces: NDArray[np.integer], normals: FloatArray, weights: FloatArray
+) -> SurfaceMoments:
     """Integrate polynomials over triangles, exactly up to degree 4.
 
     Parameters
     ----------
-    corners : (3, 3, f) array
-        Corners of the triangles, and their coordinates; for a point cloud (1, 3, f).
-    normals : (3, f) array
+    points : (3, n) array
+        Coordinates of the vertices.
+    faces : (m, 3) array of int
+        For a point cloud (m, 1).
+    normals : (m, 3) array
         Of unit length; of a point cloud zeros.
-    weights : (f,) array
+    weights : (m,) array
         Together 1.
 
     Returns
     -------
     moments : SurfaceMoments
     """
-    nodes, shares = (np.ones((1, 1)), np.ones(1)) if len(corners) == 1 else _QUADRATURE
-    mean = corners.mean(axis=0) @ weights
-    second, cubic = np.zeros(6), np.zeros((6, 3))
-    twist, swirl = np.zeros((3, 3)), np.zeros((3, 3))
-    fourth, support = 0.0, 0.0
+    nodes, shares = (np.ones((1, 1)), np.ones(1)) if faces.shape[1] == 1 else _QUADRATURE
+    second, cubic, swirl = np.zeros(6), np.zeros((6, 3)), np.zeros((6, 3))
+    twist = np.zeros((3, 3))
+    fourth = support = 0.0
     # Blocks of triangles stay in the processor's cache.
     for start in range(0, len(weights), _AT_ONCE):
         block = slice(start, start + _AT_ONCE)
-        own, facing, share_of = corners[:, :, block] - mean[:, None], normals[:, block], weights[block]
-        for node, share in zip(nodes, shares, strict=True):
-            x, y, z = points = np.tensordot(node, own, axes=1)
-            weighted = share * share_of
-            products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z])
-            squares = products[0] + products[3] + products[5]
-            heights = (points * facing).sum(axis=0)
-            arms = np.stack(
-                [
-                    y * facing[2] - z * facing[1],
-                    z * facing[0] - x * facing[2],
-                    x * facing[1] - y * facing[0],
-                ]
-            )
-            second += products @ weighted
-            cubic += products @ (weighted * points).T
-            twist += (weighted * arms) @ facing.T
-            swirl += (weighted * heights * points) @ arms.T
-            fourth += float(weighted @ squares**2)
-            support += float(weighted @ heights**2)
+        corners, facing, weight = points.take(faces[block].T, axis=1), normals[block].T, weights[block]
+        # All nodes of all triangles of the block, and their weights.
+        x, y, z = inside = (nodes @ corners).reshape(3, -1)
+        weighted = (shares[:, None] * weight).ravel()
+        products = np.stack([x * x, x * y, x * z, y * y, y * z, z * z])
+        squares = products[0] + products[3] + products[5]
+        cubic += products @ (weighted * inside).T
+        fourth += float(weighted @ squares**2)
+        # x · n is the same all over a triangle, and x × n linear.
+        middle = corners.mean(axis=1)
+        height = (middle * facing).sum(axis=0)
+        means = shares @ products.reshape(6, len(shares), -1)
+        second += means @ weight
+        swirl += means @ (weight * height * facing).T
+        twist += (weight * cross_products(middle.T, facing.T)) @ facing.T
+        support += float(weight @ height**2)
+    # (x · n) x (x × n)ᵀ, from (x · n) x xᵀ nᵀ
+    turned = np.einsum("ikl,jkl->ij", swirl[FULL].reshape(3, 3, 3), _CROSS)
     return SurfaceMoments(
-        mean,
         second,
         np.array([cubic[FULL[3 * one + two], three] for one, two, three in _CUBIC]),
         upper((twist + twist.T) / 2),
-        upper((swirl + swirl.T) / 2),
+        upper((turned + turned.T) / 2),
         fourth,
         support,
     )
@@ -116,6 +117,10 @@ def _quadrature() -> tuple[FloatArray, FloatArray]:
 
 
 _QUADRATURE = _quadrature()
+# Sign of a product of coordinates k and l in component j of a cross product.
+_CROSS = np.zeros((3, 3, 3))
+for _j in range(3):
+    _CROSS[_j, (_j + 1) % 3, (_j + 2) % 3], _CROSS[_j, (_j + 2) % 3, (_j + 1) % 3] = 1, -1
 
 
 def volume(*vectors: FloatArray) -> float:

@@ -6,7 +6,15 @@ from __future__ import annotations
 import numpy as np
 
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.measures import face_areas, point_normals, vertex_areas, vertex_normals
+from shapegoogle_core.mesh.measures import (
+    bounding_box,
+    dots,
+    face_areas,
+    face_normals,
+    point_normals,
+    vertex_areas,
+    vertex_normals,
+)
 from shapegoogle_core.preprocessing import smooth
 from tests.core.conftest import Shapes
 
@@ -30,3 +38,20 @@ def test_normals_and_smoothing_of_the_points_of_a_sphere() -> None:
         np.linalg.norm(points, axis=1).std() for points in (noisy.vertices, smooth(noisy, 3e-4).vertices)
     )
     assert smoothed < rough / 2
+
+
+def test_normals_and_areas_of_faces_are_those_of_cross_products(bumpy: Mesh) -> None:
+    a, b, c = (bumpy.vertices[corner] for corner in bumpy.faces.T)
+    product = np.cross(b - a, c - b)
+    length = np.linalg.norm(product, axis=1)
+    normals, areas = face_normals(bumpy)
+    assert (areas == length / 2).all()
+    assert (normals == product / length[:, None]).all()
+
+
+def test_boxes_and_dot_products_are_those_of_numpy(bumpy: Mesh) -> None:
+    points = bumpy.vertices
+    low, high = bounding_box(points)
+    assert low.tolist() == points.min(axis=0).tolist()
+    assert high.tolist() == points.max(axis=0).tolist()
+    assert (dots(points, points[::-1]) == (points * points[::-1]).sum(axis=1)).all()
