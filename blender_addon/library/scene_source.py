@@ -1,49 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Index the open scene: its shapes as they are now, saved or not.
 
-First all meshes are written into a file, as the Blender that reads files does it; then they are described one
-after the other, and stored together at the end. Only the first is work for the main thread.
+First all meshes are written into a file; then they are described one after the other, and stored together at
+the end. Only the first is work for the main thread.
 """
 
 from __future__ import annotations
 
 import time
-from collections import Counter, deque
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import bpy
-
 from .. import jobs, state
-from ..reading.arrays import MeshWriter, what_is_empty
-from ..reading.assets import catalogs_for
-from ..reading.contents import evaluated_state
-from ..reading.entries import Assembly, Entry
-from ..reading.instancers import Instance, collect_instances
-from ..reading.records import SHAPE_TYPES, State, group_of, item_of
-from ..reading.sharing import SharedMeshes
-from ..scene.selection import split_evaluated
 from ..translation import error_text, tr
 from .address import library_address
 from .open_file import is_unsaved, open_source, take_over
+from .scene_reading import SceneReading
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import Mesh
     from shapegoogle_core.cli.events import Event
-    from shapegoogle_core.indexing.reading.notes import FileNotes
     from shapegoogle_core.library.storage.records import NewShape
     from shapegoogle_core.model import ShapeSignature
     from shapegoogle_core.worker.packed import Packed
+    from shapegoogle_core.worker.scene import SceneShape
 
 __all__ = ["SceneIndexing"]
 
-# Blender's z.
-UP_AXIS = 2
 # Meshes in the hands of the worker: enough that it never waits, few enough to keep memory flat.
 AHEAD = 3
 # How long the window may be kept from answering by reading objects.
@@ -78,15 +64,9 @@ class SceneIndexing:
         self._opened = state.current().library.opened
         self._resources = ExitStack()
         self._output = self._resources.enter_context(temporary_folder()) / "shapes.bin"
-        self._file = self._resources.enter_context(self._output.open("wb"))
-        self._writer = MeshWriter(self._file)
-        self._left_out: Counter[str] = Counter()
-        self._collect(context)
-        self._states: dict[int, State] = {}
-        self._known: dict[tuple[int, bytes], int] = {}
-        self._shapes: Iterator[NewShape[Mesh] | FileNotes | str] | None = None
+        self._reading = SceneReading(context, self._resources.enter_context(self._output.open("wb")))
+        self._shapes: Iterator[SceneShape | None] | None = None
         self._all_submitted = False
-        self._expected = 0
         self._done = 0
         self._first_described: tuple[float, int] | None = None
         self._described: list[Packed[NewShape[ShapeSignature]]] = []
@@ -103,41 +83,6 @@ class SceneIndexing:
     def storing(self) -> bool:
         """Whether the shapes are being stored, or were."""
         return bool(self._stored)
-
-    def _collect(self, context: Any) -> None:
-        """Note what is in the scene: numbers, not objects, which may be gone when it is their turn."""
-        catalogs = catalogs_for(Path(open_source()))
-        objects = list(context.scene.objects)
-        # What is not evaluated has neither its modifiers nor, perhaps, its place.
-        shown, hidden = split_evaluated(objects, context)
-        self._left_out["hidden object"] += sum(item.type in SHAPE_TYPES for item in hidden)
-        depsgraph = context.evaluated_depsgraph_get()
-        found = collect_instances(depsgraph, SHAPE_TYPES, self._writer.write_part, lambda _item: True)
-        self._left_out["further instance"] += found.further
-        every = {item.session_uid: item for item in bpy.data.objects}
-        self._groups = [group_of(collection, catalogs) for collection in bpy.data.collections]
-        self._instances = found.of
-        seen = {item.session_uid for item in shown}
-        self._wholes = {
-            group.uid: [
-                Instance(uid, None, every[uid].matrix_world.copy(), group.offset, ())
-                for uid in sorted(group.members & seen, key=lambda uid: every[uid].name)
-            ]
-            for group in self._groups
-            if group.is_asset and group.members & seen
-        }
-        self._items = {uid: item_of(item, catalogs) for uid, item in every.items()}
-        listed = [self._items[item.session_uid] for item in shown]
-        self._chosen = [item.uid for item in listed if item.has_mesh]
-        self._carriers = [item for item in listed if item.carries]
-        self._left_out.update(item.kind for item in listed if not item.has_mesh and not item.carries)
-        instanced = (*found.of.values(), *self._wholes.values())
-        leaves = list(dict.fromkeys(one.uid for own in instanced for one in own if one.mesh is None))
-        # Objects that are only instanced are shapes, too, unless they are in another file.
-        self._only_instanced = [uid for uid in leaves if uid not in seen and self._items[uid].is_local]
-        self._waiting = deque(dict.fromkeys([*self._chosen, *leaves]))
-        read = [every[uid] for uid in self._waiting]
-        self._meshes: SharedMeshes[Entry] = SharedMeshes([*read, *(every[uid] for uid in leaves)])
 
     def last_words(self) -> str:
         """Return why it ended."""
@@ -194,76 +139,28 @@ class SceneIndexing:
 
     def _submit(self) -> None:
         """Read some objects; once all are read, hand shapes to the worker."""
-        from shapegoogle_core.indexing.reading.notes import FileNotes
         from shapegoogle_core.worker.scene import describe
 
         end = time.monotonic() + SECONDS_OF_READING
-        if self._waiting:
-            here = {item.session_uid: item for item in bpy.data.objects}
-            depsgraph = bpy.context.evaluated_depsgraph_get()
-            while self._waiting and time.monotonic() < end:
-                item = here.get(self._waiting.popleft())
-                if item is not None:  # else it was deleted meanwhile
-                    self._read(item, depsgraph)
-        if self._waiting:
-            return
+        if self._shapes is None:
+            if not self._reading.read(SECONDS_OF_READING):
+                return
+            self._shapes = self._reading.shapes()
         if self._created is not None:
             if not self._created.done():
                 return
             self._created.result()
             self._created = None
-        if self._shapes is None:
-            self._shapes = self._assembled()
         while len(self._tasks) < AHEAD and time.monotonic() < end:
-            found = next(self._shapes, None)
-            if found is None:
-                self._expected, self._all_submitted = 0, True
+            for found in self._shapes:
+                if found is not None:
+                    self._tasks[jobs.worker().submit(describe, self._library, found)] = found.name
+                    break
+                if time.monotonic() >= end:
+                    return
+            else:
+                self._all_submitted = True
                 return
-            self._expected -= not isinstance(found, FileNotes)
-            if isinstance(found, str):
-                self._failed.append((open_source(), found))
-            elif not isinstance(found, FileNotes):
-                if found.named_after_file and is_unsaved(open_source()):
-                    # The name of a file that was never saved says nothing.
-                    found = replace(found, name=found.object_name, named_after_file=False)
-                self._tasks[jobs.worker().submit(describe, self._library, found)] = found.name
-
-    def _read(self, item: Any, depsgraph: Any) -> None:
-        """Write the mesh of an object."""
-        kind = self._items[item.session_uid].kind
-        try:
-            found = evaluated_state(item, depsgraph, self._meshes, self._writer, self._known)
-        except RuntimeError as error:
-            if kind != "metaball":
-                text = tr("{name!r} has no mesh once evaluated ({reason}); check its modifiers")
-                self._failed.append((item.name, text.format(name=item.name, reason=error)))
-            found = None
-        if found is not None:
-            self._states[item.session_uid] = found
-        elif item.session_uid not in self._instances and item.session_uid in self._chosen:
-            self._left_out[what_is_empty(item, kind)] += 1
-
-    def _assembled(self) -> Iterator[NewShape[Mesh] | FileNotes | str]:
-        """Make shapes of all that was read."""
-        from shapegoogle_core.indexing.reading.external_reader import shapes_in
-
-        self._file.flush()
-        chosen = [*self._chosen, *self._only_instanced]
-        assembly = Assembly(
-            self._items.values(), self._groups, self._meshes, self._writer.faces, self._chosen, chosen
-        )
-        assembly.add_all(self._carriers, self._instances, self._wholes, self._states)
-        self._left_out.update(assembly.left_out)
-        shapes = [entry.to_json() for entry in assembly.entries if entry.placements]
-        self._expected = len(shapes)
-        answer = {
-            "meshes": self._writer.counts(),
-            "shapes": shapes,
-            "problems": [],
-            "joined": False,
-            "up_axis": UP_AXIS,
-        }
-        return shapes_in(Path(open_source()), answer, self._output)
 
     def _take_finished(self) -> list[Event]:
         from shapegoogle_core import ShapeGoogleError
@@ -289,7 +186,7 @@ class SceneIndexing:
         from shapegoogle_core.indexing import IndexingProgress
 
         now = time.monotonic()
-        waiting, done, expected = len(self._tasks), self._done, self._expected
+        waiting, done, expected = len(self._tasks), self._done, self._reading.expected
         seconds_left = None
         if not waiting + expected:
             seconds_left = 0.0
@@ -320,7 +217,7 @@ class SceneIndexing:
         take_over(self._storer)
         self._source = source = open_source()
         known = state.current().library.objects
-        uids = {item.name: item.uid for item in self._items.values() if item.is_local}
+        uids = {item.name: item.uid for item in self._reading.items.values() if item.is_local}
         for shape in self._described:
             for name in shape.object_names:
                 if name in uids:
@@ -347,11 +244,11 @@ class SceneIndexing:
             else:  # it was saved while its shapes were stored
                 library.renamed.append((self._library, self._source, open_source()))
                 take_over()
-        left_out = tuple(LeftOut(kind, number) for kind, number in self._left_out.items() if number)
+        left_out = tuple(LeftOut(kind, number) for kind, number in self._reading.left_out.items() if number)
         return IndexSummary(
             added=1,
             added_shapes=len(self._described),
-            failed=tuple(self._failed),
+            failed=(*self._reading.failed, *self._failed),
             left_out=total_left_out(left_out),
             library_shapes=related.result(),
             seconds=time.monotonic() - self._started,

@@ -6,6 +6,7 @@ It imports nothing but Python's own modules, since `reader` runs in a Blender wi
 
 from __future__ import annotations
 
+import hashlib
 from array import array
 from typing import Any, BinaryIO
 
@@ -23,12 +24,16 @@ class MeshWriter:
     ----------
     vertices, faces : list of int
         Their numbers for each mesh.
+    starts : list of int
+        Where each mesh begins in the file, in bytes.
     """
 
     def __init__(self, output: BinaryIO) -> None:
         self._output = output
         self.vertices: list[int] = []
         self.faces: list[int] = []
+        self.starts: list[int] = []
+        self._parts: dict[bytes, int] = {}
 
     def counts(self) -> list[dict[str, int]]:
         """Return the numbers of vertices and faces of each mesh, for the answer."""
@@ -39,6 +44,7 @@ class MeshWriter:
 
     def write(self, positions: array[float], faces: array[int]) -> int:
         """Write a mesh; returns its number."""
+        self.starts.append(self._output.tell())
         positions.tofile(self._output)
         faces.tofile(self._output)
         self.vertices.append(len(positions) // 3)
@@ -46,12 +52,25 @@ class MeshWriter:
         return len(self.faces) - 1
 
     def write_part(self, evaluated: Any) -> int | None:
-        """Write the mesh of an evaluated object; returns its number, None if it has none."""
+        """Write the mesh of an evaluated object, unless it was written as a part before.
+
+        Returns
+        -------
+        number : int or None
+            None without a mesh.
+        """
         try:
             positions, faces = self.read(evaluated)
         except RuntimeError:
             return None
-        return self.write(positions, faces) if positions else None
+        if not positions:
+            return None
+        digest = hashlib.blake2b(positions, digest_size=16)
+        digest.update(faces)
+        number = self._parts.get(digest.digest())
+        if number is None:
+            number = self._parts[digest.digest()] = self.write(positions, faces)
+        return number
 
     def read(self, evaluated: Any) -> tuple[array[float], array[int]]:
         """Coordinates and triangles of an evaluated object, in its own space.

@@ -16,14 +16,17 @@ import bpy
 from .arrays import MeshWriter, what_is_empty
 from .assets import catalogs_for
 from .entries import Assembly, Entry
-from .instancers import Instance, collect_instances, show_realized
+from .instancers import Instance, InstanceCollector, show_realized
+from .portions import Portions, Together, computed_faces, evaluated_together
 from .records import SHAPE_TYPES, State, group_of, item_of
 from .sharing import SharedMeshes
 
-__all__ = ["MOST_FACES_AT_ONCE", "read_contents"]
+__all__ = ["MOST_FACES_AT_ONCE", "MOST_OBJECTS_AT_ONCE", "read_contents"]
 
 MOST_FACES_AT_ONCE = 1_000_000
 """Faces that objects evaluated together should have, by those before them; one alone may have more."""
+MOST_OBJECTS_AT_ONCE = 64
+"""Objects that are evaluated together: subdivision needs megabytes for each besides its faces."""
 
 
 def read_contents(
@@ -91,9 +94,11 @@ class _Contents:
         )
         for frame, states in self._evaluated(read, meshes, instances):
             if frame == self._frames[0]:
-                assembly.add_all(self._carriers, instances, wholes, states)
+                steps = assembly.add_all(self._carriers, instances, wholes, states)
             else:
-                assembly.add_objects(states, frame, self._frames[0])
+                steps = assembly.add_objects(states, frame, self._frames[0])
+            for _ in steps:
+                pass
         linked = self._linked_files()
         return {
             "meshes": self._writer.counts(),
@@ -113,30 +118,25 @@ class _Contents:
                 empty.location = collection.instance_offset
                 wholes[group.uid] = empty
         carriers = [self._objects[item.uid] for item in self._carriers]
-        if not carriers and not wholes:
-            return {}, {}
         for item in carriers:
             item.hide_viewport = False
-        # On vertices and faces an object instances its children.
-        children = [
-            child
-            for item in carriers
-            if item.instance_type in ("VERTS", "FACES")
-            for child in item.children_recursive
-        ]
-        together = dict.fromkeys([*carriers, *children, *wholes.values()])
-        depsgraph, scene = _evaluate(list(together), self._frames[0])
-        found = collect_instances(
-            depsgraph,
+        collector = InstanceCollector(
             SHAPE_TYPES,
             self._writer.write_part,
             lambda item: self._items[item.session_uid].is_local,
         )
-        self._left_out["further instance"] += found.further
-        bpy.data.scenes.remove(scene)
-        inside = {uid: found.of.pop(empty.session_uid, []) for uid, empty in wholes.items()}
+        portions = Portions(MOST_OBJECTS_AT_ONCE, MOST_FACES_AT_ONCE)
+        waiting = deque(evaluated_together([*carriers, *wholes.values()]))
+        while waiting:
+            some = portions.take(waiting)
+            depsgraph, scene = _evaluate(some, self._frames[0])
+            collector.collect(depsgraph)
+            portions.note(collector.faces + sum(computed_faces(item, depsgraph) for item in some))
+            bpy.data.scenes.remove(scene)
+        self._left_out["further instance"] += collector.further
+        inside = {uid: collector.of.pop(empty.session_uid, []) for uid, empty in wholes.items()}
         bpy.data.batch_remove(list(wholes.values()))
-        return found.of, inside
+        return collector.of, inside
 
     def _evaluated(
         self, objects: list[Any], meshes: SharedMeshes[Entry], instances: dict[int, list[Instance]]
@@ -153,14 +153,13 @@ class _Contents:
         found: dict[int, dict[int, State]] = {frame: {} for frame in self._frames}
         # One ball of a family has the mesh of all: they belong together.
         together = [item for item in objects if item.type == "META"]
-        waiting = deque(item for item in objects if item.type != "META")
+        waiting = deque(Together((item,), 1) for item in objects if item.type != "META")
         if together:
             self._evaluate_some(together, meshes, instances, known, found)
-        size = 1
+        portions = Portions(MOST_OBJECTS_AT_ONCE, MOST_FACES_AT_ONCE)
         while waiting:
-            some = [waiting.popleft() for _ in range(min(size, len(waiting)))]
-            faces = self._evaluate_some(some, meshes, instances, known, found)
-            size = max(1, min(2 * size, len(some) * MOST_FACES_AT_ONCE // max(faces, 1)))
+            some = portions.take(waiting)
+            portions.note(self._evaluate_some(some, meshes, instances, known, found))
         for frame, states in found.items():
             # In the order of the objects.
             yield frame, {uid: states[uid] for item in objects if (uid := item.session_uid) in states}

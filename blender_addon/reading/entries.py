@@ -8,7 +8,7 @@ add-on.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,10 +18,13 @@ from .instancers import Instance
 from .records import Group, Item, State
 from .sharing import SharedMeshes
 
-__all__ = ["MOST_FACES", "Assembly", "Entry"]
+__all__ = ["MOST_FACES", "MOST_STRETCHES", "Assembly", "Entry"]
 
 MOST_FACES = 2_000_000
 """Faces that a whole may have; the meshes in it are shapes of their own."""
+
+MOST_STRETCHES = 16
+"""Shapes that one object makes of a mesh by stretching its instances; grass may have no two blades alike."""
 
 # Decimals of matrices within a scatter that count as equal.
 _DECIMALS = 4
@@ -48,6 +51,17 @@ class Entry:
 
     def to_json(self) -> dict[str, Any]:
         """Convert to an object of the answer."""
+        return _result_of(self.steps_to_json())
+
+    def steps_to_json(self) -> Generator[None, None, dict[str, Any]]:
+        """Convert to an object of the answer in short steps; the generator returns it."""
+        parts, placements = [], []
+        for mesh, matrix in self.parts:
+            parts.append({"mesh": mesh, "matrix": _numbers(matrix)})
+            yield
+        for name, matrix in self.placements:
+            placements.append({"object": name, "matrix": _numbers(matrix)})
+            yield
         color = {} if self.color is None else {"color": self.color}
         return {
             **color,
@@ -57,8 +71,8 @@ class Entry:
             "tags": self.tags,
             "catalog": self.catalog,
             "frame": self.frame,
-            "parts": [{"mesh": mesh, "matrix": _numbers(matrix)} for mesh, matrix in self.parts],
-            "placements": [{"object": name, "matrix": _numbers(matrix)} for name, matrix in self.placements],
+            "parts": parts,
+            "placements": placements,
         }
 
 
@@ -99,8 +113,10 @@ class Assembly:
         self.entries: list[Entry] = []
         self.left_out: Counter[str] = Counter()
         self._items = {item.uid: item for item in items}
-        self._groups = list(groups)
-        self._assets = [group for group in self._groups if group.is_asset]
+        listed = list(groups)
+        # The first of those with the same members.
+        self._by_members = {group.members: group for group in reversed(listed)}
+        self._assets = [group for group in listed if group.is_asset]
         self._meshes = meshes
         self._faces = faces
         self._shown = frozenset(shown)
@@ -115,8 +131,8 @@ class Assembly:
         instances: Mapping[int, Sequence[Instance]],
         wholes: Mapping[int, Sequence[Instance]],
         states: Mapping[int, State],
-    ) -> None:
-        """Add everything at the first frame.
+    ) -> Iterator[None]:
+        """Add everything at the first frame, in short steps.
 
         Parameters
         ----------
@@ -128,19 +144,26 @@ class Assembly:
             What is in collections that are shapes, by their numbers.
         states : mapping of int to State
             Of all objects that could be read, by number.
+
+        Yields
+        ------
+        None
+            After each step, of which a scatter of thousands has thousands.
         """
         instanced = {one.uid for own in instances.values() for one in own if one.mesh is None}
         self._hidden = instanced - self._shown
         used = {item.collection for item in carriers}
         for group in self._assets:
             if group.uid in wholes:
-                self._add_collection(group, wholes[group.uid], states, is_used=group.uid in used)
-        self.add_objects(states, None)
+                yield from self._add_collection(group, wholes[group.uid], states, is_used=group.uid in used)
+        yield from self.add_objects(states, None)
         for carrier in carriers:
-            self._add_instances(carrier, instances.get(carrier.uid, ()), states)
+            yield from self._add_instances(carrier, instances.get(carrier.uid, ()), states)
 
-    def add_objects(self, states: Mapping[int, State], frame: int | None, first: int | None = None) -> None:
-        """Add the chosen objects; in a pose that it had before, an object gives nothing.
+    def add_objects(
+        self, states: Mapping[int, State], frame: int | None, first: int | None = None
+    ) -> Iterator[None]:
+        """Add the chosen objects in short steps; in a pose that it had before, an object gives nothing.
 
         Parameters
         ----------
@@ -149,8 +172,13 @@ class Assembly:
             None if there is only one.
         first : int, optional
             The first frame, at which they were added before.
+
+        Yields
+        ------
+        None
         """
         for uid in states:
+            yield
             if uid not in self._chosen or uid in self._hidden or uid in self._absorbed:
                 continue
             item, state, poses = self._items[uid], states[uid], self._poses[uid]
@@ -189,10 +217,10 @@ class Assembly:
 
     def _add_collection(
         self, group: Group, own: Sequence[Instance], states: Mapping[int, State], *, is_used: bool
-    ) -> None:
+    ) -> Iterator[None]:
         """Add a collection that is an asset."""
         base = group.offset
-        parts = self._parts(own, base, states)
+        parts = yield from self._parts(own, base, states)
         if not parts:
             self.left_out["empty collection"] += 1
             return
@@ -211,7 +239,9 @@ class Assembly:
             entry.placements.append((group.name, base))
         entry.take_asset(group)
 
-    def _add_instances(self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]) -> None:
+    def _add_instances(
+        self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]
+    ) -> Iterator[None]:
         """Add what an object instances, and the whole that it shows."""
         own = [one for one in own if one.mesh is not None or one.uid in states]
         if not own:
@@ -220,7 +250,7 @@ class Assembly:
             return
         state = states.get(carrier.uid)
         base = own[0].base if state is None else state.matrix
-        parts = self._parts(own, base, states)
+        parts = yield from self._parts(own, base, states)
         if state is not None:
             parts.append((state.mesh, Matrix()))
         if len(parts) == 1:
@@ -230,18 +260,26 @@ class Assembly:
             entry.names.append(carrier.name)
             entry.take_asset(carrier)
             return
+        made: Counter[tuple[int, int | None]] = Counter()
         for one in own:
+            yield
             # What is linked is a shape of its own file.
             if self._items[one.uid].is_local and (one.mesh is not None or one.uid in self._chosen):
+                if self._known_entry(one, states) is None:
+                    if made[one.uid, one.mesh] == MOST_STRETCHES:
+                        self.left_out["further instance"] += 1
+                        continue
+                    made[one.uid, one.mesh] += 1
                 entry = self._entry_of(one, states)
                 entry.placements.append((entry.name, one.matrix))
         if carrier.collection:
             key: tuple[Any, ...] = ("collection", carrier.collection)
         else:
-            self._add_groups(carrier, own, states)
-            rounded = [
-                (mesh, *(round(number, _DECIMALS) for number in _numbers(matrix))) for mesh, matrix in parts
-            ]
+            yield from self._add_groups(carrier, own, states)
+            rounded = []
+            for mesh, matrix in parts:
+                rounded.append((mesh, *[round(number, _DECIMALS) for number in _numbers(matrix)]))
+                yield
             key = ("scatter", tuple(sorted(rounded)))
         whole = self._whole(key, parts, base)
         if whole is None:
@@ -252,37 +290,43 @@ class Assembly:
         whole.placements.append((carrier.name, base))
         whole.take_asset(carrier)
 
+    def _known_entry(self, one: Instance, states: Mapping[int, State]) -> Entry | None:
+        """Return the entry of the mesh that is instanced, if there is one."""
+        if one.mesh is not None:
+            return self._meshes.find_by(("mesh", one.mesh), one.matrix)
+        return self._find(self._items[one.uid], one.matrix, states[one.uid].content)
+
     def _entry_of(self, one: Instance, states: Mapping[int, State]) -> Entry:
         """Return the entry of the mesh that is instanced, a new one if there is none."""
-        item = self._items[one.uid]
-        if one.mesh is not None:
-            key = ("mesh", one.mesh)
-            entry = self._meshes.find_by(key, one.matrix)
-            if entry is None:
-                entry = self._new(Entry(item.name, "object", [(one.mesh, Matrix())]))
-                self._meshes.put_by(key, one.matrix, entry)
-            return entry
-        state = states[one.uid]
-        entry = self._find(item, one.matrix, state.content)
+        entry = self._known_entry(one, states)
         if entry is None:
-            entry = self._new_of(item, state)
-            self._put(item, one.matrix, state.content, entry)
+            item = self._items[one.uid]
+            if one.mesh is not None:
+                entry = self._new(Entry(item.name, "object", [(one.mesh, Matrix())]))
+                self._meshes.put_by(("mesh", one.mesh), one.matrix, entry)
+            else:
+                entry = self._new_of(item, states[one.uid])
+                self._put(item, one.matrix, states[one.uid].content, entry)
         return entry
 
-    def _add_groups(self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]) -> None:
+    def _add_groups(
+        self, carrier: Item, own: Sequence[Instance], states: Mapping[int, State]
+    ) -> Iterator[None]:
         """Count what is instanced as one, collections of several objects, as uses of these."""
         together: defaultdict[tuple[int, ...], list[Instance]] = defaultdict(list)
         for one in own:
             if one.mesh is None:
                 together[one.group].append(one)
         for some in together.values():
+            yield
             members = frozenset(one.uid for one in some)
-            group = next((group for group in self._groups if group.members == members), None)
+            group = self._by_members.get(members)
             if group is None or not group.is_local or not 1 < len(members) == len(some):
                 continue
             first = states[some[0].uid].matrix
             base = some[0].matrix @ first.inverted_safe() @ group.offset
-            entry = self._whole(("collection", group.uid), self._parts(some, base, states), base)
+            parts = yield from self._parts(some, base, states)
+            entry = self._whole(("collection", group.uid), parts, base)
             if entry is not None:
                 if not entry.name:
                     entry.name, entry.kind = group.name, "collection"
@@ -290,14 +334,17 @@ class Assembly:
 
     def _parts(
         self, own: Iterable[Instance], base: Any, states: Mapping[int, State]
-    ) -> list[tuple[int, Any]]:
+    ) -> Generator[None, None, list[tuple[int, Any]]]:
         """List the meshes of a whole, each with its matrix in the space of the whole."""
         back = base.inverted_safe()  # of a flat one approximately
-        return [
-            (states[one.uid].mesh if one.mesh is None else one.mesh, back @ one.matrix)
-            for one in own
-            if one.mesh is not None or one.uid in states
-        ]
+        parts = []
+        for one in own:
+            if one.mesh is not None:
+                parts.append((one.mesh, back @ one.matrix))
+            elif one.uid in states:
+                parts.append((states[one.uid].mesh, back @ one.matrix))
+            yield
+        return parts
 
     def _whole(self, key: tuple[Any, ...], parts: list[tuple[int, Any]], base: Any) -> Entry | None:
         """Return the entry of a whole, a new one without a name if there is none; None if it is too large."""
@@ -312,4 +359,13 @@ class Assembly:
 
 
 def _numbers(matrix: Any) -> list[float]:
-    return [number for row in matrix for number in row]
+    first, second, third, fourth = matrix
+    return [*first, *second, *third, *fourth]
+
+
+def _result_of(steps: Generator[None, None, dict[str, Any]]) -> dict[str, Any]:
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return dict(end.value)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..reading.entries import MOST_FACES
-from ..reading.instancers import collect_instances, is_carrier
+from ..reading.instancers import InstanceCollector, is_carrier
 from ..reading.records import SHAPE_TYPES
 from ..translation import marked, tr
 from . import mesh_arrays
@@ -240,8 +240,9 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
             parts.append(_evaluated_arrays(evaluated))
         return numbers[pointer]
 
-    found = collect_instances(depsgraph, SHAPE_TYPES, read, lambda _item: False)
-    for instance in found.of.get(item.session_uid, []):
+    collector = InstanceCollector(SHAPE_TYPES, read, lambda _item: False, item.session_uid)
+    collector.collect(depsgraph)
+    for instance in collector.of.get(item.session_uid, []):
         if instance.mesh is not None:
             shown.append((instance.mesh, np.array(instance.matrix, np.float64)))
             faces += len(parts[instance.mesh][1])

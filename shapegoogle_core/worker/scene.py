@@ -3,18 +3,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from shapegoogle_core.client import LibraryAddress
 from shapegoogle_core.errors import MeshError
+from shapegoogle_core.indexing.reading.answer import MeshPlace, read_shape
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.model import ShapeSignature
 from shapegoogle_core.worker.packed import Packed
 from shapegoogle_core.worker.requests import open_library
 
-__all__ = ["create_library", "describe", "find_neighbours", "rename_source", "store"]
+__all__ = ["SceneShape", "create_library", "describe", "find_neighbours", "rename_source", "store"]
 
 
 def create_library(path: Path, model: str) -> None:
@@ -40,15 +43,69 @@ def create_library(path: Path, model: str) -> None:
         Library.open(path, load_model(model)).close()
 
 
-def describe(path: Path, shape: NewShape[Mesh]) -> Packed[NewShape[ShapeSignature]] | str:
+@dataclass(frozen=True)
+class SceneShape:
+    """A shape of the open scene that waits to be described; its arrays are in a file.
+
+    Attributes
+    ----------
+    record : mapping
+        As in the answer of an external reader.
+    meshes : tuple of MeshPlace
+        Those that the numbers of its parts mean.
+    arrays : Path
+        The file with the arrays.
+    source : Path
+        The file of the scene, or the label of one that was never saved.
+    up_axis : int
+    alone : bool
+        Whether it is the only shape of the scene.
+    is_unsaved : bool
+        Whether the scene was never saved, so that no shape is named after its file.
+    """
+
+    record: Mapping[str, Any]
+    meshes: tuple[MeshPlace, ...]
+    arrays: Path
+    source: Path
+    up_axis: int
+    alone: bool
+    is_unsaved: bool
+
+    @property
+    def name(self) -> str:
+        """Name of its object."""
+        return str(self.record["name"])
+
+    def read(self) -> NewShape[Mesh]:
+        """Read its arrays.
+
+        Returns
+        -------
+        shape : NewShape
+
+        Raises
+        ------
+        MeshError
+            If it is no usable mesh.
+        """
+        shape = read_shape(
+            self.source, self.record, self.meshes, self.arrays, up_axis=self.up_axis, alone=self.alone
+        )
+        if shape.named_after_file and self.is_unsaved:
+            # The name of a file that was never saved says nothing.
+            return replace(shape, name=shape.object_name, named_after_file=False)
+        return shape
+
+
+def describe(path: Path, shape: SceneShape) -> Packed[NewShape[ShapeSignature]] | str:
     """Describe a shape with the model of a library.
 
     Parameters
     ----------
     path : Path
         The library.
-    shape : NewShape
-        With its mesh.
+    shape : SceneShape
 
     Returns
     -------
@@ -64,7 +121,7 @@ def describe(path: Path, shape: NewShape[Mesh]) -> Packed[NewShape[ShapeSignatur
 
     model = open_library(path).model
     try:
-        described = describe_shape(shape, model)
+        described = describe_shape(shape.read(), model)
     except MeshError as error:
         return str(error)
     names = tuple(placement.object_name for placement in described.placements)

@@ -31,32 +31,23 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import accumulate
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.indexing.reading.naming import file_based_name, useful_name
-from shapegoogle_core.indexing.reading.notes import FileNotes, LeftOut
-from shapegoogle_core.library.origin import Origin
-from shapegoogle_core.library.placement import placements_of
+from shapegoogle_core.indexing.reading.answer import shapes_in
+from shapegoogle_core.indexing.reading.notes import FileNotes
 from shapegoogle_core.library.storage.records import NewShape
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.processes.program import Program
 from shapegoogle_core.processes.temporary import temporary_folder
 
-__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess", "shapes_in"]
+__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
 
 # Number of a program's last lines that an error message shows.
 SHOWN_LINES = 5
-# Matrix of a mesh that has the coordinates of its shape.
-_UNMOVED = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
 # What programs print before they crash because they get no memory: Blender, those written in C++, and
 # jemalloc, which cannot start its thread then.
 OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc", "<jemalloc>: background thread creation failed")
@@ -259,135 +250,3 @@ class ReaderProcess:
             f"{self._reader.title} cannot be started ({reason}: {self._reader.command[0]!r}); install it "
             "again, or choose another one"
         )
-
-
-def shapes_in(
-    path: Path, answer: Mapping[str, Any], output: Path
-) -> Iterator[NewShape[Mesh] | FileNotes | str]:
-    """Read the arrays that a program wrote, one shape at a time.
-
-    Parameters
-    ----------
-    path : Path
-        The file that the program has read.
-    answer : mapping
-        Its answer.
-    output : Path
-        File with the arrays.
-
-    Yields
-    ------
-    found : NewShape, FileNotes or str
-        A sentence for a part that cannot be read.
-    """
-    yield from map(str, answer["problems"])
-    left_out = tuple(LeftOut(str(kind), int(count)) for kind, count in answer.get("left_out", {}).items())
-    linked = tuple(map(str, answer.get("linked", ())))
-    if left_out or linked:
-        yield FileNotes(left_out, linked)
-    up_axis, listed = answer["up_axis"], answer["shapes"]
-    joined: list[Mesh] = []
-    with output.open("rb") as file:
-        arrays = _Arrays(file, answer.get("meshes", listed))
-        for number, record in enumerate(listed):
-            name = str(record["name"])
-            objects = [
-                (str(placement["object"]), _matrix(placement["matrix"])) for placement in record["placements"]
-            ]
-            parts = [
-                (arrays.read(part["mesh"]), _matrix(part["matrix"]))
-                for part in record.get("parts", [{"mesh": number, "matrix": _UNMOVED}])
-            ]
-            try:
-                if answer["joined"]:
-                    joined += [
-                        _placed(vertices, faces, matrix @ own, object_name)
-                        for object_name, matrix in objects
-                        for (vertices, faces), own in parts
-                    ]
-                    continue
-                first = objects[0][1]
-                placed = [_placed(vertices, faces, first @ own, name) for (vertices, faces), own in parts]
-                mesh = placed[0] if len(placed) == 1 else _joined(placed, name)
-                placements = placements_of(mesh, objects)
-            except MeshError as error:
-                yield str(error)
-                continue
-            shape = NewShape(mesh, name, name, placements=placements, up_axis=up_axis)
-            yield _described(shape, record, path, alone=len(listed) == 1)
-    if joined:
-        yield NewShape(_joined(joined, path.name), path.name, up_axis=up_axis)
-
-
-def _described(
-    shape: NewShape[Mesh], record: Mapping[str, Any], path: Path, *, alone: bool
-) -> NewShape[Mesh]:
-    """Add to a shape what its record says of it besides its mesh."""
-    frame = record.get("frame")
-    title = useful_name(shape.name, map(str, record.get("names", ())))
-    named_after_file = not title
-    title = title or file_based_name(path, shape.name, alone=alone)
-    origin = Origin(record.get("type"), str(record.get("catalog", "")), frame)
-    return replace(
-        shape,
-        name=title if frame is None else f"{title} @ {frame}",
-        tags=tuple(map(str, record.get("tags", ()))),
-        origin=origin,
-        named_after_file=named_after_file,
-        color=_color(record.get("color")),
-    )
-
-
-def _color(listed: Sequence[float] | None) -> tuple[float, float, float] | None:
-    if listed is None:
-        return None
-    red, green, blue = (min(max(float(value), 0.0), 1.0) for value in listed)
-    return red, green, blue
-
-
-class _Arrays:
-    """The meshes in the output file; the one that was read last is kept.
-
-    Parameters
-    ----------
-    file : file object
-    counts : sequence of mapping
-        Numbers of "vertices" and "faces" of each mesh.
-    """
-
-    def __init__(self, file: BinaryIO, counts: Sequence[Mapping[str, int]]) -> None:
-        self._file = file
-        self._counts = counts
-        sizes = [12 * (mesh["vertices"] + mesh["faces"]) for mesh in counts]
-        self._starts = [0, *accumulate(sizes)]
-        self._last: tuple[int, tuple[NDArray[np.float32], NDArray[np.int32]]] | None = None
-
-    def read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """Return vertices (n, 3) and faces (m, 3) of a mesh."""
-        if self._last is None or self._last[0] != number:
-            counts = self._counts[number]
-            self._file.seek(self._starts[number])
-            vertices = np.fromfile(self._file, "<f4", 3 * counts["vertices"]).reshape(-1, 3)
-            faces = np.fromfile(self._file, "<i4", 3 * counts["faces"]).reshape(-1, 3)
-            self._last = number, (vertices, faces)
-        return self._last[1]
-
-
-def _matrix(numbers: Sequence[float]) -> FloatArray:
-    return np.array(numbers, np.float64).reshape(4, 4)
-
-
-def _placed(vertices: NDArray[np.float32], faces: NDArray[np.int32], matrix: FloatArray, name: str) -> Mesh:
-    """Transform a mesh to the coordinates of its file."""
-    if np.linalg.det(matrix[:3, :3]) < 0:
-        faces = faces[:, ::-1]  # a mirrored object would come out inside out
-    return Mesh(vertices @ matrix[:3, :3].T + matrix[:3, 3], faces, name)
-
-
-def _joined(meshes: Sequence[Mesh], name: str) -> Mesh:
-    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-    return Mesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=False)]),
-        name,
-    )
