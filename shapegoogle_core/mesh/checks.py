@@ -49,7 +49,7 @@ def check_surface(mesh: Mesh) -> None:
         raise MeshError(
             f"{mesh.name!r} has only {counted(count, 'vertex', 'vertices')}; a shape needs at least 4"
         )
-    low, high = bounding_box(used_points(mesh))
+    low, high = bounding_box(used_points(mesh.vertices, mesh.faces))
     with np.errstate(over="ignore"):
         extent = float((high - low).max())
     if extent <= 4 * np.finfo(np.float64).eps * float(np.abs([low, high]).max()):

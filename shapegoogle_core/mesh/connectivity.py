@@ -22,6 +22,9 @@ __all__ = [
     "used_vertices",
 ]
 
+# So few pairs are sorted by comparison before sparse matrices are made.
+_FEW = 1 << 13
+
 
 def unique_edges(mesh: Mesh) -> tuple[IntArray, NDArray[np.int64]]:
     """Find the undirected edges and the number of faces at each.
@@ -103,23 +106,25 @@ def used_vertices(faces: NDArray[np.integer], count: int) -> tuple[NDArray[np.in
     return used, (np.cumsum(is_used) - 1)[faces]
 
 
-def used_points(mesh: Mesh) -> FloatArray:
-    """Return the positions of the vertices that faces use; of a point cloud, of all.
+def used_points(vertices: FloatArray, faces: NDArray[np.integer]) -> FloatArray:
+    """Return the positions of the vertices that faces use.
 
     Parameters
     ----------
-    mesh : Mesh
+    vertices : (n, 3) array
+    faces : (m, 3) array of int
+        None for a point cloud, of which all points are used.
 
     Returns
     -------
     points : (u, 3) array
         The vertices themselves if all are used.
     """
-    if mesh.is_point_cloud:
-        return mesh.vertices
-    is_used = np.zeros(len(mesh.vertices), bool)
-    is_used[mesh.faces] = True
-    return mesh.vertices if is_used.all() else mesh.vertices[is_used]
+    if len(faces) == 0:
+        return vertices
+    is_used = np.zeros(len(vertices), bool)
+    is_used[faces] = True
+    return vertices if is_used.all() else vertices[is_used]
 
 
 def sorted_pairs(first: IntArray, second: IntArray, count: int) -> NDArray[np.int32]:
@@ -136,6 +141,8 @@ def sorted_pairs(first: IntArray, second: IntArray, count: int) -> NDArray[np.in
     order : (n,) array of int32
         Equal pairs keep their order.
     """
+    if len(first) < _FEW:
+        return np.argsort(first.astype(np.int64) * count + second, kind="stable").astype(np.int32)
     # A sparse matrix with one entry per row sorts these when it is turned into columns.
     starts = np.arange(len(first) + 1, dtype=np.int32)
     shape = len(first), count

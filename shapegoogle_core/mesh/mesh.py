@@ -99,7 +99,7 @@ class Mesh:
     @property
     def extents(self) -> tuple[float, float, float]:
         """Side lengths of the axis-aligned box around the surface; of a point cloud, around its points."""
-        points = used_points(self)  # a stray vertex is not part of the surface
+        points = used_points(self.vertices, self.faces)  # a stray vertex is not part of the surface
         if len(points) == 0:
             return (0.0, 0.0, 0.0)
         x, y, z = box_sides(points).tolist()

@@ -39,28 +39,101 @@ def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
     region : (m,) array of int
         Flat region of each face of `coarse`.
     """
-    region = flat_regions(mesh)
-    if len(region) == 0 or region.max() + 1 == len(region):
-        return mesh, region
     vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
+    edges = edge_table(faces)
+    region = flat_regions(mesh, edges)
+    if region.max() + 1 == len(region):
+        return mesh, region
     tolerance = height_tolerance(vertices)
-    faces, region = _remove_vertices(vertices, faces, region, tolerance)
-    faces = flip_edges(vertices, faces, region)
+    near = _near_flat_regions(faces, region, edges)
+    found = _coarsened(vertices, faces, region, near, tolerance)
+    if found is None:
+        found = _coarsened(vertices, faces, region, np.ones(len(vertices), bool), tolerance)
+        assert found is not None
+    faces, region = found
     used, compact = used_vertices(faces, len(vertices))
     return Mesh(vertices[used], compact, mesh.name), region
 
 
+def _near_flat_regions(faces: Indices, region: Indices, edges: EdgeTable) -> NDArray[np.bool_]:
+    """Find the vertices of regions of several faces, and those that may be removed, with their neighbours.
+
+    Most faces of a curved surface are regions of their own, and nothing changes there.
+    """
+    count = int(faces.max()) + 1
+    near = np.zeros(count, bool)
+    near[faces[np.bincount(region)[region] > 1]] = True
+    outline_count = np.bincount(edges.ends[~edges.inside(region)].ravel(), minlength=count)
+    removable = (outline_count == 0) | (outline_count == 2)
+    near |= removable
+    near[edges.ends[removable[edges.ends].any(axis=1)]] = True
+    return near
+
+
+def _coarsened(
+    vertices: FloatArray, faces: Indices, region: Indices, near: NDArray[np.bool_], tolerance: float
+) -> tuple[Indices, Indices] | None:
+    """Coarsen the faces around some vertices.
+
+    Returns
+    -------
+    faces : (k, 3) array of int
+        Those that were there before come first, in their order.
+    region : (k,) array of int
+        None instead of both if other faces would have to change too.
+    """
+    part = np.flatnonzero(near[faces].any(axis=1))
+    used, part_faces = used_vertices(faces[part], len(vertices))
+    found = _remove_vertices(vertices[used], part_faces.astype(np.int64), region[part], near[used], tolerance)
+    if found is None:
+        return None
+    part_faces, part_region, source = found
+    part_faces = used[flip_edges(vertices[used], part_faces, part_region)]
+    old = source >= 0
+    kept = np.ones(len(faces), bool)
+    kept[part] = False
+    kept[part[source[old]]] = True
+    faces[part[source[old]]] = part_faces[old]
+    return (
+        np.concatenate([faces[kept], part_faces[~old]]),
+        np.concatenate([region[kept], part_region[~old]]),
+    )
+
+
 def _remove_vertices(
-    vertices: FloatArray, faces: Indices, region: Indices, tolerance: float
-) -> tuple[Indices, Indices]:
-    """Remove vertices, about a quarter of those that can go in each round, until none is left."""
+    vertices: FloatArray, faces: Indices, region: Indices, complete: NDArray[np.bool_], tolerance: float
+) -> tuple[Indices, Indices, Indices] | None:
+    """Remove vertices, about a quarter of those that can go in each round, until none is left.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) array of int
+        Of a whole mesh, or a part of it.
+    region : (m,) array of int
+    complete : (n,) array of bool
+        Vertices of which all faces are there.
+    tolerance : float
+
+    Returns
+    -------
+    faces : (k, 3) array of int
+    region : (k,) array of int
+    source : (k,) array of int
+        Number of the face that a face was before; −1 for the new ones, which come last.
+        None instead of all three if a vertex could go of whose neighbours not all are complete.
+    """
+    source = np.arange(len(faces))
     stuck = np.zeros(len(vertices), bool)
     while True:
         edges = edge_table(faces)
         removable, ways = _removable(vertices, faces, edges, edges.inside(region), tolerance)
+        removable &= complete
+        if (removable[edges.ends] & ~complete[edges.ends[:, ::-1]]).any():
+            return None
         chosen = _independent(removable & ~stuck, edges.ends)
         if not chosen.any():
-            return faces, region
+            return faces, region, source
         vertex, target = ways[:, chosen[ways[0]]]
         vertex, target = _valid_moves(vertices, faces, edges, vertex, target, tolerance)
         chosen[vertex] = False
@@ -78,6 +151,7 @@ def _remove_vertices(
         kept &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
         faces = np.concatenate([faces[kept], new_faces])
         region = np.concatenate([region[kept], new_regions])
+        source = np.concatenate([source[kept], np.full(len(new_faces), -1)])
 
 
 def _clipped(

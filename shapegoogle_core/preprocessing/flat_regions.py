@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.measures import box_sides
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
-from shapegoogle_core.preprocessing.triangulation import Indices, edge_table
+from shapegoogle_core.preprocessing.triangulation import EdgeTable, Indices, edge_table
 
 __all__ = ["flat_regions", "height_tolerance"]
 
@@ -35,13 +35,15 @@ def height_tolerance(vertices: FloatArray) -> float:
     return FLATNESS * float(np.linalg.norm(box_sides(vertices)))
 
 
-def flat_regions(mesh: Mesh) -> Indices:
+def flat_regions(mesh: Mesh, edges: EdgeTable | None = None) -> Indices:
     """Find the flat regions of a surface.
 
     Parameters
     ----------
     mesh : Mesh
         Repaired.
+    edges : EdgeTable, optional
+        Those of its faces, if they are known.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def flat_regions(mesh: Mesh) -> Indices:
     """
     vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
     tolerance = height_tolerance(vertices)
-    edges = edge_table(faces)
+    edges = edges or edge_table(faces)
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
     normal = np.asarray(np.cross(b - a, c - a), np.float64)
     double_area = np.linalg.norm(normal, axis=1)

@@ -95,7 +95,7 @@ def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
 
 
 def _weld_tolerance(mesh: Mesh) -> float:
-    tolerance = WELD_TOLERANCE * float(np.linalg.norm(box_sides(used_points(mesh))))
+    tolerance = WELD_TOLERANCE * float(np.linalg.norm(box_sides(used_points(mesh.vertices, mesh.faces))))
     if not mesh.is_point_cloud:
         lengths = np.empty((3, len(mesh.faces)))
         for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.mesh.connectivity import sorted_pairs
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["EdgeTable", "Indices", "edge_table", "flip_edges", "split_edges"]
@@ -66,20 +67,20 @@ def edge_table(faces: Indices) -> EdgeTable:
     -------
     edges : EdgeTable
     """
-    tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+    corners = faces.astype(np.int32)
+    tail, head = corners[:, [1, 2, 0]].ravel(), corners[:, [2, 0, 1]].ravel()
     low, high = np.minimum(tail, head), np.maximum(tail, head)
-    key = low * (int(faces.max()) + 1) + high
-    order = np.argsort(key)  # a stable sort would take five times as long
-    ordered = key[order]
-    starts = np.concatenate([[True], ordered[1:] != ordered[:-1]])
-    of_side = np.empty(len(key), np.int64)
-    of_side[order] = np.cumsum(starts) - 1
-    start = np.flatnonzero(starts)
-    stop = np.append(start[1:], len(key))
-    one, other = order[start], order[stop - 1]
-    first, last = np.minimum(one, other), np.maximum(one, other)
+    order = sorted_pairs(low, high, int(faces.max()) + 1).astype(np.int64)
+    low, high = low[order], high[order]
+    is_new = np.ones(len(order), bool)
+    is_new[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
+    of_side = np.empty(len(order), np.int64)
+    of_side[order] = np.cumsum(is_new) - 1
+    start = np.flatnonzero(is_new)
+    stop = np.append(start[1:], len(order))
+    first, last = order[start], order[stop - 1]
     return EdgeTable(
-        np.stack([low[first], high[first]], axis=1),
+        np.stack([low[start], high[start]], axis=1).astype(np.int64),
         of_side.reshape(-1, 3),
         first,
         last,
@@ -176,7 +177,10 @@ def flip_edges(
     if len(sides) == 0:
         return faces
     faces = faces.copy()
-    cotangents = _opposite_cotangents(vertices, faces).ravel()
+    # Of faces that are regions of their own no cotangents are needed.
+    flippable = (twin.reshape(-1, 3) >= 0).any(axis=1)
+    cotangents = np.empty(faces.size)
+    cotangents.reshape(-1, 3)[flippable] = _opposite_cotangents(vertices, faces[flippable])
     for _ in range(MOST_FLIP_ROUNDS):
         total = cotangents[sides] + cotangents[twin[sides]]
         # Each face takes part in its most urgent flip only, and only if its neighbour's is the same.

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import MeshLike, as_mesh
+from shapegoogle_core.mesh.connectivity import used_points
+from shapegoogle_core.mesh.measures import cross_products, face_blocks
 
 __all__ = ["fit_into_ball", "surface_points"]
 
@@ -60,32 +62,32 @@ def surface_points(mesh: MeshLike, count: int) -> tuple[Points, Points]:
     if mesh.is_point_cloud:
         discs, axes = _cloud_points(fit_into_ball(_moderate(mesh.vertices)), count)
         return discs.astype(np.float32), axes.astype(np.float32)
-    corners = _moderate(mesh.vertices)[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled = np.sqrt(np.einsum("nd,nd->n", normals, normals))
+    vertices, faces = _moderate(mesh.vertices), mesh.faces
+    doubled = np.empty(len(faces))
+    for block, (a, b, c) in face_blocks(vertices, faces):
+        normals = np.ascontiguousarray(cross_products(b - a, c - a).T)
+        doubled[block] = np.sqrt(np.einsum("nd,nd->n", normals, normals))
     # Slivers that are only rounding errors have no direction, and no part of the area.
-    solid = doubled > 1e-14 * doubled.max(initial=0)
-    if not solid.any():
-        corner_points = fit_into_ball(corners.reshape(-1, 3)).astype(np.float32)
+    solid = np.flatnonzero(doubled > 1e-14 * doubled.max(initial=0))
+    if len(solid) == 0:
+        corner_points = fit_into_ball(vertices[faces].reshape(-1, 3)).astype(np.float32)
         return corner_points, np.zeros_like(corner_points)
-    corners, directions, doubled = corners[solid], normals[solid] / doubled[solid, None], doubled[solid]
-    corners = np.ascontiguousarray(fit_into_ball(corners.reshape(-1, 3))).reshape(-1, 3, 3)
-    ends = np.cumsum(doubled)
+    ends = np.cumsum(doubled[solid])
     # Of each face as many points as steps of a ruler along all areas begin inside it.
     begun = np.floor(ends * (count / ends[-1]) + 0.5).astype(np.intp)
-    face = np.repeat(np.arange(len(ends)), np.diff(begun, prepend=0))
-    one, two = _spread_weights(count)[:, : len(face)]
-    start, along, across = (
-        _taken(side, face)
-        for side in (corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    each = np.diff(begun, prepend=0)
+    chosen, each = solid[each > 0], each[each > 0]
+    a, b, c = vertices[faces[chosen].T]
+    directions = cross_products(b - a, c - a) / doubled[chosen]
+    solid_faces = faces if len(solid) == len(faces) else faces[solid]
+    center, reach = _ball(used_points(vertices, solid_faces).T)
+    a, b, c = ((corner - center) / reach for corner in (a, b, c))
+    start, along, across, normal = (
+        side.astype(np.float32, order="C").repeat(each, axis=1)
+        for side in (a.T, (b - a).T, (c - a).T, directions)
     )
-    points = np.asarray(start + along * one + across * two, np.float32)
-    return points.T, _taken(directions, face).T
-
-
-def _taken(rows: FloatArray, numbers: NDArray[np.intp]) -> Points:
-    """Take rows of an array (n, 3) as columns: equal coordinates side by side are faster to compute with."""
-    return np.ascontiguousarray(rows.T, np.float32).take(numbers, axis=1)
+    one, two = _spread_weights(count)[:, : start.shape[1]]
+    return (start + along * one + across * two).T, normal.T
 
 
 @cache
@@ -112,10 +114,17 @@ def fit_into_ball(points: NDArray[_Real]) -> NDArray[_Real]:
     """
     if len(points) == 0:
         return points
-    rows = np.ascontiguousarray(points.T)
-    centred = rows - (rows.min(axis=1) + rows.max(axis=1))[:, None] / 2
-    reach = np.sqrt((centred * centred).sum(axis=0).max())
+    columns = np.ascontiguousarray(points.T)
+    center, reach = _ball(columns)
+    centred = columns - center[:, None]
     return np.asarray(centred / reach if reach > 0 else centred).T
+
+
+def _ball(columns: NDArray[_Real]) -> tuple[NDArray[_Real], _Real]:
+    """Find the middle of the bounding box of points (3, n), and the distance of the farthest from it."""
+    center = (columns.min(axis=1) + columns.max(axis=1)) / 2
+    x, y, z = columns - center[:, None]
+    return center, np.sqrt((x * x + y * y + z * z).max())
 
 
 def _moderate(points: FloatArray) -> FloatArray:

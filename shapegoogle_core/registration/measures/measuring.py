@@ -46,7 +46,7 @@ def measure_mesh(mesh: Mesh) -> MeshMeasures | None:
         return None
     # A point of a cloud is measured as a face of one corner.
     faces = np.arange(count, dtype=np.int32)[:, None] if mesh.is_point_cloud else mesh.faces
-    low, high = bounding_box(used_points(mesh))
+    low, high = bounding_box(used_points(vertices, mesh.faces))
     if mesh.is_point_cloud:
         area = float(((high - low) ** 2).sum())
         normals, areas = np.zeros((count, 3)), np.full(count, area / count)

@@ -16,7 +16,7 @@ from shapegoogle_core.mesh import Mesh, face_areas, unique_edges
 from shapegoogle_core.model import load_model
 from shapegoogle_core.model.shape_bags import shape_bags
 from shapegoogle_core.model.working_shape import working_shape
-from shapegoogle_core.preprocessing import preprocess, repair, separate_fans
+from shapegoogle_core.preprocessing import coarsening, preprocess, repair, separate_fans
 from shapegoogle_core.preprocessing.coarsening import coarsen
 from shapegoogle_core.preprocessing.ear_clipping import clip_ears, outline_around
 from shapegoogle_core.preprocessing.flat_regions import flat_regions
@@ -59,6 +59,42 @@ class TestFlatRegions:
         corners = np.array([[0, 0, 0], [1, 0, 0], [0.2, 1, 0], [0.7, 1, 0]])
         folded = Mesh(corners, [[0, 1, 2], [1, 0, 3]])
         assert len(np.unique(flat_regions(folded))) == 2
+
+
+def dented_box() -> Mesh:
+    """A box of many triangles, flat but for a rough dent in one of its sides."""
+    box = trimesh.creation.box((1, 1, 1)).subdivide_to_size(0.08)
+    depth = np.maximum(0, 0.12 - ((box.vertices - [0.1, 0.0, 0.5]) ** 2).sum(axis=1))
+    depth *= np.random.default_rng(0).uniform(0.8, 1.2, len(depth))
+    return Mesh(box.vertices - depth[:, None] * [0, 0, 1], box.faces, "dented box")
+
+
+class TestCoarseningAPart:
+    def test_faces_of_curved_surfaces_are_left_out_and_nothing_else_changes(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        mesh = dented_box()
+        faces = mesh.faces.astype(np.int64)
+        edges = edge_table(faces)
+        near = coarsening._near_flat_regions(faces, flat_regions(mesh, edges), edges)
+        assert 0.5 < near.mean() < 1
+        part = coarsen(mesh)
+        monkeypatch.setattr(coarsening, "_near_flat_regions", lambda *_: np.ones(len(mesh.vertices), bool))
+        whole = coarsen(mesh)
+        assert np.array_equal(part[0].vertices, whole[0].vertices)
+        assert np.array_equal(part[0].faces, whole[0].faces)
+        assert np.array_equal(part[1], whole[1])
+
+    def test_the_whole_mesh_is_coarsened_where_a_part_is_too_small(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        mesh = dented_box()
+        expected = coarsen(mesh)[0]
+        assert len(expected.vertices) < len(mesh.vertices) / 2
+        # The middle of a side: its vertices may go, but not all faces of their neighbours are known.
+        middle = np.abs(mesh.vertices[:, :2]).max(axis=1) < 0.3
+        monkeypatch.setattr(coarsening, "_near_flat_regions", lambda *_: middle)
+        assert np.array_equal(coarsen(mesh)[0].faces, expected.faces)
 
 
 class TestCoarsen:
