@@ -177,6 +177,7 @@ class ShapeModel(BagComparison):
             if sample is not None and self.local_words is not None:
                 local_code = self.local_words.code(sample)
             views = None if self.views is None else self.views.describe(mesh)
+            measures = measure_mesh(mesh)
         cloud = mesh.is_point_cloud
         return ShapeSignature(
             bags=bags,
@@ -187,7 +188,7 @@ class ShapeModel(BagComparison):
             sample=sample,
             local_code=local_code,
             extents=mesh.extents,
-            measures=measure_mesh(mesh),
+            measures=measures,
             surface=shape.placement.restore(shape.mesh) if keep_surface and not cloud else None,
             views=views,
             view_code=None if self.views is None or views is None else self.views.code(views),

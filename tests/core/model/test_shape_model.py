@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,10 +13,11 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from shapegoogle_core.errors import MeshError, ModelError
 from shapegoogle_core.mesh import Mesh
-from shapegoogle_core.model import ShapeModel, load_model
+from shapegoogle_core.model import ShapeModel, load_model, shape_model
 from tests.core.conftest import Shapes
 
 # Relative L1 change of the bags that each invariance may cost, with the default model.
@@ -186,3 +189,29 @@ def test_a_distance_that_no_agreement_lowered_says_less(model: ShapeModel) -> No
         assert (np.diff(similarities) < 0).all()
         assert ((similarities > 0) & (similarities < 1)).all()
     assert (verified < alone).all()
+
+
+def test_everything_is_computed_with_one_thread_of_blas(
+    model: ShapeModel, bumpy: Mesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: dict[str, set[int]] = {}
+
+    def watched(name: str) -> Callable[..., Any]:
+        function = getattr(shape_model, name)
+
+        def watching(*arguments: Any) -> Any:
+            seen[name] = {
+                library["num_threads"]
+                for library in threadpool_info()
+                if library["user_api"] == "blas" and "numpy" in library["filepath"]
+            }
+            return function(*arguments)
+
+        return watching
+
+    names = ("working_shape", "shape_bags", "sample_surface", "measure_mesh")
+    for name in names:
+        monkeypatch.setattr(shape_model, name, watched(name))
+    with threadpool_limits(2, user_api="blas"):
+        model.describe(bumpy)
+    assert seen == {name: {1} for name in names}
