@@ -166,14 +166,31 @@ def flip_edges(
     flipped : (m, 3) array of int
         Each face is still in its region.
     """
+    if changed is None:
+        return _flipped(vertices, faces, region, np.ones(len(faces), bool))
+    # Nothing changes in the other regions. Their faces count where they share an edge with those that may
+    # change, since an edge of more than two faces is not flipped.
+    touched = np.zeros(int(region.max()) + 1, bool)
+    touched[region[changed]] = True
+    corners = np.zeros(len(vertices), bool)
+    corners[faces[touched[region]]] = True
+    part = np.flatnonzero(corners[faces].sum(axis=1) >= 2)
+    faces = faces.copy()
+    faces[part] = _flipped(vertices, faces[part], region[part], changed[part])
+    return faces
+
+
+def _flipped(vertices: FloatArray, faces: Indices, region: Indices, changed: NDArray[np.bool_]) -> Indices:
+    """Flip edges as in `flip_edges`, beginning with those of changed faces."""
+    if not changed.any():
+        return faces
     edges = edge_table(faces)
     inside = edges.inside(region)
     twin = np.full(faces.size, -1)  # the side across each edge that may be flipped
     twin[edges.first[inside]] = edges.last[inside]
     twin[edges.last[inside]] = edges.first[inside]
     sides = edges.first[inside]
-    if changed is not None:
-        sides = sides[changed[sides // 3] | changed[twin[sides] // 3]]
+    sides = sides[changed[sides // 3] | changed[twin[sides] // 3]]
     if len(sides) == 0:
         return faces
     faces = faces.copy()
