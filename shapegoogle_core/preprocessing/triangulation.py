@@ -68,16 +68,16 @@ def edge_table(faces: Indices) -> EdgeTable:
     edges : EdgeTable
     """
     corners = faces.astype(np.int32)
-    tail, head = corners[:, [1, 2, 0]].ravel(), corners[:, [2, 0, 1]].ravel()
+    tail, head = corners.take([1, 2, 0], axis=1).ravel(), corners.take([2, 0, 1], axis=1).ravel()
     low, high = np.minimum(tail, head), np.maximum(tail, head)
     order = sorted_pairs(low, high, int(faces.max()) + 1).astype(np.int64)
-    low, high = low[order], high[order]
+    low, high = low.take(order), high.take(order)
     is_new = np.ones(len(order), bool)
     is_new[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
     of_side = np.empty(len(order), np.int64)
-    of_side[order] = np.cumsum(is_new) - 1
     start = np.flatnonzero(is_new)
     stop = np.append(start[1:], len(order))
+    of_side[order] = np.repeat(np.arange(len(start)), stop - start)
     first, last = order[start], order[stop - 1]
     return EdgeTable(
         np.stack([low[start], high[start]], axis=1).astype(np.int64),

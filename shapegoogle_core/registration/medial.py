@@ -13,6 +13,9 @@ __all__ = ["ball_centers", "medial_radii"]
 # Radii shrink quickly and converge within this number of steps.
 _STEPS = 12
 _CONVERGED = 1e-3
+# Points in a leaf of the search tree. Many points are about equally far from a point of the medial axis, for
+# which most of a fine tree would be visited.
+_LEAF = 64
 # Because of noise, points near p lie a little in front of or behind its tangent plane and would make the ball
 # tiny. A point that is seen from the centre within 40° of p does not count as the other side.
 _SMALLEST_CHORD = 2 * np.sin(np.radians(40) / 2)
@@ -40,7 +43,7 @@ def medial_radii(points: FloatArray, normals: FloatArray, cloud: FloatArray, lar
     radii : (k,) array
         Positive where the centre is at p - r n, negative where it is at p + |r| n.
     """
-    tree = cKDTree(cloud)
+    tree = cKDTree(cloud, leafsize=_LEAF)
     behind = _shrunk(points, normals, cloud, tree, largest)
     before = _shrunk(points, -normals, cloud, tree, largest)
     return np.where(behind <= before, behind, -before)

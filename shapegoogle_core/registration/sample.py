@@ -349,12 +349,18 @@ def farthest_points(points: FloatArray, count: int) -> NDArray[np.int64]:
     chosen : (count,) array of int
         Indices of points. The first one is the farthest from the origin.
     """
-    x, y, z = np.ascontiguousarray(points.T, np.float32)
+    columns = np.ascontiguousarray(points.T, np.float32)
     chosen = np.empty(count, np.int64)
     nearest = np.full(len(points), np.inf, np.float32)
+    squares = np.empty_like(columns)
     here = int((points**2).sum(axis=1).argmax())
     for index in range(count):
         chosen[index] = here
-        np.minimum(nearest, (x - x[here]) ** 2 + (y - y[here]) ** 2 + (z - z[here]) ** 2, out=nearest)
+        np.subtract(columns, columns[:, here, None], out=squares)
+        np.multiply(squares, squares, out=squares)
+        distance = squares[0]
+        distance += squares[1]
+        distance += squares[2]
+        np.minimum(nearest, distance, out=nearest)
         here = int(nearest.argmax())
     return chosen
