@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.measures import box_sides
+from shapegoogle_core.mesh.measures import box_sides, cross_products, dots
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.triangulation import EdgeTable, Indices, edge_table
 
@@ -55,16 +55,16 @@ def flat_regions(mesh: Mesh, edges: EdgeTable | None = None) -> Indices:
     vertices, faces = mesh.vertices, mesh.faces.astype(np.int64)
     tolerance = height_tolerance(vertices)
     edges = edges or edge_table(faces)
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    normal = np.asarray(np.cross(b - a, c - a), np.float64)
-    double_area = np.linalg.norm(normal, axis=1)
-    normal = normal / np.maximum(double_area, np.finfo(float).tiny)[:, None]
+    a, b, c = vertices[faces.T]
+    product = cross_products(b - a, c - a).T
+    double_area = np.sqrt(dots(product, product))
+    normal = product / np.maximum(double_area, np.finfo(float).tiny)[:, None]
 
     one, other = edges.first[edges.between_two], edges.last[edges.between_two]
     swap = double_area[one // 3] < double_area[other // 3]
     larger, smaller = np.where(swap, other, one) // 3, np.where(swap, one, other)
-    height = _dot(vertices[faces.ravel()[smaller]] - a[larger], normal[larger])
-    flat = (np.abs(height) <= tolerance) & (_dot(normal[larger], normal[smaller // 3]) > LEAST_COSINE)
+    height = dots(vertices[faces.ravel()[smaller]] - a[larger], normal[larger])
+    flat = (np.abs(height) <= tolerance) & (dots(normal[larger], normal[smaller // 3]) > LEAST_COSINE)
     graph = coo_array(
         (np.ones(np.count_nonzero(flat), np.int8), (larger[flat], smaller[flat] // 3)),
         shape=(len(faces),) * 2,
@@ -74,22 +74,22 @@ def flat_regions(mesh: Mesh, edges: EdgeTable | None = None) -> Indices:
     if count == len(faces):
         return np.arange(len(faces))
 
-    # Flat from face to face, and also as a whole?
-    weight = np.maximum(np.bincount(region, double_area), np.finfo(float).tiny)
-    plane_normal = _sums(region, double_area, normal)
+    # Flat from face to face, and also as a whole? A single face is.
+    several = np.flatnonzero(np.bincount(region)[region] > 1)
+    own, own_area = region[several], double_area[several]
+    a, b, c = (corner[several] for corner in (a, b, c))
+    weight = np.maximum(np.bincount(own, own_area, count), np.finfo(float).tiny)
+    plane_normal = _sums(own, own_area, normal[several], count)
     plane_normal /= np.maximum(np.linalg.norm(plane_normal, axis=1), np.finfo(float).tiny)[:, None]
-    origin = _sums(region, double_area, (a + b + c) / 3) / weight[:, None]
+    origin = _sums(own, own_area, (a + b + c) / 3, count) / weight[:, None]
     bend = np.zeros(count)
     for corner in (a, b, c):
-        np.maximum.at(bend, region, np.abs(_dot(corner - origin[region], plane_normal[region])))
-    bent = bend[region] > 2 * tolerance
-    return np.unique(np.where(bent, count + np.arange(len(faces)), region), return_inverse=True)[1]
+        np.maximum.at(bend, own, np.abs(dots(corner - origin[own], plane_normal[own])))
+    bent = several[bend[own] > 2 * tolerance]
+    region[bent] = count + bent
+    return np.unique(region, return_inverse=True)[1]
 
 
-def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    return np.asarray((first * second).sum(axis=1))
-
-
-def _sums(region: Indices, weight: FloatArray, vectors: FloatArray) -> FloatArray:
+def _sums(region: Indices, weight: FloatArray, vectors: FloatArray, count: int) -> FloatArray:
     """Weighted sums of the vectors of each region."""
-    return np.stack([np.bincount(region, weight * x).astype(np.float64) for x in vectors.T], axis=1)
+    return np.stack([np.bincount(region, weight * x, count).astype(np.float64) for x in vectors.T], axis=1)
