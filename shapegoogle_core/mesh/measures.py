@@ -22,6 +22,7 @@ __all__ = [
     "face_areas",
     "face_blocks",
     "face_normals",
+    "lengths",
     "point_normals",
     "vertex_areas",
     "vertex_normals",
@@ -125,12 +126,13 @@ def vertex_normals(mesh: Mesh) -> FloatArray:
     normals : (n, 3) array
         Of unit length; 0 where the faces cancel each other out, and at vertices without faces.
     """
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+    a, b, c = mesh.vertices[mesh.faces.T]
+    weighted = np.repeat(cross_products(b - a, c - a), 3, axis=1)
     corners = mesh.faces.ravel()
-    summed = np.stack([np.bincount(corners, axis, len(mesh.vertices)) for axis in weighted.T], axis=1)
-    lengths = np.linalg.norm(summed, axis=1, keepdims=True)
-    return np.asarray(summed / np.maximum(lengths, np.finfo(float).tiny))
+    summed = np.stack(
+        [np.bincount(corners, axis, len(mesh.vertices)).astype(np.float64) for axis in weighted], axis=1
+    )
+    return np.asarray(summed / np.maximum(lengths(summed), np.finfo(float).tiny)[:, None])
 
 
 def point_normals(points: FloatArray) -> FloatArray:
@@ -208,6 +210,11 @@ def dots(first: FloatArray, second: FloatArray) -> FloatArray:
     """Compute the dot products (n,) of vectors (n, 3): to the last bit their sums, in a fifth of the time."""
     (x1, y1, z1), (x2, y2, z2) = first.T, second.T
     return np.asarray(x1 * x2 + y1 * y2 + z1 * z2)
+
+
+def lengths(vectors: FloatArray) -> FloatArray:
+    """Compute the lengths (n,) of vectors (n, 3): to the last bit those of `numpy.linalg.norm`."""
+    return np.asarray(np.sqrt(_squares(vectors.T)))
 
 
 def _squares(columns: FloatArray) -> FloatArray:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
 from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import cross_products, dots, lengths
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.ear_clipping import Triangle, clip_ears, outline_around
 from shapegoogle_core.preprocessing.flat_regions import flat_regions, height_tolerance
@@ -260,8 +261,8 @@ def _removable(
     middle, start, end = both[::2, 0], both[::2, 1], both[1::2, 1]
     along = vertices[end] - vertices[start]
     offset = vertices[middle] - vertices[start]
-    share = (offset * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
-    distance = np.linalg.norm(offset - share[:, None] * along, axis=1)
+    share = dots(offset, along) / np.maximum(dots(along, along), np.finfo(float).tiny)
+    distance = lengths(offset - share[:, None] * along)
     straight = (distance <= tolerance) & (share > 0) & (share < 1)
     middle, start, end = middle[straight], start[straight], end[straight]
     removable = flat.copy()
@@ -306,15 +307,12 @@ def _valid_moves(
     goal = target[move]
     vanishes = (second == goal) | (third == goal)
     opposite = vertices[third] - vertices[second]
-    before = np.cross(vertices[second] - vertices[vertex[move]], opposite)
-    after = np.cross(vertices[second] - vertices[goal], opposite)
-    reach = np.maximum(
-        ((vertices[second] - vertices[goal]) ** 2).sum(axis=1),
-        ((vertices[third] - vertices[goal]) ** 2).sum(axis=1),
-    )
-    longest = np.maximum(reach, (opposite**2).sum(axis=1))
+    to_second, to_third = vertices[second] - vertices[goal], vertices[third] - vertices[goal]
+    before = cross_products(vertices[second] - vertices[vertex[move]], opposite).T
+    after = cross_products(to_second, opposite).T
+    longest = np.maximum.reduce([dots(side, side) for side in (to_second, to_third, opposite)])
     # A face keeps its side, and does not become as low as what counts as flat.
-    stays = ((before * after).sum(axis=1) > 0) & ((after**2).sum(axis=1) > tolerance**2 * longest)
+    stays = (dots(before, after) > 0) & (dots(after, after) > tolerance**2 * longest)
     valid = np.bincount(move, ~vanishes & ~stays, len(vertex)) == 0
     # Two vertices may become one if their common neighbours are those in the faces between them.
     count = len(vertices)
@@ -323,7 +321,8 @@ def _valid_moves(
     common = np.asarray((neighbour[vertex] * neighbour[target]).sum(axis=1)).ravel()
     valid &= common == np.bincount(move, vanishes, len(vertex))
     vertex, target = vertex[valid], target[valid]
-    distance = ((vertices[vertex] - vertices[target]) ** 2).sum(axis=1)
+    way = vertices[vertex] - vertices[target]
+    distance = dots(way, way)
     order = np.lexsort((distance, vertex))
     _, nearest = np.unique(vertex[order], return_index=True)
     return vertex[order[nearest]], target[order[nearest]]

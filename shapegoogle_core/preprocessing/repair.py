@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from shapegoogle_core.mesh.connectivity import used_points, used_vertices
-from shapegoogle_core.mesh.measures import bounding_box, box_sides, cross_lengths, face_blocks
+from shapegoogle_core.mesh.measures import bounding_box, box_sides, cross_lengths, face_blocks, lengths
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.places import first_at_place, first_in_group, hashed_rows, repeated_keys
 
@@ -97,10 +97,10 @@ def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
 def _weld_tolerance(mesh: Mesh) -> float:
     tolerance = WELD_TOLERANCE * float(np.linalg.norm(box_sides(used_points(mesh.vertices, mesh.faces))))
     if not mesh.is_point_cloud:
-        lengths = np.empty((3, len(mesh.faces)))
+        sides = np.empty((3, len(mesh.faces)))
         for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
-            lengths[:, block] = _lengths(b - a), _lengths(c - b), _lengths(a - c)
-        positive = lengths[lengths > 0]
+            sides[:, block] = lengths(b - a), lengths(c - b), lengths(a - c)
+        positive = sides[sides > 0]
         if positive.size:
             tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * float(np.median(positive)))
     return tolerance
@@ -157,17 +157,11 @@ def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float
     """Faces that name a vertex twice or are no higher than the tolerance."""
     flat = np.empty(len(faces), bool)
     for block, (a, b, c) in face_blocks(vertices, faces):
-        longest = np.maximum.reduce([_lengths(b - a), _lengths(c - b), _lengths(a - c)])
+        longest = np.maximum.reduce([lengths(b - a), lengths(c - b), lengths(a - c)])
         flat[block] = cross_lengths(b - a, c - a) <= tolerance * longest
     a, b, c = faces.T
     flat |= (a == b) | (b == c) | (c == a)
     return flat
-
-
-def _lengths(vectors: FloatArray) -> FloatArray:
-    """Length of each row, to the last bit that of `numpy.linalg.norm`."""
-    x, y, z = vectors.T
-    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.int64]:

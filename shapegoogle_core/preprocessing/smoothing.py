@@ -69,7 +69,9 @@ def _smoothed(mesh: Mesh, time: float, operator: Operator, inner: NDArray[np.int
     flow = 1j * time * (diags_array(np.bincount(part, mass)[part]) @ stiffness)
     # Solved for the displacement, which is small, rather than for positions that may be far from the origin.
     force = -flow @ mesh.vertices
-    system = csc_array(diags_array(mass) + flow)[inner][:, inner].tocsc()
+    system = csc_array(diags_array(mass) + flow)
+    if len(inner) < len(mass):
+        system = system[inner][:, inner].tocsc()
     vertices = mesh.vertices.copy()
     vertices[inner] += factor_definite(system).solve(force[inner]).real
     return Mesh(vertices, mesh.faces, mesh.name)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from shapegoogle_core.mesh.measures import lengths
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.triangulation import Indices, edge_table, flip_edges, split_edges
 
@@ -56,7 +57,7 @@ def subdivide(
         region = np.arange(len(faces))
     while most is None or len(vertices) < most:
         edges = edge_table(faces)
-        length = np.linalg.norm(vertices[edges.ends[:, 0]] - vertices[edges.ends[:, 1]], axis=1)
+        length = lengths(vertices[edges.ends[:, 0]] - vertices[edges.ends[:, 1]])
         length[edges.inside(region)] /= INNER_EDGE
         limit = longest if enough is None or len(vertices) < enough else 2 * longest
         chosen = _edges_to_split(length, floor - len(vertices), limit)

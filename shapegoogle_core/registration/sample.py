@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
-from shapegoogle_core.mesh.measures import point_normals, vertex_normals
+from shapegoogle_core.mesh.measures import cross_products, lengths, point_normals, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.medial import ball_centers, medial_radii
 from shapegoogle_core.spectral import Spectrum
@@ -317,9 +317,9 @@ def _random_points(
     mesh: Mesh, count: int, random: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, NDArray[np.int64], FloatArray]:
     """Draw uniformly distributed points: positions, normals, faces, barycentric coordinates."""
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    normals = np.cross(b - a, c - a)
-    doubled = np.linalg.norm(normals, axis=1)
+    a, b, c = mesh.vertices[mesh.faces.T]
+    normals = cross_products(b - a, c - a).T
+    doubled = lengths(normals)
     total = np.cumsum(doubled)
     # Stratified: one point in each of `count` slices of equal area, to avoid clusters and gaps.
     place = (np.arange(count) + random.random(count)) / count * total[-1]
