@@ -131,7 +131,7 @@ class SHAPEGOOGLE_preferences(ServerPreferences, bpy.types.AddonPreferences):
     )
     use_scene: BoolProperty(
         name="This Scene",
-        description="Index the mesh objects of the open scene as they are now, saved or not",
+        description="Index the objects of the open scene as they are now, saved or not",
         default=False,
     )
     objects: EnumProperty(

@@ -88,8 +88,8 @@ class SHAPEGOOGLE_OT_undo_decisions(bpy.types.Operator):
     bl_idname = "shape_google.undo_decisions"
     bl_label = "Undo Decisions"
     bl_description = (
-        "Take the chosen decisions back, or the active one if none is chosen. Everyone who uses the library "
-        "finds what was left out before"
+        "Undo the chosen decisions, or the active one if none is chosen. Everyone who uses the library "
+        "then finds again what they had left out"
     )
 
     index: IntProperty(

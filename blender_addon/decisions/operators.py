@@ -176,6 +176,7 @@ class SHAPEGOOGLE_OT_decide_match(OnMatch, _Decides, bpy.types.Operator):
 
     bl_idname = "shape_google.decide_match"
     bl_label = "Decide"
+    bl_description = "Decide about the chosen match"
 
     kind: EnumProperty(name="Decision", items=DECISIONS)
 
@@ -239,6 +240,7 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
 
     bl_idname = "shape_google.decide_duplicate"
     bl_label = "Decide"
+    bl_description = "Decide about the chosen member of the group"
 
     kind: EnumProperty(name="Decision", items=DECISIONS[1:])
 

@@ -34,7 +34,7 @@ class SHAPEGOOGLE_PG_decision(bpy.types.PropertyGroup):
     """A decision about shapes of the library; its name is its sentence, which the list is filtered by."""
 
     number: IntProperty()
-    chosen: BoolProperty(name="Chosen", description="Take this decision back with Undo Decisions")
+    chosen: BoolProperty(name="Chosen", description="Undo this decision with Undo Decisions")
     icon: StringProperty()
     author: StringProperty(name="Author")
     time: StringProperty(name="Time")

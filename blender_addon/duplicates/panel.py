@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from ..library.present import follow
+from ..progress_bar import progress_bar
 from ..sidebar import SidebarPanel
 from ..translation import tr
 from ..wrapped_text import fixed_text
@@ -70,7 +71,7 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.scale_y = 1.3
         if shown.running:
-            row.progress(factor=shown.progress, text=f"{shown.progress:.0%}")
+            progress_bar(row, shown, "percent")
         else:
             row.operator("shape_google.find_duplicates", icon="VIEWZOOM")
         row.operator("shape_google.cancel_duplicates", text="", icon="X")
@@ -116,7 +117,7 @@ def _saving(group: Any) -> str:
     elif group.kind == "COPIES":
         template = tr("Copies take {amount}")
     else:
-        template = tr("One instead of all saves {amount}")
+        template = tr("Keeping one of them saves {amount}")
     return template.format(amount=saving_text(group))
 
 

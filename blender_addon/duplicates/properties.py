@@ -17,6 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..progress_bar import percentage
 from ..translation import counted, marked
 from .follow import remember
 
@@ -116,6 +117,7 @@ class SHAPEGOOGLE_PG_duplicates(bpy.types.PropertyGroup):
     status: StringProperty()
     running: BoolProperty()
     progress: FloatProperty()
+    percent: percentage("progress")
 
 
 def show_groups(

@@ -69,7 +69,9 @@ class SHAPEGOOGLE_OT_link_match(OnMatch, bpy.types.Operator):
 
     bl_idname = "shape_google.link_match"
     bl_label = "Link"
-    bl_description = "Link the match into this scene, at the place it has in its file, where its data stays"
+    bl_description = (
+        "Link the match into this scene at the place it has in its file; its data stays in that file"
+    )
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
     @classmethod

@@ -15,7 +15,7 @@ from . import pictures
 from .labels import below_picture, details, title
 from .on_match import shown_lines
 
-__all__ = ["BUTTONS", "draw_gallery", "draw_match", "versions_text"]
+__all__ = ["BUTTONS", "draw_gallery", "draw_match", "draw_versions"]
 
 # Width of a picture in units of the interface, and of a column of the gallery in pixels.
 PICTURE_SCALE = 4.6
@@ -67,23 +67,27 @@ def draw_match(layout: Any, session: Any, match: Any | None) -> None:
     for unlike, text, icon in ((False, tr("More Like This"), "ADD"), (True, tr("Not Like This"), "REMOVE")):
         button = row.operator("shape_google.mark_example", text=text, icon=icon, depress=unlike in marks)
         button.unlike = unlike
-    box.operator(
-        "shape_google.show_versions", text=versions_text(session, match), icon="DUPLICATE"
-    ).index = -1
+    draw_versions(box, session, match)
 
 
-def versions_text(session: Any, match: Any | None) -> str:
-    """Return the text of the button that shows the versions of a match, or all shapes again.
+def draw_versions(layout: Any, session: Any, match: Any | None) -> None:
+    """Draw the button that shows the versions of a match; without any it says so, and is disabled.
 
     Parameters
     ----------
+    layout : bpy.types.UILayout
     session : SHAPEGOOGLE_PG_session
     match : SHAPEGOOGLE_PG_match or None
-
-    Returns
-    -------
-    text : str
     """
+    row = layout.row()
+    row.enabled = session.opened >= 0 or (match is not None and match.version_count > 0)
+    row.operator(
+        "shape_google.show_versions", text=_versions_text(session, match), icon="DUPLICATE"
+    ).index = -1
+
+
+def _versions_text(session: Any, match: Any | None) -> str:
+    """Say what the button does: show the versions of a match, or all shapes again."""
     if session.opened >= 0:
         return tr("Show All Shapes")
     count = 0 if match is None else match.version_count

@@ -144,7 +144,9 @@ class GalleryProperties:
     )
     least_similarity: FloatProperty(
         name="Similarity",
-        description="Lowest similarity of the matches; 0.5: as likely the same shape as another one",
+        description=(
+            "Lowest similarity of the matches; at 0.5 a match is as likely the same shape as a different one"
+        ),
         default=0.0,
         min=0.0,
         max=1.0,
@@ -208,8 +210,7 @@ class GalleryProperties:
     collapse: BoolProperty(
         name="Collapse Versions",
         description=(
-            "Find different shapes: of all copies and versions of a shape show only the best, with the "
-            "number of the others"
+            "Show only the best of all copies and versions of a shape, with the number of the others"
         ),
         default=True,
         update=search_again,

@@ -52,7 +52,7 @@ class SHAPEGOOGLE_OT_index_library(bpy.types.Operator):
             cls.poll_message_set(tr(NEEDS_FILE))
             return False
         if session_of(context).indexing:
-            cls.poll_message_set(tr("Indexing runs already"))
+            cls.poll_message_set(tr("Indexing is already running"))
             return False
         if not chosen.has_sources() and not chosen.use_scene:
             cls.poll_message_set(

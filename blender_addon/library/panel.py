@@ -14,6 +14,7 @@ import bpy
 
 from .. import connections
 from ..preferences import preferences
+from ..progress_bar import progress_bar
 from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..translation import counted, tr
@@ -128,7 +129,7 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
     row = layout.row(align=True)
     row.scale_y = 1.3
     if session.indexing:
-        row.progress(factor=session.share, text=f"{session.share:.0%}")
+        progress_bar(row, session, "percent")
         row.operator("shape_google.cancel_indexing", text="", icon="X")
     else:
         row.operator("shape_google.index_library", icon="FILE_REFRESH")

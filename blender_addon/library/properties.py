@@ -9,6 +9,8 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
+from ..progress_bar import percentage
+
 __all__ = ["IndexingProperties", "add_error", "register", "unregister"]
 
 
@@ -34,6 +36,7 @@ class IndexingProperties:
     done: IntProperty()
     total: IntProperty()
     share: FloatProperty(description="Share of the work that is done, by time")
+    percent: percentage("share")
     progress: StringProperty(name="Progress")
     brief_progress: StringProperty(name="Progress")
     summary: StringProperty(name="Summary")

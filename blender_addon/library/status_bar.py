@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from ..progress_bar import progress_bar
 from ..state import session_of
 from ..translation import tr
 
@@ -26,15 +27,13 @@ def _draw(self: Any, context: Any) -> None:
     if session.indexing:
         row = self.layout.row()
         row.ui_units_x = WIDTH
-        row.progress(factor=session.share, text=_with_name(session.brief_progress or tr("indexing")))
+        progress_bar(row, session, "percent", _with_name(session.brief_progress or tr("indexing")))
         row.operator("shape_google.cancel_indexing", text="", icon="X", emboss=False)
     elif session.checking:
         row = self.layout.row()
         row.ui_units_x = WIDTH
-        row.progress(
-            factor=session.check_progress,
-            text=tr("Shape Google: {progress}").format(progress=session.check_status),
-        )
+        text = tr("Shape Google: {progress}").format(progress=session.check_status)
+        progress_bar(row, session, "check_percent", text)
         row.operator("shape_google.cancel_check", text="", icon="X", emboss=False)
     elif session.searching:
         self.layout.label(text=_with_name(tr("searching …")), translate=False, icon="VIEWZOOM")

@@ -140,15 +140,15 @@ class SHAPEGOOGLE_OT_check_new_objects(bpy.types.Operator):
     bl_idname = "shape_google.check_new_objects"
     bl_label = "Check New Objects"
     bl_description = (
-        "Compare objects that were imported or appended with the library, and list those that it has "
-        "already, or nearly. Nothing is changed"
+        "Compare imported and appended objects with the library, and list those that it already has, "
+        "exactly or nearly. Nothing is changed"
     )
 
     @classmethod
     def poll(cls, context: Any) -> bool:
         """Check that there is a library and no check runs."""
         if session_of(context).checking:
-            cls.poll_message_set(tr("Objects are being checked already"))
+            cls.poll_message_set(tr("Objects are already being checked"))
             return False
         missing = library_missing(context)
         if missing:

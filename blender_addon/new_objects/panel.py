@@ -13,6 +13,7 @@ import bpy
 
 from ..gallery.labels import details, title
 from ..library.present import follow
+from ..progress_bar import progress_bar
 from ..sidebar import SidebarPanel
 from ..state import session_of
 from ..translation import tr
@@ -59,7 +60,7 @@ class SHAPEGOOGLE_PT_new_objects(SidebarPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.scale_y = 1.3
         if session.checking:
-            row.progress(factor=session.check_progress, text=f"{session.check_progress:.0%}")
+            progress_bar(row, session, "check_percent")
         else:
             row.operator("shape_google.check_new_objects", icon="VIEWZOOM")
         row.operator("shape_google.cancel_check", text="", icon="X")
@@ -88,7 +89,7 @@ class SHAPEGOOGLE_PT_new_objects(SidebarPanel, bpy.types.Panel):
         row.operator("shape_google.select_new_object", icon="RESTRICT_SELECT_OFF")
         row.operator("shape_google.replace_new_object", icon="UV_SYNC_SELECT")
         row = layout.row(align=True)
-        row.operator("shape_google.keep_new_object", text="Keep", icon="CHECKMARK").remember = False
+        row.operator("shape_google.keep_new_object", text="Dismiss", icon="CHECKMARK").remember = False
         both = row.operator("shape_google.keep_new_object", text="Keep Both", icon="DUPLICATE")
         both.remember = True
 

@@ -15,6 +15,7 @@ from bpy.props import (
 )
 
 from ..gallery.properties import SHAPEGOOGLE_PG_match
+from ..progress_bar import percentage
 
 __all__ = ["NewObjectsProperties", "register", "unregister"]
 
@@ -62,6 +63,7 @@ class NewObjectsProperties:
     active_new_object: IntProperty(name="Object")
     checking: BoolProperty(name="Checking")
     check_progress: FloatProperty(name="Progress")
+    check_percent: percentage("check_progress")
     check_status: StringProperty(name="Status")
 
 

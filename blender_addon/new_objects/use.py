@@ -83,7 +83,7 @@ class SHAPEGOOGLE_OT_keep_new_object(_OnLine, bpy.types.Operator):
     """Keep the object."""
 
     bl_idname = "shape_google.keep_new_object"
-    bl_label = "Keep"
+    bl_label = "Dismiss"
 
     remember: BoolProperty(
         name="Remember",

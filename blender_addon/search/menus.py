@@ -52,7 +52,7 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
             cls.poll_message_set(tr("Choose an object or a collection among the assets"))
             return False
         if session_of(context).searching:
-            cls.poll_message_set(tr("A search runs already"))
+            cls.poll_message_set(tr("A search is already running"))
             return False
         return True
 

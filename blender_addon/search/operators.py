@@ -44,7 +44,7 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
     def poll(cls, context: Any) -> bool:
         """Check that there is a shape and a library."""
         if session_of(context).searching:
-            cls.poll_message_set(tr("A search runs already"))
+            cls.poll_message_set(tr("A search is already running"))
             return False
         active = context.active_object
         chosen = context.selected_objects if active is None else (*context.selected_objects, active)

@@ -53,7 +53,7 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
             cls.poll_message_set(tr("The object belongs to another file; open that"))
             return False
         if session_of(context).suggesting:
-            cls.poll_message_set(tr("Suggestions are being made already"))
+            cls.poll_message_set(tr("Suggestions are already being made"))
             return False
         missing = library_missing(context)
         if missing:
@@ -172,7 +172,9 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Show the suggestions, and write after confirmation."""
-        result: set[str] = context.window_manager.invoke_props_dialog(self, width=WIDTH)
+        result: set[str] = context.window_manager.invoke_props_dialog(
+            self, width=WIDTH, confirm_text=tr("Write")
+        )
         return result
 
     def draw(self, context: Any) -> None:
@@ -192,8 +194,9 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         for line in session.suggestions:
             split = column.split(factor=0.55)
             row = split.row()
-            icon = "BOOKMARKS" if line.kind == "tag" else "ASSET_MANAGER"
-            row.prop(line, "use", text=line.text, translate=False, icon=icon)
+            row.label(text="", icon="BOOKMARKS" if line.kind == "tag" else "ASSET_MANAGER")
+            # A box to check: a button that is pressed looks like a bar of the percentage beside it.
+            row.prop(line, "use", text=line.text, translate=False)
             split.label(text=f"{line.confidence:.0%}  {line.relatives}", translate=False)
         if item.asset_data is None:
             column.label(text="The object becomes an asset.", icon="INFO")

@@ -50,7 +50,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if not super().poll(context):
             return False
         if state.current().transfer.operator is not None:
-            cls.poll_message_set(tr("A transfer runs already"))
+            cls.poll_message_set(tr("A transfer is already running"))
             return False
         session = session_of(context)
         item = context.active_object

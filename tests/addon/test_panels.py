@@ -61,10 +61,6 @@ class Layout:
         assert icon in ICONS
         self._drawn.append(Row("line", text))
 
-    def progress(self, *, factor: float, text: str) -> None:
-        assert 0 <= factor <= 1
-        self._drawn.append(Row("button", text))
-
     def menu(self, name: str, **_options: Any) -> None:
         assert hasattr(bpy.types, name)
         self._drawn.append(Row("button", name))
@@ -72,7 +68,7 @@ class Layout:
     def prop(self, data: Any, name: str, *, icon: str = "NONE", **_options: Any) -> None:
         assert icon in ICONS
         assert name in data.bl_rna.properties
-        self._drawn.append(Row("line", name))
+        self._drawn.append(Row("button" if name.endswith("percent") else "line", name))
 
     def operator(self, name: str, *, icon: str = "NONE", text: str = "", **_options: Any) -> Any:
         assert icon in ICONS

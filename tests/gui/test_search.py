@@ -37,6 +37,19 @@ def test_index_library_goes_on_beside_a_usable_window(indexed: Any) -> None:
     assert indexed["draws"]["WINDOW"] < indexed["draws"]["UI"] / 3, indexed["draws"]
 
 
+def test_no_text_looks_like_a_bar_when_work_ends_under_the_pointer(window: Any, indexed: Any) -> None:
+    """The pointer rests where the work was started, which is where its bar is then."""
+    window.open("Library")
+    x, y = window.find("shape_google.index_library")
+    window.move(x, y)
+    window.run("bpy.ops.shape_google.index_library('INVOKE_DEFAULT', reread=True)")
+    window.wait(lambda state: state["session"]["indexing"], "indexing begun")
+    window.wait(lambda state: not state["session"]["indexing"], "the end of indexing")
+    window.settle()
+    resting = window.photograph("ui")
+    assert blue(resting) == pytest.approx(blue(window.picture("ui")), abs=0.005)
+
+
 def test_a_file_that_cannot_be_read_is_listed_and_why(window: Any, indexed: Any, shapes: Any) -> None:
     ((path, reason),) = indexed["state"]["errors"]
     assert Path(path) == shapes / "unicorn.blend"

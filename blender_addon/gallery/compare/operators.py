@@ -161,6 +161,7 @@ class SHAPEGOOGLE_OT_gallery_turn(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_turn"
     bl_label = "Turn Shapes"
+    bl_description = "Turn the query and the match together"
 
     @classmethod
     def poll(cls, context: Any) -> bool:

@@ -57,7 +57,7 @@ class SHAPEGOOGLE_OT_drop_match(OnMatch, bpy.types.Operator):
     bl_options: ClassVar = {"REGISTER", "UNDO"}
 
     location: FloatVectorProperty(
-        name="Location", description="Of the middle of its underside", subtype="TRANSLATION"
+        name="Location", description="Where the middle of its underside goes", subtype="TRANSLATION"
     )
 
     def execute(self, context: Any) -> set[str]:

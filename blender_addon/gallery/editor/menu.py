@@ -22,6 +22,8 @@ class SHAPEGOOGLE_MT_match(bpy.types.Menu):
     """What can be done with the chosen match."""
 
     bl_label = "Match"
+    # Blender's own German for this word means that two things agree.
+    bl_translation_context = OWN_CONTEXT
 
     def draw(self, context: Any) -> None:
         """Lay the menu out; other features append their entries."""
@@ -32,8 +34,7 @@ class SHAPEGOOGLE_MT_match(bpy.types.Menu):
         layout.operator("shape_google.transfer_match", icon="MOD_DATA_TRANSFER")
         layout.separator()
         session, match = session_of(context), active_match(context)
-        versions = panel.versions_text(session, match)
-        layout.operator("shape_google.show_versions", text=versions, icon="DUPLICATE").index = -1
+        panel.draw_versions(layout, session, match)
         layout.operator("shape_google.mark_example", text="More Like This", icon="ADD").unlike = False
         layout.operator("shape_google.mark_example", text="Not Like This", icon="REMOVE").unlike = True
 

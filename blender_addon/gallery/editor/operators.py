@@ -212,6 +212,7 @@ class SHAPEGOOGLE_OT_gallery_hover(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_hover"
     bl_label = "Look at Match"
+    bl_description = "Show what is known of the match under the pointer"
 
     def invoke(self, context: Any, event: Any) -> set[str]:
         """Note it, and let the event go on."""
@@ -228,6 +229,7 @@ class SHAPEGOOGLE_OT_gallery_scroll(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_scroll"
     bl_label = "Scroll Gallery"
+    bl_description = "Scroll the gallery, or change the size of its pictures"
 
     step: EnumProperty(
         items=(
@@ -235,7 +237,7 @@ class SHAPEGOOGLE_OT_gallery_scroll(InGallery, bpy.types.Operator):
             ("DOWN", "Down", "Scroll down"),
             ("LARGER", "Larger", "Larger pictures"),
             ("SMALLER", "Smaller", "Smaller pictures"),
-            ("PAN", "Pan", "As far as two fingers have moved"),
+            ("PAN", "Trackpad", "As far as two fingers have moved"),
         ),
         options={"SKIP_SAVE"},
     )
@@ -270,6 +272,7 @@ class SHAPEGOOGLE_OT_gallery_key(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_key"
     bl_label = "Use Gallery by Keys"
+    bl_description = "Choose a match by the arrow keys, use it, or close the gallery"
 
     def invoke(self, context: Any, event: Any) -> set[str]:
         """Do what the key means."""
@@ -312,6 +315,7 @@ class SHAPEGOOGLE_OT_gallery_menu(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_menu"
     bl_label = "Match Menu"
+    bl_description = "Show what can be done with the match under the pointer"
 
     def invoke(self, context: Any, event: Any) -> set[str]:
         """Choose the match, and open the menu."""
@@ -330,6 +334,7 @@ class SHAPEGOOGLE_OT_gallery_compare(InGallery, bpy.types.Operator):
 
     bl_idname = "shape_google.gallery_compare"
     bl_label = "Compare in Gallery"
+    bl_description = "Compare the chosen match with the query"
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Compare them, or show the pictures again."""
