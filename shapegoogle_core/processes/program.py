@@ -15,6 +15,7 @@ from typing import Any
 
 from shapegoogle_core.processes.launching import cause_of_death, launch
 from shapegoogle_core.processes.messages import IncompleteMessageError, WrongMessageError, read_document
+from shapegoogle_core.processes.signs_of_life import Silence
 from shapegoogle_core.processes.temporary import VARIABLES, temporary_folder
 
 __all__ = ["Program"]
@@ -23,6 +24,8 @@ __all__ = ["Program"]
 PATIENCE = 5.0
 # Seconds to wait for the last lines of a program that has ended: another process may hold its output open.
 PATIENCE_FOR_LINES = 1.0
+# Seconds from one look for a sign of life to the next.
+SECONDS_BETWEEN_LOOKS = 1.0
 # Number of lines that are kept to explain why a program ended, and of characters of each.
 KEPT_LINES = 100
 LINE_LENGTH = 1000
@@ -85,6 +88,7 @@ class Program:
         within: Path | None = None,
     ) -> None:
         self.printed: deque[str] = deque(maxlen=KEPT_LINES)
+        self._line_count = 0
         self._late = threading.Event()
         self._resources = ExitStack()
         folder = self._resources.enter_context(temporary_folder(within))
@@ -117,13 +121,16 @@ class Program:
             self._process.stdin.write(json.dumps(request).encode("ascii") + b"\n")
             self._process.stdin.flush()
 
-    def message(self, time_limit: float | None = None) -> Any:
+    def message(self, time_limit: float | None = None, *, patience: float | None = None) -> Any:
         """Wait for the next message.
 
         Parameters
         ----------
         time_limit : float, optional
             Seconds; the program is killed then.
+        patience : float, optional
+            Seconds without any sign of life of the program, which is killed then. As long as it works or
+            prints something it may take its time: the machine may be busy with something else.
 
         Returns
         -------
@@ -133,12 +140,16 @@ class Program:
         Raises
         ------
         TimeoutError
-            If there is no message within the time limit.
+            If there is no message within the time limit, or nothing is to be expected any more.
         """
         timer = None
         if time_limit is not None:
             timer = threading.Timer(max(time_limit, 0.0), self._give_up)
             timer.start()
+        received = threading.Event()
+        if patience is not None:
+            silence = Silence(self._process.pid, patience)
+            threading.Thread(target=self._watch, args=(silence, received), daemon=True).start()
         try:
             message = read_document(self._messages)
         except IncompleteMessageError:
@@ -148,10 +159,11 @@ class Program:
             self._process.kill()
             message = None
         finally:
+            received.set()
             if timer is not None:
                 timer.cancel()
         if message is None and self._late.is_set():
-            raise TimeoutError(f"no message within {time_limit:g} s")
+            raise TimeoutError("no message within the time limit")
         return message
 
     def messages(self) -> Iterator[Any]:
@@ -247,7 +259,15 @@ class Program:
         with self._process.stdout as output:
             # In pieces: a library may print megabytes without a line break.
             while data := output.readline(LINE_LENGTH):
+                self._line_count += 1
                 self.printed.append(data.decode("utf-8", "replace").rstrip("\r\n"))
+
+    def _watch(self, silence: Silence, received: threading.Event) -> None:
+        """Give up on a program that shows no sign of life."""
+        while not received.wait(SECONDS_BETWEEN_LOOKS):
+            if silence.is_over(self._line_count):
+                self._give_up()
+                return
 
     def _give_up(self) -> None:
         self._late.set()

@@ -53,8 +53,8 @@ SHOWN_LINES = 5
 OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc", "<jemalloc>: background thread creation failed")
 # Number of a program's last lines among which that is sought: jemalloc repeats itself.
 SEARCHED_LINES = 50
-# Seconds that a program may take to start.
-START_LIMIT = 60.0
+# Seconds for which a program that starts may neither work nor print anything: a busy machine is slow.
+START_PATIENCE = 120.0
 
 
 class ReaderError(MeshError):
@@ -235,7 +235,7 @@ class ReaderProcess:
             except OSError as error:
                 raise self._not_started(error.strerror or "the system refuses") from error
             try:
-                ready = self._program.message(START_LIMIT)
+                ready = self._program.message(patience=START_PATIENCE)
             except TimeoutError as error:
                 self.close()
                 raise self._not_started("it reports nothing") from error

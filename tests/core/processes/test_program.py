@@ -3,12 +3,18 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import threading
+import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from shapegoogle_core.processes import program as program_module
+from shapegoogle_core.processes import signs_of_life
 from shapegoogle_core.processes.program import Program
 
 START = """
@@ -168,3 +174,42 @@ def test_temporary_files_do_not_outlast_it(tmp_path: Path, end: str) -> None:
     assert tmp_path in Path(program.message()).parents
     getattr(program, end)()
     assert not list(tmp_path.iterdir())
+
+
+# Works for some seconds of its own, however long they take, before it says anything.
+BUSY = """
+while time.process_time() < 3:
+    pass
+write("ready")
+"""
+
+
+def test_a_program_that_works_is_waited_for_and_one_that_does_nothing_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Time passes a hundred times as fast for the one who waits, as if the machine were that busy."""
+    monkeypatch.setattr(program_module, "SECONDS_BETWEEN_LOOKS", 0.2)
+    monkeypatch.setattr(signs_of_life, "LEAST_WORK", 0.01)
+    monkeypatch.setattr(
+        program_module, "Silence", partial(signs_of_life.Silence, clock=lambda: 100 * time.monotonic())
+    )
+    busy = start(BUSY)
+    assert busy.message(patience=200.0) == "ready"
+    busy.close()
+    idle = start("time.sleep(3600)")
+    with pytest.raises(TimeoutError):
+        idle.message(patience=200.0)
+    idle.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell")
+def test_what_a_process_has_worked_counts_its_children() -> None:
+    code = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'while True: pass'])"
+    process = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
+    try:
+        # Python alone starts in a fraction of that.
+        while (signs_of_life.processor_seconds(process.pid) or 0.0) < 2:
+            time.sleep(0.05)
+    finally:
+        os.killpg(process.pid, 9)
+        process.wait()
