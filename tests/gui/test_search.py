@@ -16,7 +16,7 @@ from tests.gui.window import LAST, colorful
 def blue(image: Any) -> Any:
     """Share of the pixels of a picture in the blue of progress bars and of what is chosen."""
     pixels = np.asarray(image, np.int16)
-    return float((pixels[..., 2] - pixels[..., 0] > 60).mean())
+    return float((pixels[..., 2] - pixels[..., 0] > 45).mean())
 
 
 def horses(state: Any) -> Any:
