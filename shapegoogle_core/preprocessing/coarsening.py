@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 
-from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.connectivity import any_corner, used_vertices
 from shapegoogle_core.mesh.measures import cross_products, dots, lengths
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.preprocessing.ear_clipping import Triangle, clip_ears, outline_around
@@ -67,7 +67,7 @@ def _near_flat_regions(faces: Indices, region: Indices, edges: EdgeTable) -> NDA
     outline_count = np.bincount(edges.ends[~edges.inside(region)].ravel(), minlength=count)
     removable = (outline_count == 0) | (outline_count == 2)
     near |= removable
-    near[edges.ends[removable[edges.ends].any(axis=1)]] = True
+    near[edges.ends[any_corner(removable, edges.ends)]] = True
     return near
 
 
@@ -83,7 +83,7 @@ def _coarsened(
     region : (k,) array of int
         None instead of both if other faces would have to change too.
     """
-    part = np.flatnonzero(near[faces].any(axis=1))
+    part = np.flatnonzero(any_corner(near, faces))
     used, part_faces = used_vertices(faces[part], len(vertices))
     found = _remove_vertices(vertices[used], part_faces.astype(np.int64), region[part], near[used], tolerance)
     if found is None:
@@ -143,13 +143,14 @@ def _remove_vertices(
         # Around a vertex that is gone, others may be able to go now.
         gone = np.zeros(len(vertices), bool)
         gone[vertex] = gone[removed] = True
-        stuck[edges.ends[gone[edges.ends].any(axis=1)]] = False
+        stuck[edges.ends[any_corner(gone, edges.ends)]] = False
         moved = np.arange(len(vertices))
         moved[vertex] = target
         gone[vertex] = False
-        kept = ~gone[faces].any(axis=1)
+        kept = ~any_corner(gone, faces)
         faces = moved[faces]
-        kept &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+        a, b, c = faces.T
+        kept &= (a != b) & (b != c) & (c != a)
         faces = np.concatenate([faces[kept], new_faces])
         region = np.concatenate([region[kept], new_regions])
         source = np.concatenate([source[kept], np.full(len(new_faces), -1)])
@@ -180,7 +181,7 @@ def _clipped(
     if chosen.any():
         new_edges: set[tuple[int, int]] = set()
         around: dict[int, dict[int, list[list[int]]]] = {}
-        for number in np.flatnonzero(chosen[faces].any(axis=1)).tolist():
+        for number in np.flatnonzero(any_corner(chosen, faces)).tolist():
             face = faces[number].tolist()
             vertex = face[int(np.argmax(chosen[face]))]
             around.setdefault(vertex, {}).setdefault(int(region[number]), []).append(face)
@@ -276,7 +277,7 @@ def _removable(
 def _independent(wanted: NDArray[np.bool_], ends: Indices) -> NDArray[np.bool_]:
     """Choose wanted vertices of which no two are neighbours, those with few neighbours first."""
     degree = np.bincount(ends.ravel(), minlength=len(wanted))
-    between = ends[wanted[ends].all(axis=1)]
+    between = ends[wanted[ends[:, 0]] & wanted[ends[:, 1]]]
     neighbours: dict[int, list[int]] = {}
     for one, other in between.tolist():
         neighbours.setdefault(one, []).append(other)

@@ -71,24 +71,29 @@ def repair_mapped(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     while True:
         # Dropping faces can change the tolerance: repeated until nothing changes.
         repaired, step = _repair_once(mesh)
-        if len(repaired.vertices) == len(mesh.vertices) and len(repaired.faces) == len(mesh.faces):
+        if repaired is mesh:
             return mesh, place
         place = np.where(place < 0, -1, step[place])
         mesh = repaired
 
 
 def _repair_once(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
+    """Repair a mesh with the tolerance that it has; the mesh itself if nothing changes."""
     if len(mesh.vertices) == 0:
         return mesh, np.empty(0, np.int64)
     tolerance = _weld_tolerance(mesh)
     representative = _weld(mesh.vertices, tolerance)
     if mesh.is_point_cloud:
         used, place = np.unique(representative, return_inverse=True)
+        if len(used) == len(mesh.vertices):
+            return mesh, used
         return Mesh(mesh.vertices[used], name=mesh.name), place
     faces = representative[mesh.faces]
     faces = faces[~_degenerate(mesh.vertices, faces, tolerance)]
     faces = faces[_first_of_each(faces, len(mesh.vertices))]
     used, compact = used_vertices(faces, len(mesh.vertices))
+    if len(used) == len(mesh.vertices) and len(faces) == len(mesh.faces):
+        return mesh, used
     place = np.full(len(mesh.vertices), -1)
     place[used] = np.arange(len(used))
     return Mesh(mesh.vertices[used], compact, mesh.name), place[representative]
@@ -100,9 +105,11 @@ def _weld_tolerance(mesh: Mesh) -> float:
         sides = np.empty((3, len(mesh.faces)))
         for block, (a, b, c) in face_blocks(mesh.vertices, mesh.faces):
             sides[:, block] = lengths(b - a), lengths(c - b), lengths(a - c)
-        positive = sides[sides > 0]
-        if positive.size:
-            tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * float(np.median(positive)))
+        count = np.count_nonzero(sides)
+        count_longer = np.count_nonzero(WELD_TOLERANCE_OF_EDGE * sides > tolerance)
+        if count > 0 and 2 * count_longer < count + 2:  # otherwise the median is longer as well
+            median = float(np.median(sides[sides > 0]))
+            tolerance = min(tolerance, WELD_TOLERANCE_OF_EDGE * median)
     return tolerance
 
 
@@ -166,8 +173,9 @@ def _degenerate(vertices: FloatArray, faces: NDArray[np.int64], tolerance: float
 
 def _first_of_each(faces: NDArray[np.int64], vertex_count: int) -> NDArray[np.int64]:
     """Return the indices of all faces that are the first on their three vertices, in order."""
-    low, high = faces.min(axis=1), faces.max(axis=1)
-    middle = faces.sum(axis=1) - low - high
+    a, b, c = faces.T
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    middle = a + b + c - low - high
     everything = np.arange(len(faces))
     candidates = repeated_keys(hashed_rows(np.stack([low, middle, high])))
     if candidates.size == 0:

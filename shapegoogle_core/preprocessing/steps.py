@@ -103,9 +103,11 @@ def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Me
     is_cloud = mesh.is_point_cloud
     check = check_cloud if is_cloud else check_surface
     check(mesh)
-    mesh = repair(mesh)
+    repaired = repair(mesh)
+    if not is_cloud and repaired is not mesh:
+        check(repaired)  # repair drops faces without area, which may be all
+    mesh = repaired
     if not is_cloud:
-        check(mesh)  # repair drops faces without area, which may be all
         mesh = close_holes(mesh, settings.close_holes)
         if settings.longest_edge > 0:
             mesh = separate_fans(mesh)

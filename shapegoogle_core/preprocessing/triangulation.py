@@ -119,31 +119,34 @@ def split_edges(
     midpoint_of_edge[chosen] = len(vertices) + np.arange(len(midpoints))
     vertices = np.concatenate([vertices, midpoints])
     midpoint = midpoint_of_edge[edges.of_side]  # opposite each corner; -1: not split
-    count = (midpoint >= 0).sum(axis=1)
+    count = (midpoint.T >= 0).astype(np.int8, order="C").sum(axis=0)
     new_faces, new_regions = [faces[count == 0]], [region[count == 0]]
 
     def add(which: NDArray[np.bool_], *corners: tuple[Indices, Indices, Indices]) -> None:
         new_faces.extend(np.stack(each, axis=1) for each in corners)
         new_regions.extend([region[which]] * len(corners))
 
-    # One edge split: two faces. Turned so that the split edge lies opposite the first corner.
-    a, b, c, ma, _, _ = _turn(faces, midpoint, np.argmax(midpoint >= 0, axis=1), count == 1)
+    # One edge split: two faces. Opposite the first corner: the split edge.
+    a, b, c, ma, _, _ = _turn(faces, midpoint, count == 1, split=True)
     add(count == 1, (a, b, ma), (a, ma, c))
     # Two: a corner, and the rest along one of its diagonals. Opposite the first corner: the whole edge.
-    whole = np.argmax(midpoint < 0, axis=1)
-    a, b, c, _, mb, mc = _turn(faces, midpoint, whole, count == 2)
+    a, b, c, _, mb, mc = _turn(faces, midpoint, count == 2, split=False)
     add(count == 2, (a, mc, mb), (mc, b, mb), (b, c, mb))
     # Three: four faces.
-    a, b, c, ma, mb, mc = _turn(faces, midpoint, whole, count == 3)
+    a, b, c, ma, mb, mc = _turn(faces, midpoint, count == 3, split=False)
     add(count == 3, (a, mc, mb), (mc, b, ma), (mb, ma, c), (ma, mb, mc))
     faces, region = np.concatenate(new_faces), np.concatenate(new_regions)
     return vertices, faces, region, np.arange(len(faces)) >= len(new_faces[0])
 
 
-def _turn(faces: Indices, midpoint: Indices, first: Indices, which: NDArray[np.bool_]) -> Indices:
-    """Corners of some faces and the midpoints opposite, (6, k), turned so that corner `first` comes first."""
+def _turn(faces: Indices, midpoint: Indices, which: NDArray[np.bool_], *, split: bool) -> Indices:
+    """Corners of some faces and the midpoints opposite, (6, k).
+
+    They are turned so that an edge that is split, or one that is not, lies opposite the first corner.
+    """
     rows = np.flatnonzero(which)[:, None]
-    order = (first[rows] + np.arange(3)) % 3
+    first = np.argmax((midpoint[which] >= 0) == split, axis=1)[:, None]
+    order = (first + np.arange(3)) % 3
     return np.concatenate([faces[rows, order], midpoint[rows, order]], axis=1).T
 
 
@@ -174,7 +177,7 @@ def flip_edges(
     touched[region[changed]] = True
     corners = np.zeros(len(vertices), bool)
     corners[faces[touched[region]]] = True
-    part = np.flatnonzero(corners[faces].sum(axis=1) >= 2)
+    part = np.flatnonzero(corners.take(faces.T).sum(axis=0) >= 2)
     faces = faces.copy()
     faces[part] = _flipped(vertices, faces[part], region[part], changed[part])
     return faces

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shapegoogle_core.mesh.connectivity import shared_sides, sorted_pairs, used_points
+from shapegoogle_core.mesh.connectivity import any_corner, shared_sides, sorted_pairs, used_points
 
 
 @given(st.integers(0, 1_000), st.sampled_from([0, 1, 200, 10_000]), st.integers(1, 300))
@@ -27,3 +27,9 @@ def test_points_that_no_face_uses_are_left_out() -> None:
     corners = np.arange(12.0).reshape(4, 3)
     assert used_points(corners, np.array([[0, 3, 1]])).tolist() == corners[[0, 1, 3]].tolist()
     assert used_points(corners, np.empty((0, 3), int)).tolist() == corners.tolist()
+
+
+def test_rows_with_any_marked_vertex() -> None:
+    marked = np.array([False, True, False, False])
+    assert any_corner(marked, np.array([[0, 1, 2], [0, 2, 3], [3, 2, 1]])).tolist() == [True, False, True]
+    assert any_corner(marked, np.array([[0, 2], [3, 1]])).tolist() == [False, True]
