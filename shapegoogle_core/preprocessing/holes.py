@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from shapegoogle_core.mesh.connectivity import unique_edges
+from shapegoogle_core.mesh.connectivity import shared_sides, unique_edges
 from shapegoogle_core.mesh.measures import box_sides, face_areas
 from shapegoogle_core.mesh.mesh import Mesh
 
@@ -160,11 +160,7 @@ def _edge_keys(half_edges: NDArray[np.int64], mesh: Mesh) -> NDArray[np.int64]:
 
 def _part_areas(mesh: Mesh) -> NDArray[np.float64]:
     """Area of each face's part: of all faces that are connected to it through edges."""
-    half_edges = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
-    keys = _edge_keys(half_edges, mesh)
-    order = np.argsort(keys)
-    same = np.flatnonzero(np.diff(keys[order]) == 0)
-    row, column = order[same] // 3, order[same + 1] // 3
+    row, column = (side // 3 for side in shared_sides(mesh.faces, len(mesh.vertices)))
     count = len(mesh.faces)
     graph = coo_array((np.ones(len(row), np.int8), (row, column)), shape=(count, count))
     _, part = connected_components(graph, directed=False)
