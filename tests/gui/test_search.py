@@ -37,25 +37,6 @@ def test_index_library_goes_on_beside_a_usable_window(indexed: Any) -> None:
     assert indexed["draws"]["WINDOW"] < indexed["draws"]["UI"] / 3, indexed["draws"]
 
 
-def test_no_text_looks_like_a_bar_when_work_ends_under_the_pointer(
-    window: Any, indexed: Any, folder: Any
-) -> None:
-    """The pointer rests where the work was started, which is where its bar is then."""
-    window.open("Library")
-    x, y = window.find("shape_google.index_library")
-    library = window.run("result = preferences.library")
-    # In a new library the number of shapes appears with the last redraw: there is one text more than before.
-    window.run(f"preferences.library = {str(folder / 'another.sglib')!r}")
-    window.click(x, y)
-    window.wait(lambda state: state["session"]["indexing"], "indexing begun")
-    window.wait(lambda state: not state["session"]["indexing"], "the end of indexing")
-    window.settle()
-    resting = window.photograph("ui")
-    assert blue(resting) == pytest.approx(blue(window.picture("ui")), abs=0.005)
-    window.run(f"preferences.library = {library!r}")
-    window.wait(lambda state: state["session"]["shape_count"] == SHAPES, "the library again")
-
-
 def test_a_file_that_cannot_be_read_is_listed_and_why(window: Any, indexed: Any, shapes: Any) -> None:
     ((path, reason),) = indexed["state"]["errors"]
     assert Path(path) == shapes / "unicorn.blend"
@@ -204,3 +185,22 @@ def test_moved_sources_are_found_in_their_new_place(window: Any, found: Any, sha
     window.wait(lambda state: name in state["objects"], f"{name}, from the new place")
     moved.rename(shapes)
     move(moved, shapes)
+
+
+def test_no_text_looks_like_a_bar_when_work_ends_under_the_pointer(
+    window: Any, indexed: Any, folder: Any
+) -> None:
+    """The pointer rests where the work was started, which is where its bar is then."""
+    window.open("Library")
+    x, y = window.find("shape_google.index_library")
+    library = window.run("result = preferences.library")
+    # In a new library the number of shapes appears with the last redraw: there is one text more than before.
+    window.run(f"preferences.library = {str(folder / 'another.sglib')!r}")
+    window.click(x, y)
+    window.wait(lambda state: state["session"]["indexing"], "indexing begun")
+    window.wait(lambda state: not state["session"]["indexing"], "the end of indexing")
+    window.settle()
+    resting = window.photograph("ui")
+    assert blue(resting) == pytest.approx(blue(window.picture("ui")), abs=0.005)
+    window.run(f"preferences.library = {library!r}")
+    window.wait(lambda state: state["session"]["shape_count"] == SHAPES, "the library again")
