@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -229,9 +230,7 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
     from shapegoogle_core import MeshError
 
     parts: list[tuple[FloatArray, IntArray]] = []
-    shown: list[tuple[int, FloatArray]] = []
     numbers: dict[int, int] = {}
-    faces = 0
 
     def read(evaluated: Any) -> int:
         pointer = evaluated.data.as_pointer()
@@ -242,17 +241,43 @@ def _instanced(item: Any, depsgraph: Any) -> list[tuple[FloatArray, IntArray, Fl
 
     collector = InstanceCollector(SHAPE_TYPES, read, lambda _item: False, item.session_uid)
     collector.collect(depsgraph)
+    matrices: defaultdict[int, list[list[float]]] = defaultdict(list)
     for instance in collector.of.get(item.session_uid, []):
         if instance.mesh is not None:
-            shown.append((instance.mesh, np.array(instance.matrix, np.float64)))
-            faces += len(parts[instance.mesh][1])
+            matrices[instance.mesh].append([value for row in instance.matrix for value in row])
+    faces = sum(len(parts[number][1]) * len(places) for number, places in matrices.items())
     if faces > MOST_FACES:
         raise MeshError(
             "{name!r} shows {faces:,} faces, more than one query may have; select what it instances",
             name=item.name,
             faces=faces,
         )
-    return [(*parts[number], matrix) for number, matrix in shown]
+    return [
+        (*_repeated(*parts[number], np.array(places).reshape(-1, 4, 4)), np.eye(4))
+        for number, places in matrices.items()
+    ]
+
+
+def _repeated(vertices: FloatArray, faces: IntArray, matrices: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Join a mesh at many places, at once: a scatter has thousands, and the window waits.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) array
+    matrices : (k, 4, 4) array
+
+    Returns
+    -------
+    vertices, faces : (k·n, 3) and (k·m, 3) array
+        Mirrored ones are not inside out.
+    """
+    placed = np.einsum("nj,kij->kni", vertices, matrices[:, :3, :3]) + matrices[:, None, :3, 3]
+    offsets = len(vertices) * np.arange(len(matrices), dtype=np.int32)
+    repeated = faces + offsets[:, None, None]
+    mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
+    repeated[mirrored] = repeated[mirrored][:, :, ::-1]
+    return placed.reshape(-1, 3), repeated.reshape(-1, 3)
 
 
 def object_mesh(item: Any, context: Any) -> Mesh:

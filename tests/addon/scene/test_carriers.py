@@ -116,3 +116,30 @@ def test_one_that_carries_nothing_is_refused() -> None:
     assert bpy.ops.shape_google.paint.poll()
     with pytest.raises(RuntimeError, match="'Empty' has no visible mesh"):
         bpy.ops.shape_google.paint()
+
+
+def test_instances_of_one_mesh_are_where_they_are_seen_and_not_inside_out(meshes: Any) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True)
+    collection = bpy.data.collections.new("Balls")
+    ball = add_ball("Ball", 0)
+    bpy.context.collection.objects.unlink(ball)
+    volumes = []
+    for x, scale in ((0, (1, 1, 1)), (5, (-1, 1, 1)), (9, (1, 2, 3))):
+        item = ball if not x else bpy.data.objects.new("Copy", ball.data)
+        item.location.x, item.scale = x, scale
+        collection.objects.link(item)
+        volumes.append(abs(float(np.prod(scale))))
+    carrier = bpy.data.objects.new("Carrier", None)
+    carrier.instance_type, carrier.instance_collection = "COLLECTION", collection
+    carrier.location.z = 10
+    bpy.context.collection.objects.link(carrier)
+    bpy.context.view_layer.update()
+    mesh = meshes.object_mesh(carrier, bpy.context)
+    faces = len(ball.data.polygons)
+    assert len(mesh.faces) == 3 * faces
+    corners = mesh.vertices[mesh.faces].reshape(3, faces, 3, 3)
+    np.testing.assert_allclose(corners.mean((1, 2)), [(0, 0, 10), (5, 0, 10), (9, 0, 10)], atol=1e-4)
+    centered = corners - corners.mean((1, 2), keepdims=True)
+    signed = np.einsum("kfi,kfi->k", centered[:, :, 0], np.cross(centered[:, :, 1], centered[:, :, 2])) / 6
+    np.testing.assert_allclose(signed / signed[0], volumes, rtol=1e-4)
+    assert signed[0] > 0
