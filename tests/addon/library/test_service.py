@@ -108,7 +108,8 @@ def test_nothing_is_sent_before_it_is_allowed(
 
 def test_the_token_is_not_in_the_preferences(service: Running, preferences: Any) -> None:
     assert preferences.token
-    assert "token" not in set(preferences.keys())
+    if bpy.app.version < (5, 0):  # later ones keep properties of add-ons where scripts do not see them
+        assert "token" not in set(preferences.keys())
     other, preferences.library = preferences.library, "https://other.example"
     assert preferences.token == ""
     preferences.library = other

@@ -27,6 +27,8 @@ def material(name: str, color: tuple[float, float, float], *, nodes: bool = True
 
 @pytest.mark.parametrize("nodes", [True, False])
 def test_an_object_has_the_colour_of_most_of_its_faces(blender: Any, color_of: Any, nodes: bool) -> None:
+    if not nodes and bpy.app.version >= (5, 0):
+        pytest.skip("all materials of this Blender have nodes")
     bpy.ops.mesh.primitive_cube_add()
     item = bpy.context.object
     assert color_of(item) is None

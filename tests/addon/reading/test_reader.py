@@ -128,9 +128,13 @@ def test_objects_that_are_evaluated_alike_are_one_shape(read: Any, tmp_path: Pat
     pinned = linked(keyed, "M")
     pinned.active_shape_key_index, pinned.show_only_shape_key = 1, True
     bpy.context.view_layer.update()
+    # Blender 5.0 shows the pinned key in all objects that share the mesh.
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    lengths = {item.evaluated_get(depsgraph).data.vertices[0].co.x for item in (keyed, pinned)}
+    with_keys = [["K", "L"], ["M"]] if len(lengths) > 1 else [["K", "L", "M"]]
     shapes = read(save(tmp_path / "scene.blend")).shapes
     assert objects_of(shapes) == [
-        *(["A", "B"], ["C", "F"], ["D", "E"], ["G"], ["H"], ["I"], ["J"], ["K", "L"], ["M"]),
+        *(["A", "B"], ["C", "F"], ["D", "E"], ["G"], ["H"], ["I"], ["J"], *with_keys),
     ]
 
 
