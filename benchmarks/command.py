@@ -91,6 +91,11 @@ COMMANDS = (
         "unlike", "benchmarks.experiments.unlike", "how often different assets are taken for the same shape"
     ),
     Command("parts", "benchmarks.experiments.parts", "find whole shapes by parts of them"),
+    Command(
+        "local-heat",
+        "benchmarks.experiments.local_heat",
+        "find creatures by bent parts of them; an experiment",
+    ),
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
     Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),
     Command("duplicates", "benchmarks.experiments.duplicates", "recall and time of the duplicate search"),
