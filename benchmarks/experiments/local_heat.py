@@ -37,11 +37,13 @@ from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.text import say, table
 from shapegoogle_core.descriptors import heat_kernel_signature
 from shapegoogle_core.mesh.connectivity import boundary_vertices, unique_edges
-from shapegoogle_core.mesh.measures import vertex_normals
+from shapegoogle_core.mesh.drawing import draw_points
+from shapegoogle_core.mesh.measures import face_areas, vertex_normals
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.working_shape import working_shape
 from shapegoogle_core.registration import farthest_points
 from shapegoogle_core.registration.medial import medial_radii
+from shapegoogle_core.spectral import Spectrum
 
 __all__ = ["add_options", "run"]
 
@@ -59,6 +61,10 @@ SIZES = 1.05 ** -np.arange(12.0)
 # A cut is not felt at time t if it is farther away than this many √t.
 REACH = 2.0
 FEWEST_TIMES, FEWEST_POINTS, MOST_DIFFERENT = 3, 24, 2.0
+# Margin where there is no boundary; in any unit farther than heat is compared.
+FARTHEST = 1e6
+# Points of a surface that those of the samples are chosen from.
+CLOUD = 4_000
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 0.5
 # Wholes compared together, so that their matrices stay in the processor's cache.
 AT_ONCE = 8
@@ -110,15 +116,27 @@ def measure(mesh: Mesh, points: int) -> Heat:
     """Measure the local heat of a surface."""
     shape = working_shape(_settings(), mesh)
     surface, unit = shape.mesh, float(np.sqrt(shape.mesh.area))
-    vertices = surface.vertices / unit
-    chosen = farthest_points(vertices - vertices.mean(axis=0), min(points, len(vertices)))
-    radii = medial_radii(vertices[chosen], vertex_normals(surface)[chosen], vertices, LARGEST_RADIUS)
-    heat = heat_kernel_signature(shape.spectrum.at(chosen), list(TIMES * unit**2)) * unit**2
+    # Points anywhere on the faces: a part and its whole would have many vertices in common.
+    faces, corners = draw_points(face_areas(surface), CLOUD, np.random.default_rng(0))
+    vertices, weights = surface.faces[faces].astype(np.int64), corners[:, :, None]
+    cloud = (surface.vertices[vertices] * weights).sum(axis=1) / unit
+    chosen = farthest_points(cloud - cloud.mean(axis=0), min(points, CLOUD))
+    vertices, weights = vertices[chosen], weights[chosen]
+
+    def at_points(values: Floats) -> Floats:
+        return np.asarray((values[vertices] * weights).sum(axis=1))
+
+    normals = at_points(vertex_normals(surface))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    radii = medial_radii(cloud[chosen], normals, cloud, LARGEST_RADIUS)
+    spectrum = shape.spectrum
+    functions = Spectrum(spectrum.eigenvalues, at_points(spectrum.eigenvectors), spectrum.mass)
+    heat = heat_kernel_signature(functions, list(TIMES * unit**2)) * unit**2
     return Heat(
         np.log(4 * np.pi * TIMES * heat),
         np.log(np.maximum(np.abs(radii), SMALLEST_RADIUS)),
-        _margins(surface)[chosen] / unit,
-        shape.placement.restore(surface).vertices[chosen],
+        at_points(_margins(surface)[:, None])[:, 0] / unit,
+        at_points(shape.placement.restore(surface).vertices),
         unit / shape.placement.scale,
     )
 
@@ -127,7 +145,7 @@ def _margins(mesh: Mesh) -> Floats:
     """Distance of each vertex from the open boundary, along edges."""
     ends = np.flatnonzero(boundary_vertices(mesh))
     if len(ends) == 0:
-        return np.full(len(mesh.vertices), np.inf)
+        return np.full(len(mesh.vertices), FARTHEST)
     edges, _ = unique_edges(mesh)
     start, end = edges[:, 0], edges[:, 1]
     lengths = np.linalg.norm(mesh.vertices[start] - mesh.vertices[end], axis=1)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
+from shapegoogle_core.mesh.drawing import draw_points
 from shapegoogle_core.mesh.measures import cross_products, lengths, point_normals, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.registration.medial import ball_centers, medial_radii
@@ -320,12 +321,7 @@ def _random_points(
     a, b, c = mesh.vertices[mesh.faces.T]
     normals = cross_products(b - a, c - a).T
     doubled = lengths(normals)
-    total = np.cumsum(doubled)
-    # Stratified: one point in each of `count` slices of equal area, to avoid clusters and gaps.
-    place = (np.arange(count) + random.random(count)) / count * total[-1]
-    face = np.minimum(np.searchsorted(total, place, side="right"), len(doubled) - 1)
-    root, other = np.sqrt(random.random(count)), random.random(count)
-    corners = np.stack([1 - root, root * (1 - other), root * other], axis=1)
+    face, corners = draw_points(doubled, count, random)
     points = (corners[:, :, None] * mesh.vertices[mesh.faces[face]]).sum(axis=1)
     flat = normals[face] / doubled[face, None]
     smooth = (corners[:, :, None] * vertex_normals(mesh)[mesh.faces[face]]).sum(axis=1)
