@@ -28,6 +28,9 @@ _MAGIC = b"SGPV"
 _HEADER = struct.Struct("<3I3f6f")
 # A closed surface has about twice as many faces as vertices.
 _VERTICES, _POINTS = 520, 1_500
+# A large mesh is first simplified to this number: collapsing its edges to so few vertices at once can end at
+# many more, and the grid that is used then loses thin limbs.
+_FIRST_VERTICES = 10 * _VERTICES
 # Triangles of polygon soup share no vertices, so that it may keep many more faces than vertices to spare.
 _MOST_FACES = 2_000
 _STEPS = 65_535
@@ -151,7 +154,10 @@ def read_preview(content: bytes) -> Preview:
 
 
 def _simplified(mesh: Mesh) -> Mesh:
-    small = simplify(repair(mesh), _VERTICES)
+    mesh = repair(mesh)
+    if len(mesh.vertices) > 2 * _FIRST_VERTICES:
+        mesh = simplify(mesh, _FIRST_VERTICES)
+    small = simplify(mesh, _VERTICES)
     if len(small.faces) <= _MOST_FACES:
         return small
     # Of soup the largest triangles show the most.

@@ -40,6 +40,15 @@ def test_a_preview_is_small_and_near_its_shape(mesh: Mesh) -> None:
     assert np.max(away) <= 0.05 * np.linalg.norm(np.ptp(mesh.vertices, axis=0))
 
 
+def test_a_thin_limb_of_a_large_mesh_stays_a_body() -> None:
+    """Merged on a grid in one go, it would become a few faces upon faces, with hardly any volume."""
+    ring = trimesh.creation.torus(3, 0.05, major_sections=400, minor_sections=200)
+    content = make_preview(ring)
+    assert content is not None
+    small = read_preview(content).mesh
+    assert trimesh.Trimesh(small.vertices, small.faces, process=False).volume > ring.volume / 2
+
+
 def test_a_flat_mesh_keeps_its_box() -> None:
     plane = Mesh([[0, 0, 5], [4, 0, 5], [4, 3, 5], [0, 3, 5]], [[0, 1, 2], [0, 2, 3]])
     content = make_preview(plane)
