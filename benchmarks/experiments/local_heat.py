@@ -25,7 +25,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
@@ -36,7 +35,7 @@ from shapegoogle_core import Mesh, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.text import say, table
 from shapegoogle_core.descriptors import heat_kernel_signature
-from shapegoogle_core.mesh.connectivity import boundary_vertices, unique_edges
+from shapegoogle_core.mesh.connectivity import boundary_vertices, edge_graph
 from shapegoogle_core.mesh.drawing import draw_points
 from shapegoogle_core.mesh.measures import face_areas, vertex_normals
 from shapegoogle_core.model.settings import ModelSettings
@@ -146,11 +145,7 @@ def _margins(mesh: Mesh) -> Floats:
     ends = np.flatnonzero(boundary_vertices(mesh))
     if len(ends) == 0:
         return np.full(len(mesh.vertices), FARTHEST)
-    edges, _ = unique_edges(mesh)
-    start, end = edges[:, 0], edges[:, 1]
-    lengths = np.linalg.norm(mesh.vertices[start] - mesh.vertices[end], axis=1)
-    graph = csr_array((lengths, (start, end)), shape=(len(mesh.vertices),) * 2)
-    return np.asarray(dijkstra(graph, directed=False, indices=ends, min_only=True))
+    return np.asarray(dijkstra(edge_graph(mesh), directed=False, indices=ends, min_only=True))
 
 
 def _part(kind: str, seed: int, share: float) -> Mesh:

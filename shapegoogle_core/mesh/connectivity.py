@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = [
     "any_corner",
     "boundary_vertices",
+    "edge_graph",
     "edge_lengths",
     "shared_sides",
     "sorted_pairs",
@@ -64,6 +65,21 @@ def edge_lengths(mesh: Mesh) -> FloatArray:
     """
     start, end = unique_edges(mesh)[0].T
     return np.asarray(np.linalg.norm(mesh.vertices[start] - mesh.vertices[end], axis=1))
+
+
+def edge_graph(mesh: Mesh) -> csr_array:
+    """Build the graph of the edges, for shortest paths along them in either direction.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    lengths : (n, n) sparse array
+        Each edge once, in the unit of the vertices.
+    """
+    return csr_array((edge_lengths(mesh), unique_edges(mesh)[0].T), shape=(len(mesh.vertices),) * 2)
 
 
 def boundary_vertices(mesh: Mesh) -> NDArray[np.bool_]:
@@ -131,7 +147,7 @@ def used_points(vertices: FloatArray, faces: NDArray[np.integer]) -> FloatArray:
     ----------
     vertices : (n, 3) array
     faces : (m, 3) array of int
-        None for a point cloud, of which all points are used.
+        No rows for a point cloud, of which all points are used.
 
     Returns
     -------

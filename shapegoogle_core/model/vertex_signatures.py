@@ -16,7 +16,7 @@ from shapegoogle_core.api.arguments import check_count
 from shapegoogle_core.keypoints import detect_keypoints
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.checks import check_surface
-from shapegoogle_core.mesh.connectivity import edge_lengths, unique_edges
+from shapegoogle_core.mesh.connectivity import edge_graph
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.mesh.prolongation import vertex_prolongation
 from shapegoogle_core.model.shape_bags import channel_words
@@ -362,9 +362,13 @@ def _spots(mesh: Mesh, indices: NDArray[np.int64], response: FloatArray) -> tupl
     if not len(indices):
         return np.zeros(n), np.zeros(n)
     radius = SPOT_RADIUS * np.sqrt(mesh.area)
-    graph = csr_array((edge_lengths(mesh), unique_edges(mesh)[0].T), shape=(n, n))
     distance, _, source = dijkstra(
-        graph, directed=False, indices=indices, min_only=True, limit=radius, return_predecessors=True
+        edge_graph(mesh),
+        directed=False,
+        indices=indices,
+        min_only=True,
+        limit=radius,
+        return_predecessors=True,
     )
     of_vertex = np.zeros(n)
     of_vertex[indices] = response / response.max()

@@ -9,13 +9,12 @@ from collections.abc import Callable
 import fast_simplification
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.errors import MeshError
-from shapegoogle_core.mesh import Mesh, check_surface, unique_edges
-from shapegoogle_core.mesh.connectivity import edge_lengths
+from shapegoogle_core.mesh import Mesh, check_surface
+from shapegoogle_core.mesh.connectivity import edge_graph, edge_lengths
 from shapegoogle_core.mesh.measures import vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray
 
@@ -180,12 +179,10 @@ def _topology(mesh: Mesh, strength: int, rng: Random) -> Mesh:
 
 def _places_to_weld(mesh: Mesh, apart: float, rng: Random) -> NDArray[np.int64]:
     """Find disjoint pairs of vertices, nearest in space first, that are at least `apart` along the edges."""
-    edges, _ = unique_edges(mesh)
-    graph = coo_array((edge_lengths(mesh), edges.T), shape=(len(mesh.vertices),) * 2).tocsr()
     used = np.unique(mesh.faces)
     sources = rng.permutation(used)[:_WELD_CANDIDATES]
     # Distances beyond the limit are infinite, which is all that matters.
-    along = dijkstra(graph, directed=False, indices=sources, limit=apart)[:, used]
+    along = dijkstra(edge_graph(mesh), directed=False, indices=sources, limit=apart)[:, used]
     across = np.linalg.norm(mesh.vertices[sources][:, None] - mesh.vertices[used][None], axis=2)
     across[along < apart] = np.inf
     nearest = across.argmin(axis=1)

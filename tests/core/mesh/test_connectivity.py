@@ -4,10 +4,20 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shapegoogle_core.mesh.connectivity import any_corner, shared_sides, sorted_pairs, used_points
+from shapegoogle_core.mesh import as_mesh
+from shapegoogle_core.mesh.connectivity import (
+    any_corner,
+    edge_graph,
+    edge_lengths,
+    shared_sides,
+    sorted_pairs,
+    unique_edges,
+    used_points,
+)
 
 
 @given(st.integers(0, 1_000), st.sampled_from([0, 1, 200, 10_000]), st.integers(1, 300))
@@ -33,3 +43,12 @@ def test_rows_with_any_marked_vertex() -> None:
     marked = np.array([False, True, False, False])
     assert any_corner(marked, np.array([[0, 1, 2], [0, 2, 3], [3, 2, 1]])).tolist() == [True, False, True]
     assert any_corner(marked, np.array([[0, 2], [3, 1]])).tolist() == [False, True]
+
+
+def test_the_graph_of_edges_has_each_edge_once_with_its_length() -> None:
+    box = as_mesh(trimesh.creation.box((1, 2, 3)))
+    graph = edge_graph(box)
+    edges, _ = unique_edges(box)
+    assert graph.shape == (8, 8)
+    assert graph.nnz == len(edges) == 18
+    np.testing.assert_array_equal(graph[edges[:, 0], edges[:, 1]], edge_lengths(box))
