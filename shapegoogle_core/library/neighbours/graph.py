@@ -112,19 +112,16 @@ class NeighbourGraph:
 
     def _replace_removed(self, wrap: Callable[[Sequence[int]], Iterable[int]]) -> int:
         """Find the neighbours anew of shapes most of whose neighbours were removed."""
-        # Sorted, to look an id up without going through all of them.
-        there = np.sort(all_codes(self._store, "codes", self._code_bytes)[0])
+        shape_ids: list[int] = all_codes(self._store, "codes", self._code_bytes)[0].tolist()
+        there = set(shape_ids)
         lacking: list[int] = []
-        for start in range(0, len(there), _PAGE):
-            rows = self._store.neighbours(there[start : start + _PAGE].tolist())
-            if not rows:
-                continue
-            sizes = np.array([len(ids) for ids, _ in rows.values()])
-            ids = np.concatenate([ids for ids, _ in rows.values()])
-            left = there[np.searchsorted(there, ids).clip(max=len(there) - 1)] == ids
-            counts = np.bincount(np.repeat(np.arange(len(rows)), sizes)[left], minlength=len(rows))
-            few = counts < np.minimum(sizes, self._settings.links)
-            lacking += [shape_id for shape_id, lacks in zip(rows, few.tolist(), strict=True) if lacks]
+        for start in range(0, len(shape_ids), _PAGE):
+            rows = self._store.neighbours(shape_ids[start : start + _PAGE])
+            lacking += [
+                shape_id
+                for shape_id, (ids, _) in rows.items()
+                if len(there.intersection(ids.tolist())) < min(len(ids), self._settings.links)
+            ]
         self.add(wrap(lacking))
         return len(lacking)
 
