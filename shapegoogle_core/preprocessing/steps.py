@@ -104,14 +104,13 @@ def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Me
     check = check_cloud if is_cloud else check_surface
     check(mesh)
     repaired = repair(mesh)
-    if not is_cloud and repaired is not mesh:
-        check(repaired)  # repair drops faces without area, which may be all
-    mesh = repaired
     if not is_cloud:
-        mesh = close_holes(mesh, settings.close_holes)
+        if repaired is not mesh:
+            check(repaired)  # repair drops faces without area, which may be all
+        repaired = close_holes(repaired, settings.close_holes)
         if settings.longest_edge > 0:
-            mesh = separate_fans(mesh)
-    mesh = resample(mesh, settings.floor, settings.budget, settings.longest_edge)
+            repaired = separate_fans(repaired)
+    mesh = resample(repaired, settings.floor, settings.budget, settings.longest_edge)
     if is_cloud:
         check(mesh)  # points that crowd in few places become few points
     return smooth(mesh, settings.smoothing)

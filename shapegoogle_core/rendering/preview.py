@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh, MeshLike, as_mesh
 from shapegoogle_core.mesh.connectivity import used_vertices
+from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.resampling import simplify, thin
 from shapegoogle_core.rendering.views import canonical_view
@@ -161,9 +162,7 @@ def _simplified(mesh: Mesh) -> Mesh:
     if len(small.faces) <= _MOST_FACES:
         return small
     # Of soup the largest triangles show the most.
-    corners = small.vertices[small.faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    largest = small.faces[np.sort(np.argsort(-area, kind="stable")[:_MOST_FACES])]
+    largest = small.faces[np.sort(np.argsort(-face_areas(small), kind="stable")[:_MOST_FACES])]
     used, faces = used_vertices(largest.astype(np.int64), len(small.vertices))
     return Mesh(small.vertices[used], faces, mesh.name)
 
