@@ -215,7 +215,7 @@ def _find(preferences: Any) -> Iterator[str]:
     import bpy
 
     from blender_addon.jobs import worker
-    from blender_addon.scene.meshes import query_meshes
+    from blender_addon.scene.query import query_meshes
     from blender_addon.search import answer as shown
     from shapegoogle_core.worker import requests
 

@@ -256,7 +256,7 @@ def measure_find(path: Path, repeats: int) -> Row:
     import shapegoogle_core as sg
     from shapegoogle_core.worker import requests as tasks
 
-    scene, shown = module("scene.meshes"), module("search.answer")
+    scene, shown = module("scene.query"), module("search.answer")
     watch = Stopwatch()
     top = bpy.context.window_manager.shape_google.top
     for _ in range(repeats):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from .. import jobs, state
 from ..gallery.filters import conditions, size_factor
 from ..library.address import library_address, library_key, library_missing
 from ..library.present import when_it_goes
+from ..scene.reads_meshes import ReadsMeshes
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import session_of
 from ..state.parts import Asked, SearchState
@@ -24,12 +25,13 @@ from .properties import examples_of
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from shapegoogle_core import Mesh, MeshError
     from shapegoogle_core.worker.requests import Answer
 
 __all__ = ["refine", "refine_and_wait", "register", "search_with", "unregister"]
 
 
-class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
+class SHAPEGOOGLE_OT_find_similar(ReadsMeshes, bpy.types.Operator):
     """Find shapes like the selected ones."""
 
     bl_idname = "shape_google.find_similar"
@@ -58,22 +60,29 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         return True
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Search in the worker process; the window stays usable."""
-        future = self._ask(context)
-        if future is None:
-            return {"CANCELLED"}
-        _show_when_done(future)
-        return {"FINISHED"}
+        """Read the query in slices, and search in the worker process; the window stays usable."""
+        from ..scene.query import query_steps
+
+        self._searched = searched_objects(context)
+        separate = session_of(context).several == "EXAMPLES"
+        return self.read_meshes(context, query_steps(context, separate=separate))
 
     def execute(self, context: Any) -> set[str]:
         """Search and wait for the answer."""
-        from shapegoogle_core import ShapeGoogleError
+        from shapegoogle_core import MeshError, ShapeGoogleError
         from shapegoogle_core.worker.requests import explain
 
+        from ..scene.query import query_meshes
+
         started = time.monotonic()
-        future = self._ask(context)
-        if future is None:
-            return {"CANCELLED"}
+        self._searched = searched_objects(context)
+        try:
+            meshes = query_meshes(context, separate=session_of(context).several == "EXAMPLES")
+        except MeshError as error:
+            if self._refuse(context, error):
+                return {"CANCELLED"}
+            meshes = []
+        future = self._ask(context, meshes)
         try:
             answer = future.result()
             explained = (
@@ -91,30 +100,63 @@ class SHAPEGOOGLE_OT_find_similar(bpy.types.Operator):
         self.report({"INFO"}, session_of(context).answer)
         return {"FINISHED"}
 
-    def _ask(self, context: Any) -> Future[Answer] | None:
-        from shapegoogle_core import MeshError
+    def begin(self, context: Any, steps: Iterator[object]) -> set[str]:
+        """Go on reading in slices."""
+        session, search = session_of(context), state.current().search
+        search.reading, search.before = self, session.answer
+        session.searching = True
+        return super().begin(context, steps)
 
-        from ..scene.meshes import query_meshes
+    def show_progress(self, context: Any) -> None:
+        """Say that the query is being read; how much there is to read is known only in the end."""
+        text = tr("Reading the query …")
+        session_of(context).answer = text
+        context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=text))
 
+    def cancel(self, context: Any) -> None:
+        """Stop the timer and free the buttons."""
+        super().cancel(context)
+        session_of(context).searching = False
+        if state.is_registered():
+            search = state.current().search
+            search.reading = None
+            session_of(context).answer = search.before
+
+    def take_meshes(self, context: Any, found: Sequence[Mesh]) -> set[str]:
+        """Search with what was read."""
+        _show_when_done(self._ask(context, found))
+        return {"FINISHED"}
+
+    def take_error(self, context: Any, error: MeshError) -> set[str]:
+        """Search with the examples alone, if there are any."""
+        return {"CANCELLED"} if self._refuse(context, error) else self.take_meshes(context, [])
+
+    def take_cancelled(self, context: Any) -> set[str]:
+        """Leave the answer that is shown."""
         session = session_of(context)
+        if not session.matches:
+            session.answer = tr("Cancelled")
+        return {"CANCELLED"}
+
+    def _refuse(self, context: Any, error: MeshError) -> bool:
+        """Report that there is no query, unless there is one without the selection."""
+        # With examples from the library the selection may be empty, but not in edit mode.
+        if context.mode != "EDIT_MESH" and not all(example.unlike for example in _examples(context)):
+            return False
+        self.report({"ERROR"}, error_text(error))
+        return True
+
+    def _ask(self, context: Any, meshes: Sequence[Mesh]) -> Future[Answer]:
         examples = _examples(context)
         like = [example for example in examples if not example.unlike]
         unlike = [example for example in examples if example.unlike]
-        try:
-            meshes = query_meshes(context, separate=session.several == "EXAMPLES")
-        except MeshError as error:
-            # With examples from the library the selection may be empty, but not in edit mode.
-            if not like or context.mode == "EDIT_MESH":
-                self.report({"ERROR"}, error_text(error))
-                return None
-            meshes = []
         state.current().search.unlike = [(example.shape_id, example.name) for example in unlike]
         title = joined_name([shape.name for shape in (*meshes, *like)])
         if unlike:
             others = joined_name([example.name for example in unlike])
             title = tr("{query}, not like {others}").format(query=title, others=others)
         stored = [(example.shape_id, example.name) for example in like]
-        return _begin(context, meshes, stored, title, searched_objects(context))
+        return _begin(context, meshes, stored, title, self._searched)
 
 
 def search_with(context: Any, shape: tuple[int, str]) -> None:
@@ -256,6 +298,9 @@ class SHAPEGOOGLE_OT_cancel_search(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         """Stop it."""
         search = state.current().search
+        if search.reading is not None:
+            search.reading.stopped = True  # it ends at its next tick
+            return {"FINISHED"}
         if search.waiting is not None:
             search.waiting.cancel()
             search.waiting = None

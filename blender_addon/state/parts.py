@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..jobs import BackgroundRun
     from ..library.scene_source import SceneIndexing
     from ..replacing.operators import Replaces
+    from ..search.operators import SHAPEGOOGLE_OT_find_similar
     from ..signature.distance import TimeRange
     from ..signature.results import Key, Known
     from ..transfer.operators import SHAPEGOOGLE_OT_transfer_match
@@ -148,6 +149,8 @@ class SearchState:
 
     Attributes
     ----------
+    reading : SHAPEGOOGLE_OT_find_similar or None
+        The operator that reads the query in time slices.
     waiting : Future or None
         The query that is being answered.
     answer : Answer or None
@@ -175,6 +178,7 @@ class SearchState:
         Matches whose surfaces have been compared, by the id of the shape.
     """
 
+    reading: SHAPEGOOGLE_OT_find_similar | None = None
     waiting: Future[Answer] | None = None
     answer: Answer | None = None
     versions: Answer | None = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,6 +14,7 @@ from ..library.address import library_address, library_missing
 from ..library.open_file import open_source
 from ..needs import draw_sentence
 from ..reading.assets import CATALOG_FILE, catalogs_for, tags_of
+from ..scene.reads_meshes import ReadsMeshes
 from ..scene.selection import query_objects
 from ..state import session_of
 from ..translation import error_text, tr
@@ -20,7 +22,7 @@ from ..translation import error_text, tr
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import Suggestion
+    from shapegoogle_core import Mesh, MeshError, Suggestion
 
 __all__ = ["known_catalogs", "register", "unregister"]
 
@@ -32,7 +34,7 @@ CHOSEN_FROM = 0.5
 WIDTH, LETTERS = 360, 48
 
 
-class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
+class SHAPEGOOGLE_OT_suggest_tags(ReadsMeshes, bpy.types.Operator):
     """Suggest tags and catalogs."""
 
     bl_idname = "shape_google.suggest_tags"
@@ -63,16 +65,36 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
         """Ask the worker process, then show a dialog."""
-        item, window, area = context.active_object, context.window, context.area
-        name, uid = item.name, item.session_uid
-        future = self._ask(context)
-        if future is None:
-            return {"CANCELLED"}
+        from ..scene.query import object_steps
+
+        item = context.active_object
+        self._name, self._uid = item.name, item.session_uid
+        self._window, self._area = context.window, context.area
+        return self.read_meshes(context, object_steps(item, context))
+
+    def begin(self, context: Any, steps: Iterator[object]) -> set[str]:
+        """Go on reading in slices."""
+        session_of(context).suggesting = True
+        return super().begin(context, steps)
+
+    def show_progress(self, context: Any) -> None:
+        """Say that the object is being read."""
+        text = tr("Reading {name} …").format(name=self._name)
+        context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=text))
+
+    def cancel(self, context: Any) -> None:
+        """Stop the timer and free the button."""
+        super().cancel(context)
+        session_of(context).suggesting = False
+
+    def take_meshes(self, context: Any, found: Mesh) -> set[str]:
+        """Show a dialog once the worker has found suggestions."""
+        name, uid, window, area = self._name, self._uid, self._window, self._area
         session_of(context).suggesting = True
 
-        def done(found: list[Suggestion]) -> None:
+        def done(suggestions: list[Suggestion]) -> None:
             session_of(bpy.context).suggesting = False
-            _fill(bpy.context, uid, found)
+            _fill(bpy.context, uid, suggestions)
             region = next((region for region in area.regions if region.type == "WINDOW"), None)
             with bpy.context.temp_override(window=window, area=area, region=region):
                 bpy.ops.shape_google.write_suggestions("INVOKE_DEFAULT")
@@ -82,38 +104,39 @@ class SHAPEGOOGLE_OT_suggest_tags(bpy.types.Operator):
             session.suggesting = False
             session.answer = f"{name}: {error_text(error)}"
 
-        jobs.watch(future, done, failed)
+        jobs.watch(_ask(context, found, name), done, failed)
         return {"FINISHED"}
+
+    def take_error(self, _context: Any, error: MeshError) -> set[str]:
+        """Report it."""
+        self.report({"ERROR"}, error_text(error))
+        return {"CANCELLED"}
+
+    def take_cancelled(self, _context: Any) -> set[str]:
+        """Do nothing."""
+        return {"CANCELLED"}
 
     def execute(self, context: Any) -> set[str]:
         """Wait for the suggestions; `write_suggestions` writes them."""
         from shapegoogle_core import ShapeGoogleError
 
-        future = self._ask(context)
-        if future is None:
-            return {"CANCELLED"}
-        try:
-            found = future.result()
-        except ShapeGoogleError as error:
-            self.report({"ERROR"}, error_text(error))
-            return {"CANCELLED"}
-        _fill(context, context.active_object.session_uid, found)
-        return {"FINISHED"}
-
-    def _ask(self, context: Any) -> Future[list[Suggestion]] | None:
-        from shapegoogle_core import MeshError
-        from shapegoogle_core.worker.assets import suggest
-
-        from ..scene.meshes import object_mesh
+        from ..scene.query import object_mesh
 
         item = context.active_object
         try:
-            mesh = object_mesh(item, context)
-        except MeshError as error:
+            found = _ask(context, object_mesh(item, context), item.name).result()
+        except ShapeGoogleError as error:
             self.report({"ERROR"}, error_text(error))
-            return None
-        library = library_address(context)
-        return jobs.worker().submit(suggest, library, mesh, open_source(), item.name)
+            return {"CANCELLED"}
+        _fill(context, item.session_uid, found)
+        return {"FINISHED"}
+
+
+def _ask(context: Any, mesh: Mesh, name: str) -> Future[list[Suggestion]]:
+    """Have the worker find suggestions for an object of the open file."""
+    from shapegoogle_core.worker.assets import suggest
+
+    return jobs.worker().submit(suggest, library_address(context), mesh, open_source(), name)
 
 
 def _fill(context: Any, uid: int, found: list[Suggestion]) -> None:

@@ -167,6 +167,59 @@ def test_find_similar_is_in_the_context_menu_of_the_object(window: Any, found: A
     assert all(name.startswith("Horse") for name in horses(state))
 
 
+# A grid of boxes by geometry nodes, and slices so short that there are many of them.
+SCATTER = """
+import importlib
+tree = bpy.data.node_groups.new("Boxes", "GeometryNodeTree")
+tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+names = ("NodeGroupOutput", "GeometryNodeMeshGrid", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube")
+output, grid, places, box = map(tree.nodes.new, names)
+for axis in "XY":
+    grid.inputs[f"Vertices {axis}"].default_value = 150
+    grid.inputs[f"Size {axis}"].default_value = 300
+tree.links.new(grid.outputs["Mesh"], places.inputs["Points"])
+tree.links.new(box.outputs["Mesh"], places.inputs["Instance"])
+tree.links.new(places.outputs["Instances"], output.inputs[0])
+item = bpy.data.objects.new("Boxes", bpy.data.meshes.new("Boxes"))
+bpy.context.scene.collection.objects.link(item)
+item.modifiers.new("Boxes", "NODES").node_group = tree
+for other in bpy.context.view_layer.objects:
+    other.select_set(other == item)
+bpy.context.view_layer.objects.active = item
+query, slices = (importlib.import_module(f"{name}.{module}") for module in ("scene.query", "time_slices"))
+query.SECONDS_OF_LISTING, slices.SECONDS_OF_SLICE = SECONDS
+"""
+
+
+def test_a_scatter_is_read_in_slices_which_escape_ends(window: Any, found: Any) -> None:
+    usual = window.run(
+        """import importlib
+query, slices = (importlib.import_module(f"{name}.{module}") for module in ("scene.query", "time_slices"))
+result = query.SECONDS_OF_LISTING, slices.SECONDS_OF_SLICE"""
+    )
+    window.run(SCATTER.replace("= SECONDS", "= 0.0, 0.0"))
+    # For Blender a button stays disabled, as it was while the search ran, until the pointer moves.
+    window.move(*window.ask("stands_at", NAME))
+    window.press("shape_google.find_similar")
+    window.wait(lambda state: state["session"]["answer"].startswith("Reading"), "the query being read")
+    window.tool("key", "Escape")
+    state = window.wait(lambda state: not state["session"]["searching"], "the end of reading")
+    for kept in ("answer", "query"):
+        assert state["session"][kept] == found["session"][kept]
+    assert horses(state) == horses(found)
+    window.move(*window.ask("stands_at", NAME))
+    window.run(
+        """import importlib
+query, slices = (importlib.import_module(f"{name}.{module}") for module in ("scene.query", "time_slices"))
+"""
+        f"query.SECONDS_OF_LISTING, slices.SECONDS_OF_SLICE = {usual}"
+    )
+    window.press("shape_google.find_similar")
+    state = window.wait(lambda state: state["session"]["query"] == "Boxes", "the whole query read")
+    state = window.wait(lambda state: not state["session"]["searching"], "an answer")
+    assert len(state["matches"]) == SHAPES
+
+
 def test_moved_sources_are_found_in_their_new_place(window: Any, found: Any, shapes: Path) -> None:
     moved = shapes.rename(shapes.with_name("moved shapes"))
 

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ... import jobs, state
+from ...scene.reads_meshes import ReadsMeshes, result_of
 from ...state import session_of
 from ...translation import error_text, tr
 from .. import finding, labels
@@ -22,14 +24,14 @@ from .turning import turned
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
-    from shapegoogle_core import Match
+    from shapegoogle_core import Match, Mesh
     from shapegoogle_core.worker.comparison import SurfaceComparison
     from shapegoogle_core.worker.requests import Answer
 
 __all__ = ["register", "unregister"]
 
 
-class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
+class SHAPEGOOGLE_OT_compare_match(OnMatch, ReadsMeshes, bpy.types.Operator):
     """Compare the match with the query."""
 
     bl_idname = "shape_google.compare_match"
@@ -61,9 +63,21 @@ class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
             )
             return {"CANCELLED"}
         match = active_match(context)
-        shown = Shown(session_of(context).query, labels.title(match), match.shape_id)
-        view = state.current().gallery.view
-        view.comparison = shown
+        self._shown = Shown(session_of(context).query, labels.title(match), match.shape_id)
+        state.current().gallery.view.comparison = self._shown
+        area.redraw(context)
+        # Before the mesh is read: another match may be chosen meanwhile.
+        self._asked_for = _asked(context)
+        return self.read_meshes(context, _steps_here(context, match))
+
+    def show_progress(self, context: Any) -> None:
+        """Say that the match is being read."""
+        text = tr("Reading {name} …").format(name=self._shown.match)
+        context.workspace.status_text_set(tr("{progress} (Esc: cancel)").format(progress=text))
+
+    def take_meshes(self, _context: Any, found: Mesh | None) -> set[str]:
+        """Show both once the worker has compared them."""
+        shown = self._shown
 
         def done(surfaces: SurfaceComparison) -> None:
             shown.surfaces = surfaces
@@ -71,16 +85,22 @@ class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
         def failed(error: BaseException) -> None:
             shown.problem = error_text(error)
 
-        jobs.watch(self._ask(context), done, failed)
-        area.redraw(context)
+        jobs.watch(_submit(self._asked_for, found), done, failed)
         return {"FINISHED"}
+
+    def take_cancelled(self, context: Any) -> set[str]:
+        """Say so in place of the shapes."""
+        self._shown.problem = tr("Cancelled")
+        area.redraw(context)
+        return {"CANCELLED"}
 
     def execute(self, context: Any) -> set[str]:
         """Compare them, and report how far apart they are."""
         from shapegoogle_core import ShapeGoogleError
 
         try:
-            surfaces = self._ask(context).result()
+            mesh = result_of(_steps_here(context, active_match(context)))
+            surfaces = _submit(_asked(context), mesh).result()
         except ShapeGoogleError as error:
             self.report({"ERROR"}, error_text(error))
             return {"CANCELLED"}
@@ -96,17 +116,6 @@ class SHAPEGOOGLE_OT_compare_match(OnMatch, bpy.types.Operator):
         )
         return {"FINISHED"}
 
-    def _ask(self, context: Any) -> Future[SurfaceComparison]:
-        from shapegoogle_core.worker.comparison import compare_surfaces
-
-        asked = _asked(context)
-        assert asked is not None  # see poll
-        answer, match = asked
-        examples = state.current().search.asked_with
-        compare = partial(compare_surfaces, queries=examples.meshes, stored=examples.stored)
-        mesh = _mesh_here(context, active_match(context))
-        return jobs.worker().submit(compare, answer.library, answer.signatures, match, mesh)
-
 
 def _asked(context: Any) -> tuple[Answer, Match] | None:
     """Return the answer that the chosen match is of, and what the search has found out about it."""
@@ -119,20 +128,32 @@ def _asked(context: Any) -> tuple[Answer, Match] | None:
     return (answer, search.explained.get(line.shape_id, found[0])) if found else None
 
 
-def _mesh_here(context: Any, match: Any) -> Any | None:
-    """Return the mesh of a match in the open scene; of others the worker knows the file or a preview."""
+def _submit(asked: tuple[Answer, Match] | None, mesh: Mesh | None) -> Future[SurfaceComparison]:
+    """Have the worker compare the surfaces."""
+    from shapegoogle_core.worker.comparison import compare_surfaces
+
+    assert asked is not None  # see poll
+    answer, match = asked
+    examples = state.current().search.asked_with
+    compare = partial(compare_surfaces, queries=examples.meshes, stored=examples.stored)
+    return jobs.worker().submit(compare, answer.library, answer.signatures, match, mesh)
+
+
+def _steps_here(context: Any, match: Any) -> Generator[bool, None, Mesh | None]:
+    """Read a match in the open scene; None for others, of which the worker knows the file or a preview."""
     from shapegoogle_core import MeshError
 
-    from ...scene.meshes import object_mesh
+    from ...scene.query import object_steps
 
+    vertex_count = match.vertex_count
     try:
         here = finding.object_of(context, match)
         if here is None or match.shape_type == "collection":
             return None
-        mesh = object_mesh(here, context)
+        mesh = yield from object_steps(here, context)
     except (PlacingError, MeshError):  # it is gone; the library still has its preview
         return None
-    return mesh if len(mesh.vertices) == match.vertex_count else None
+    return mesh if len(mesh.vertices) == vertex_count else None
 
 
 def length_text(context: Any, value: float) -> str:

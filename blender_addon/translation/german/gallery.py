@@ -18,6 +18,8 @@ TEXTS = {
     "Stop searching": "Suche beenden",
     "Searching for {name} …": "Suche nach {name} …",
     "Cancelled": "Abgebrochen",
+    "Reading the query …": "Anfrage wird gelesen …",
+    "Reading {name} …": "{name} wird gelesen …",
     "Select a mesh or a point cloud": "Eine Masche oder eine Punktwolke auswählen",
     "{query}, not like {others}": "{query}, nicht wie {others}",
     "{query}: no match meets the filters among {among:,} shapes": "{query}: kein Treffer unter {among:,} Formen erfüllt die Filter",

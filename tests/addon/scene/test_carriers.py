@@ -19,7 +19,7 @@ CARRIERS = ("rig", "lattice", "empty", "instance")
 
 @pytest.fixture
 def meshes(addon: ModuleType) -> Any:
-    return importlib.import_module(f"{addon.__name__}.scene.meshes")
+    return importlib.import_module(f"{addon.__name__}.scene.query")
 
 
 def add_ball(name: str, x: float) -> Any:
@@ -143,3 +143,60 @@ def test_instances_of_one_mesh_are_where_they_are_seen_and_not_inside_out(meshes
     signed = np.einsum("kfi,kfi->k", centered[:, :, 0], np.cross(centered[:, :, 1], centered[:, :, 2])) / 6
     np.testing.assert_allclose(signed / signed[0], volumes, rtol=1e-4)
     assert signed[0] > 0
+
+
+def scatter(side: int) -> Any:
+    """A grid of which each vertex instances a ball, by geometry nodes; the ball is no object of the scene."""
+    ball = add_ball("Ball", 0)
+    bpy.context.collection.objects.unlink(ball)
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    output, grid, places, info = map(
+        tree.nodes.new,
+        (
+            "NodeGroupOutput",
+            "GeometryNodeMeshGrid",
+            "GeometryNodeInstanceOnPoints",
+            "GeometryNodeObjectInfo",
+        ),
+    )
+    for axis in "XY":
+        grid.inputs[f"Vertices {axis}"].default_value = side
+        grid.inputs[f"Size {axis}"].default_value = 5 * (side - 1)
+    info.inputs["Object"].default_value = ball
+    info.inputs["As Instance"].default_value = True
+    tree.links.new(grid.outputs["Mesh"], places.inputs["Points"])
+    tree.links.new(info.outputs["Geometry"], places.inputs["Instance"])
+    tree.links.new(places.outputs["Instances"], output.inputs[0])
+    item = bpy.data.objects.new("Scatter", bpy.data.meshes.new("Scatter"))
+    bpy.context.collection.objects.link(item)
+    item.modifiers.new("Scatter", "NODES").node_group = tree
+    item.select_set(True)
+    bpy.context.view_layer.objects.active = item
+    bpy.context.view_layer.update()
+    return item
+
+
+def test_a_scatter_is_read_in_short_steps_although_the_scene_changes_meanwhile(
+    meshes: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True)
+    item = scatter(40)
+    (whole,) = meshes.query_meshes(bpy.context)
+    assert len(whole.faces) == 40 * 40 * len(bpy.data.meshes["Icosphere"].polygons)
+    monkeypatch.setattr(meshes, "SECONDS_OF_LISTING", 0.0)
+    steps = meshes.query_steps(bpy.context)
+    count = 0
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            (read,) = end.value
+            break
+        count += 1
+        if count == 2:
+            item.data.update_tag()
+            add_ball("Another", 9)
+    assert count >= 40 * 40 // 500
+    np.testing.assert_array_equal(read.faces, whole.faces)
+    np.testing.assert_array_equal(read.vertices, whole.vertices)

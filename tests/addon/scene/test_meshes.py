@@ -19,7 +19,7 @@ from tests.addon.conftest import to_point_cloud
 
 @pytest.fixture
 def scene(addon: ModuleType) -> Any:
-    return importlib.import_module(f"{addon.__name__}.scene.meshes")
+    return importlib.import_module(f"{addon.__name__}.scene.query")
 
 
 @pytest.fixture
@@ -164,7 +164,7 @@ def test_a_wire_is_no_point_cloud(scene: Any) -> None:
             scene.query_meshes(bpy.context, separate=separate)
 
 
-def test_a_point_cloud_object_is_a_shape(scene: Any) -> None:
+def test_a_point_cloud_object_is_a_shape(scene: Any, addon: ModuleType) -> None:
     item = add_points("Scan", some_points())
     item.scale = 2, 2, 2
     if not to_point_cloud():
@@ -176,7 +176,8 @@ def test_a_point_cloud_object_is_a_shape(scene: Any) -> None:
     bpy.data.pointclouds.new("Nothing")
     empty = bpy.data.objects.new("Nothing", bpy.data.pointclouds["Nothing"])
     bpy.context.collection.objects.link(empty)
-    assert scene.evaluated_mesh(empty).vertices.shape == (0, 3)
+    meshes = importlib.import_module(f"{addon.__name__}.scene.meshes")
+    assert meshes.evaluated_mesh(empty).vertices.shape == (0, 3)
 
 
 def select_faces(item: Any, count: int) -> None:

@@ -29,7 +29,7 @@ def test_menus_have_an_entry_as_long_as_it_is_on(addon: ModuleType) -> None:
 
 
 def test_curves_texts_and_scatters_are_queries(addon: ModuleType, tmp_path: Path) -> None:
-    meshes = importlib.import_module(f"{addon.__name__}.scene.meshes")
+    meshes = importlib.import_module(f"{addon.__name__}.scene.query")
     bpy.ops.wm.open_mainfile(filepath=str(make_library(tmp_path)))
     counts = {}
     for name in ("Rope", "Sign", "Hull", "Drop", "Chair A", "Forest", "Bricks", "Wheel"):
