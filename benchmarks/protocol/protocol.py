@@ -7,7 +7,6 @@ import os
 import platform
 from collections.abc import Sequence
 from datetime import datetime
-from importlib import metadata
 from itertools import chain
 
 import numpy as np
@@ -20,6 +19,7 @@ from benchmarks.protocol.metrics import category_scores
 from benchmarks.protocol.results import BenchmarkResult, CategoryResult, VariantResult
 from benchmarks.protocol.scoring import score_variant
 from benchmarks.protocol.workshop import Progress, Workshop
+from shapegoogle_core import __version__
 from shapegoogle_core.processes.progress import progress_bar
 
 __all__ = ["run_benchmark"]
@@ -81,7 +81,7 @@ def run_benchmark(
     return BenchmarkResult(
         collection=collection.name,
         counts={**collection.counts(), "queries": len(results[0].outcomes)},
-        version=metadata.version("shapegoogle-core"),
+        version=__version__,
         machine={
             "system": platform.system(),
             "processor": platform.machine(),

@@ -11,9 +11,9 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from importlib import metadata
 from typing import TYPE_CHECKING, NoReturn
 
+from shapegoogle_core import __version__
 from shapegoogle_core.api.text import one_line
 from shapegoogle_core.cli.arguments import add_value, numbers
 from shapegoogle_core.cli.command import CLOSED_PIPE, EXIT_CODES, INTERRUPTED, UNUSABLE
@@ -168,8 +168,7 @@ def build_parser(
         + EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    version = metadata.version("shapegoogle-core")
-    parser.add_argument("--version", action="version", version=f"shapegoogle {version}")
+    parser.add_argument("--version", action="version", version=f"shapegoogle {__version__}")
     subparsers = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=_Parser
     )

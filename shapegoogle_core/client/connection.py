@@ -11,12 +11,12 @@ import ssl
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from shapegoogle_core import __version__
 from shapegoogle_core.client.address import ServiceAddress
 from shapegoogle_core.client.proxies import proxy_for
 from shapegoogle_core.errors import LibraryError
@@ -77,7 +77,7 @@ class Connection:
         self._proxy = proxy_for(address)
         self._headers = {
             "Accept": "application/json",
-            "User-Agent": f"shapegoogle/{metadata.version('shapegoogle-core')}",
+            "User-Agent": f"shapegoogle/{__version__}",
         }
         if token:
             self._headers["Authorization"] = f"Bearer {token}"

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import metadata
 from typing import Any
 
+from shapegoogle_core import __version__
 from shapegoogle_core.client.address import ServiceAddress
 from shapegoogle_core.client.values import text
 from shapegoogle_core.errors import LibraryError
@@ -31,7 +31,7 @@ def check_versions(address: ServiceAddress, info: Mapping[str, Any]) -> None:
     LibraryError
         The sentence says which side to update.
     """
-    theirs, own = int(info["api"]), metadata.version("shapegoogle-core")
+    theirs, own = int(info["api"]), __version__
     version = text(info["version"])[:40]
     if theirs > API_VERSION:
         raise LibraryError(

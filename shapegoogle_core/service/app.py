@@ -9,7 +9,6 @@ import os
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from importlib import metadata
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.staticfiles import StaticFiles
 
+from shapegoogle_core import __version__
 from shapegoogle_core.errors import LibraryError, MeshError, ShapeGoogleError
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.library.storage.address import shown_place
@@ -77,7 +77,7 @@ def make_app(settings: ServiceSettings) -> FastAPI:
     app = FastAPI(
         title="Shape Google",
         description='Search a library of 3D shapes by shape. Errors are `{"error": "one sentence"}`.',
-        version=metadata.version("shapegoogle-core"),
+        version=__version__,
         lifespan=lifespan,
         openapi_url="/api/openapi.json",
         # Their pages load scripts from the internet.

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import subprocess
 import sys
 import tomllib
@@ -73,6 +74,19 @@ def test_the_version_is_in_one_place() -> None:
     assert "version" not in project["project"]
     assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "shapegoogle_core.__version__"}
     assert metadata.version("shapegoogle-core") == sg.__version__
+
+
+def test_the_command_runs_where_the_package_is_not_installed(tmp_path: Path) -> None:
+    (tmp_path / "shapegoogle_core").symlink_to(Path(sg.__file__).parent, target_is_directory=True)
+    result = subprocess.run(
+        [sys.executable, "-S", "-m", "shapegoogle_core", "--version"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (result.stdout.strip(), result.stderr) == (f"shapegoogle {sg.__version__}", "")
 
 
 def test_importing_the_package_imports_nothing_large() -> None:

@@ -29,6 +29,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shapegoogle_core import __version__
 from shapegoogle_core.api.arguments import as_path
 from shapegoogle_core.cli.arguments import (
     add_flag,
@@ -108,8 +109,6 @@ def _run(options: argparse.Namespace) -> int:
         return UNUSABLE
     if options.log is None:
         return _index(options)
-    from importlib import metadata
-
     from shapegoogle_core.cli.run_log import RunLog
     from shapegoogle_core.indexing import readable_suffixes
 
@@ -123,7 +122,7 @@ def _run(options: argparse.Namespace) -> int:
             send(event)
 
     options.send = send_and_log
-    log.started(metadata.version("shapegoogle-core"), [without_passwords(word) for word in options.arguments])
+    log.started(__version__, [without_passwords(word) for word in options.arguments])
     try:
         code = _index(options)
     except KeyboardInterrupt:

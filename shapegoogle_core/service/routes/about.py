@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import hashlib
-from importlib import metadata
 from typing import Annotated
 from weakref import WeakKeyDictionary
 
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
+from shapegoogle_core import __version__
 from shapegoogle_core.client.versions import API_VERSION
 from shapegoogle_core.library.library import Library
 from shapegoogle_core.mesh import MESH_SUFFIXES
@@ -52,7 +52,7 @@ async def info(request: Request) -> Info:
                 "without_views": known["without_views"],
                 "model_hash": _model_file(library)[0],
                 "library": short_name(library.name),
-                "version": metadata.version("shapegoogle-core"),
+                "version": __version__,
                 "api": API_VERSION,
                 "roots": [root.name for root in library.roots(counted=False)],
                 "allow_download": settings.allow_download,
