@@ -35,6 +35,9 @@ OLDEST_BLENDER = (4, 2)
 MODULES = ROOT / ".cache" / "blender-modules"
 # One thread each: numerical libraries with threads of their own would compete for the cores.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+# Tests start hundreds of processes. Imports and collecting tests take much less time if what Python has
+# compiled is kept, also where the user's environment says not to.
+ENVIRONMENT["PYTHONDONTWRITEBYTECODE"] = ""
 
 # Loaded by `import bpy` and by rendering without a window; rendering without libEGL ends the process.
 SYSTEM_LIBRARIES = (

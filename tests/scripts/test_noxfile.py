@@ -96,3 +96,12 @@ def test_options_of_a_session_name_its_folder_unless_tests_are_named() -> None:
     assert noxfile.pytest_options(["-k", "heat"], "tests/addon") == ["--quiet", "-k", "heat", "tests/addon"]
     named = noxfile.pytest_options(["tests/addon/test_it.py::test_1"], "tests/addon")
     assert named == ["--quiet", "tests/addon/test_it.py::test_1"]
+
+
+def test_what_python_compiles_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    command = [sys.executable, "-c", "import sys; print(sys.dont_write_bytecode)"]
+    result = subprocess.run(
+        command, env=os.environ | noxfile.ENVIRONMENT, capture_output=True, text=True, check=True
+    )
+    assert result.stdout == "False\n"
