@@ -48,13 +48,16 @@ def sessions_for(
     Returns
     -------
     stages : list of list of str
-        Sessions by stage: the stages run one after the other, the sessions of a stage two at a time.
+        Sessions by stage, each with options of nox: the stages run one after the other, the sessions of a
+        stage three at a time.
     """
     if not paths:
-        # The zips are built before sessions install them at once. The long sessions come first, so that two
-        # processors are busy to the end; `extension` uses the environments of the add-on's sessions.
-        everything = ["window", "core", *addon, *(["docs"] if docs else []), "extension"]
-        return [["checks", "build"], everything]
+        # The zips are built, and the environments made, before several sessions use them at once.
+        prepared = ["build", *(f"{name} --install-only" for name in addon if name != "blender")]
+        # First what works in one process and often waits: `core` has several, and fills two processors
+        # beside it and to the end.
+        everything = ["window", *addon, "core", "checks", *(["docs"] if docs else []), "extension"]
+        return [prepared, everything]
     folders = {**FOLDERS, "tests/addon": addon}
     wanted = {
         session
@@ -70,12 +73,13 @@ def run_session(name: str, *, options: Sequence[str], live: bool) -> bool:
     Parameters
     ----------
     name : str
+        Perhaps with options of nox.
     options : sequence of str
         For pytest.
     live : bool
         Show every line at once, not all of them at the end.
     """
-    command = [*bootstrap.nox("--session", name), "--", *options]
+    command = [*bootstrap.nox("--session", *name.split()), "--", *options]
     result = subprocess.run(
         command,
         cwd=bootstrap.ROOT,
@@ -121,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             name, dest="addon", action="store_const", const=sessions, help=f"test the add-on {where}"
         )
     options, others = parser.parse_known_args(arguments)
-    # With everything that a session needs: two of them run at a time, and must not install at once.
+    # With everything that a session needs: several of them run at a time, and must not install at once.
     bootstrap.enter(["benchmark", "demo", "serve", "test", *(["docs"] if options.addon else [])])
 
     marker = "" if options.long else "not long and not real_data" if options.fast else "not long"
@@ -132,8 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     started = time.monotonic()
     passed: dict[str, bool] = {}
     for stage in sessions_for(paths, options.addon or EVERYDAY, docs=bool(options.addon)):
-        with ThreadPoolExecutor(2) as pool:
-            # The longest session shows its progress, those beside it what they printed when they end.
+        with ThreadPoolExecutor(3) as pool:
+            # One session shows its progress, those beside it what they printed when they end.
             results = [
                 pool.submit(
                     run_session,

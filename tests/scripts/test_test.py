@@ -8,12 +8,13 @@ from types import ModuleType
 import pytest
 
 ADDON = ["addon-4.5"]
+PREPARED = ["build", "addon-4.5 --install-only"]
 
 
 @pytest.mark.parametrize(
     ("paths", "stages"),
     [
-        ([], [["checks", "build"], ["window", "core", *ADDON, "extension"]]),
+        ([], [PREPARED, ["window", *ADDON, "core", "checks", "extension"]]),
         (["tests/addon"], [[name] for name in ADDON]),
         (["tests/addon/test_it.py::test_1", "tests/core"], [["core"], *([name] for name in ADDON)]),
         (["tests/core/test_it.py"], [["core"]]),
@@ -29,10 +30,11 @@ def test_paths_choose_the_sessions(
 def test_more_blenders_are_tested_on_request(test_script: ModuleType) -> None:
     assert test_script.CI == ("blender", "addon-4.5", "addon-4.2")
     assert (*test_script.CI, "addon-5.0", "addon-5.2") == test_script.ALL
-    addon = test_script.sessions_for([], test_script.CI)[1]
-    assert addon == ["window", "core", "blender", "addon-4.5", "addon-4.2", "extension"]
+    prepared, sessions = test_script.sessions_for([], test_script.CI)
+    assert prepared == [*PREPARED, "addon-4.2 --install-only"]
+    assert sessions == ["window", *test_script.CI, "core", "checks", "extension"]
     documented = test_script.sessions_for([], test_script.CI, docs=True)[1]
-    assert documented == ["window", "core", "blender", "addon-4.5", "addon-4.2", "docs", "extension"]
+    assert documented == ["window", *test_script.CI, "core", "checks", "docs", "extension"]
     assert test_script.sessions_for(["tests/addon"], test_script.CI) == [[name] for name in test_script.CI]
 
 
@@ -54,7 +56,7 @@ def test_one_failing_session_fails_the_run_and_the_others_still_run(
     monkeypatch.setattr(test_script.bootstrap, "enter", lambda extras: None)
     monkeypatch.setattr(test_script, "run_session", run)
     assert test_script.main(["--fast"]) == (0 if failing is None else 1)
-    assert sorted(ran) == sorted(["checks", "core", "build", *ADDON, "extension", "window"])
+    assert sorted(ran) == sorted([*PREPARED, "checks", "core", *ADDON, "extension", "window"])
     closing = capsys.readouterr().out.splitlines()[-1]
     assert closing.endswith("all passed" if failing is None else f"FAILED: {failing}")
 
