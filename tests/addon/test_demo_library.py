@@ -17,6 +17,7 @@ import pytest
 pytest.importorskip("skimage", reason="making creatures needs scikit-image")
 from benchmarks.creatures import blend_library, make_creature, rigs
 from benchmarks.figures import workbench
+from tests.addon.conftest import copy_library
 
 DEMO = Path(__file__).resolve().parents[2] / "scripts" / "lib" / "demo_blend.py"
 CHOSEN = ("Horse", "Elephant", "Hand")
@@ -175,10 +176,18 @@ def test_a_note_of_what_is_there_that_was_cut_short_only_costs_time(individuals:
 
 
 @pytest.fixture
-def indexed(addon: ModuleType, demo: Any, folder: Path, tmp_path: Path) -> Iterator[Any]:
+def indexed(
+    addon: ModuleType, demo: Any, folder: Path, tmp_path: Path, made_once: dict[str, Path]
+) -> Iterator[Any]:
     """The part of the demo that shows something, with the library indexed and chosen."""
+    library = tmp_path / "shapes.sglib"
+    if "demo" in made_once:  # then nothing in it is left to be indexed
+        copy_library(made_once["demo"], library)
     blend_library.start_empty()
-    demo.index_library(addon, folder, tmp_path / "shapes.sglib")
+    demo.index_library(addon, folder, library)
+    if "demo" not in made_once:
+        made_once["demo"] = folder.with_name("demo.sglib")
+        copy_library(library, made_once["demo"])
     yield demo
     chosen = bpy.context.preferences.addons[addon.__name__].preferences
     for name in ("library", "folders", "use_asset_libraries"):
