@@ -155,7 +155,8 @@ class SHAPEGOOGLE_preferences(ServerPreferences, bpy.types.AddonPreferences):
     time_limit: IntProperty(
         name="Time Limit",
         description=(
-            "Seconds to read one file, and to describe one shape; slower files are skipped and listed"
+            "Seconds without progress in reading one file, and to describe one shape; slower files are "
+            "skipped and listed"
         ),
         default=300,
         min=1,

@@ -77,6 +77,8 @@ def progress_text(progress: IndexingProgress, *, brief: bool = False) -> str:
                 done=progress.files_done,
             )
         )
+    if progress.read_share is not None:
+        parts.append(tr("{share:.0%} of a large file read").format(share=progress.read_share))
     left = progress.shapes_waiting + progress.shapes_expected
     done, shapes = progress.shapes_done, progress.shapes_done + left
     if brief and not progress.scene:

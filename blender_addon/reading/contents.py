@@ -7,7 +7,7 @@ It imports nothing but bpy and its neighbours, since `reader` runs in a Blender 
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -30,7 +30,12 @@ MOST_OBJECTS_AT_ONCE = 64
 
 
 def read_contents(
-    path: Path, output: BinaryIO, *, assets_only: bool = False, frames: Sequence[int] = ()
+    path: Path,
+    output: BinaryIO,
+    *,
+    assets_only: bool = False,
+    frames: Sequence[int] = (),
+    progress: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> dict[str, Any]:
     """Write the meshes of the open file, and describe its shapes.
 
@@ -44,18 +49,30 @@ def read_contents(
         Only objects and collections marked as assets, if there are any.
     frames : sequence of int, optional
         Frames at which objects are read; each pose is a shape. The current frame by default.
+    progress : callable, optional
+        Called after each portion with the number of objects that have been evaluated, and that of all.
 
     Returns
     -------
     answer : dict
         "meshes", "shapes", "problems", "left_out" and "linked".
     """
-    return _Contents(path, output, assets_only, list(frames)).read()
+    return _Contents(path, output, assets_only, list(frames), progress).read()
 
 
 class _Contents:
-    def __init__(self, path: Path, output: BinaryIO, assets_only: bool, frames: list[int]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        output: BinaryIO,
+        assets_only: bool,
+        frames: list[int],
+        progress: Callable[[int, int], None],
+    ) -> None:
         self._writer = MeshWriter(output)
+        self._progress = progress
+        # Objects that have been evaluated, and all of them: those that instance others twice.
+        self._done = self._total = 0
         self._frames = frames or [bpy.context.scene.frame_current]
         self._problems: list[str] = []
         self._left_out: Counter[str] = Counter()
@@ -127,12 +144,14 @@ class _Contents:
         )
         portions = Portions(MOST_OBJECTS_AT_ONCE, MOST_FACES_AT_ONCE)
         waiting = deque(evaluated_together([*carriers, *wholes.values()]))
+        self._total = sum(group.weight for group in waiting) + len(self._chosen)
         while waiting:
             some = portions.take(waiting)
             depsgraph, scene = _evaluate(some, self._frames[0])
             collector.collect(depsgraph)
             portions.note(collector.faces + sum(computed_faces(item, depsgraph) for item in some))
             bpy.data.scenes.remove(scene)
+            self._count(portions.weight)
         self._left_out["further instance"] += collector.further
         inside = {uid: collector.of.pop(empty.session_uid, []) for uid, empty in wholes.items()}
         bpy.data.batch_remove(list(wholes.values()))
@@ -156,13 +175,21 @@ class _Contents:
         waiting = deque(Together((item,), 1) for item in objects if item.type != "META")
         if together:
             self._evaluate_some(together, meshes, instances, known, found)
+        # Besides those that were chosen, objects that others instance.
+        self._total = self._done + len(objects)
+        self._count(len(together))
         portions = Portions(MOST_OBJECTS_AT_ONCE, MOST_FACES_AT_ONCE)
         while waiting:
             some = portions.take(waiting)
             portions.note(self._evaluate_some(some, meshes, instances, known, found))
+            self._count(len(some))
         for frame, states in found.items():
             # In the order of the objects.
             yield frame, {uid: states[uid] for item in objects if (uid := item.session_uid) in states}
+
+    def _count(self, evaluated: int) -> None:
+        self._done += evaluated
+        self._progress(self._done, self._total)
 
     def _evaluate_some(
         self,

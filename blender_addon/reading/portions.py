@@ -36,12 +36,17 @@ class Portions:
     ----------
     most_objects, most_faces : int
         Of a portion; what belongs together may be more.
+
+    Attributes
+    ----------
+    weight : int
+        Number of objects that Blender evaluates for the last portion, about.
     """
 
     def __init__(self, most_objects: int, most_faces: int) -> None:
         self._most_objects, self._most_faces = most_objects, most_faces
         self._size = 1
-        self._taken = 0
+        self._taken = self.weight = 0
 
     def take(self, waiting: deque[Together]) -> list[Any]:
         """Take the next portion, at least one entry.
@@ -55,13 +60,14 @@ class Portions:
         objects : list of bpy.types.Object
         """
         some: dict[Any, None] = {}
-        weight = self._taken = 0
+        self._taken = self.weight = 0
         while waiting and (
-            not self._taken or (self._taken < self._size and weight + waiting[0].weight <= self._most_objects)
+            not self._taken
+            or (self._taken < self._size and self.weight + waiting[0].weight <= self._most_objects)
         ):
             entry = waiting.popleft()
             some.update(dict.fromkeys(entry.items))
-            weight += entry.weight
+            self.weight += entry.weight
             self._taken += 1
         return list(some)
 

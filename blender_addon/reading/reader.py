@@ -16,6 +16,8 @@ import json
 import os
 import signal
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,8 @@ UP_AXIS = 2
 PACKAGE = "shapegoogle_reading"
 # Option of Linux's prctl for the signal that a process gets when its parent ends.
 PR_SET_PDEATHSIG = 1
+# Seconds before the first word on how far a file has been read, and between two.
+SECONDS_BEFORE_REPORTS, SECONDS_BETWEEN_REPORTS = 1.0, 0.5
 
 
 def main() -> None:
@@ -46,7 +50,7 @@ def main() -> None:
             _limit_memory(request["memory_limit"])
             limited = True
         try:
-            answer = read(request)
+            answer = read(request, _reporter(answers))
         except (RuntimeError, OSError, ValueError) as error:
             answer = {"error": _reason(request["path"], error)}
         except MemoryError:
@@ -74,6 +78,19 @@ def _reply(answers: int, answer: dict[str, Any]) -> None:
         rest = rest[os.write(answers, rest) :]
 
 
+def _reporter(answers: int) -> Callable[[int, int], None]:
+    """Make a function that says how far a file has been read, unless that is done at once."""
+    next_time = time.monotonic() + SECONDS_BEFORE_REPORTS
+
+    def report(done: int, total: int) -> None:
+        nonlocal next_time
+        if time.monotonic() >= next_time:
+            next_time = time.monotonic() + SECONDS_BETWEEN_REPORTS
+            _reply(answers, {"progress": [done, total]})
+
+    return report
+
+
 def _end_with_parent() -> None:
     """Have Linux end this process when its parent ends, even if the parent is killed and Blender is busy.
 
@@ -96,7 +113,9 @@ def _limit_memory(megabytes: int) -> None:
             resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
 
 
-def read(request: dict[str, Any]) -> dict[str, Any]:
+def read(
+    request: dict[str, Any], progress: Callable[[int, int], None] = lambda _done, _total: None
+) -> dict[str, Any]:
     """Open a file and write its shapes.
 
     Parameters
@@ -104,6 +123,8 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
     request : dict
         "path", "output" and "objects": "all", or "assets" for only those marked as assets where there are
         any; "frames": numbers separated by commas, or empty for the current frame.
+    progress : callable, optional
+        Called now and then with the number of objects that have been read, and that of all.
 
     Returns
     -------
@@ -124,7 +145,11 @@ def read(request: dict[str, Any]) -> dict[str, Any]:
     frames = [int(frame) for frame in request.get("frames", "").split(",") if frame]
     with Path(request["output"]).open("wb") as output:
         contents = _neighbour("contents").read_contents(
-            path, output, assets_only=request.get("objects") == "assets", frames=frames if is_blend else ()
+            path,
+            output,
+            assets_only=request.get("objects") == "assets",
+            frames=frames if is_blend else (),
+            progress=progress,
         )
     if not is_blend:
         # Wholes repeat the meshes that they consist of.

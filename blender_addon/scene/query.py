@@ -45,8 +45,8 @@ EMPTY = marked("{name!r} has neither faces nor single points; select a mesh or a
 # How long instances are listed at a stretch: to go on where one has stopped takes time, too.
 SECONDS_OF_LISTING = 0.1
 # Instances from one step to the next, and faces that are placed in one step.
-INSTANCES_OF_STEP = 500
-FACES_OF_STEP = 100_000
+INSTANCES_OF_STEP = 200
+FACES_OF_STEP = 30_000
 
 
 def selected_part(items: Sequence[Any]) -> Mesh:

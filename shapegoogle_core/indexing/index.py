@@ -27,8 +27,6 @@ __all__ = ["index_files", "index_known_files"]
 
 # Number of submitted files per process: enough to keep all of them busy, few enough to keep memory flat.
 FILES_AHEAD = 3
-# Part of the time limit that an external reader gets, so that it is stopped before the process that asks it.
-READER_SHARE = 0.8
 
 
 def index_files(
@@ -201,6 +199,6 @@ def _limited(reader: ExternalReader | None, settings: IndexSettings) -> External
         return None
     return replace(
         reader,
-        time_limit=min(reader.time_limit, READER_SHARE * settings.time_limit),
+        time_limit=min(reader.time_limit or settings.time_limit, settings.time_limit),
         memory_limit=settings.memory_limit if reader.memory_limit is None else reader.memory_limit,
     )

@@ -17,8 +17,9 @@ class IndexSettings:
     jobs : int, optional
         Number of worker processes; by default one per processor.
     time_limit : float, optional
-        Seconds that reading one file may take, and describing one shape of it. A file or shape that takes
-        longer is skipped and reported.
+        Seconds that reading one file may take, and describing one shape of it; of files that another program
+        reads, such as Blender, seconds without progress. A file or shape that takes longer is skipped and
+        reported.
     memory_limit : int, optional
         Megabytes that reading one file may need, and describing one shape. Enforced on Linux only.
     retry : bool, optional

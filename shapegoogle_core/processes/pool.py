@@ -92,12 +92,15 @@ class PoolTask(Generic[R]):
     ----------
     function : callable
     arguments : tuple
+    limited : bool
+        Whether the pool's time limit holds for it.
     done : bool
         Whether `Pool.finished` has returned it.
     """
 
     function: Callable[..., R]
     arguments: tuple[object, ...]
+    limited: bool = True
     done: bool = False
     _future: Future[tuple[R, Spent]] = field(default_factory=Future, repr=False)
 
@@ -199,7 +202,9 @@ class Pool:
         """Return the number of submitted tasks that `finished` has not returned yet."""
         return len(self._first) + len(self._waiting) + len(self._running)
 
-    def submit(self, function: Callable[..., R], *arguments: object, first: bool = False) -> PoolTask[R]:
+    def submit(
+        self, function: Callable[..., R], *arguments: object, first: bool = False, limited: bool = True
+    ) -> PoolTask[R]:
         """Submit a task.
 
         Parameters
@@ -210,6 +215,8 @@ class Pool:
             Pickled.
         first : bool, optional
             Whether it is run before all tasks that are not.
+        limited : bool, optional
+            Whether the time limit holds for it; otherwise it must have a limit of its own.
 
         Returns
         -------
@@ -220,7 +227,7 @@ class Pool:
         ShapeGoogleError
             If the processes cannot be started.
         """
-        task = PoolTask(function, arguments)
+        task = PoolTask(function, arguments, limited)
         (self._first if first else self._waiting).append(task)
         self._hand_out()
         return task
@@ -296,7 +303,9 @@ class Pool:
             try:
                 with interrupts_blocked():
                     task._future = self._pool.schedule(
-                        _run, args=(task.function, task.arguments), timeout=self._time_limit
+                        _run,
+                        args=(task.function, task.arguments),
+                        timeout=self._time_limit if task.limited else None,
                     )
             except RuntimeError:  # raised by pebble if the pool broke while nobody was waiting for it
                 self._restart()

@@ -15,7 +15,7 @@ from typing import Any
 
 from shapegoogle_core.processes.launching import cause_of_death, launch
 from shapegoogle_core.processes.messages import IncompleteMessageError, WrongMessageError, read_document
-from shapegoogle_core.processes.signs_of_life import Silence
+from shapegoogle_core.processes.signs_of_life import Silence, Standstill
 from shapegoogle_core.processes.temporary import VARIABLES, temporary_folder
 
 __all__ = ["Program"]
@@ -127,7 +127,7 @@ class Program:
         Parameters
         ----------
         time_limit : float, optional
-            Seconds; the program is killed then.
+            Seconds; the program is killed then. On a busy machine it gets more, see `Standstill`.
         patience : float, optional
             Seconds without any sign of life of the program, which is killed then. As long as it works or
             prints something it may take its time: the machine may be busy with something else.
@@ -142,14 +142,16 @@ class Program:
         TimeoutError
             If there is no message within the time limit, or nothing is to be expected any more.
         """
-        timer = None
-        if time_limit is not None:
-            timer = threading.Timer(max(time_limit, 0.0), self._give_up)
-            timer.start()
         received = threading.Event()
+        watched: list[Silence | Standstill] = []
+        pid, pause = self._process.pid, SECONDS_BETWEEN_LOOKS
+        if time_limit is not None:
+            watched.append(Standstill(pid, time_limit))
+            pause = min(pause, max(time_limit, 0.0) / 4)
         if patience is not None:
-            silence = Silence(self._process.pid, patience)
-            threading.Thread(target=self._watch, args=(silence, received), daemon=True).start()
+            watched.append(Silence(pid, patience))
+        if watched:
+            threading.Thread(target=self._watch, args=(watched, pause, received), daemon=True).start()
         try:
             message = read_document(self._messages)
         except IncompleteMessageError:
@@ -160,8 +162,6 @@ class Program:
             message = None
         finally:
             received.set()
-            if timer is not None:
-                timer.cancel()
         if message is None and self._late.is_set():
             raise TimeoutError("no message within the time limit")
         return message
@@ -262,10 +262,12 @@ class Program:
                 self._line_count += 1
                 self.printed.append(data.decode("utf-8", "replace").rstrip("\r\n"))
 
-    def _watch(self, silence: Silence, received: threading.Event) -> None:
-        """Give up on a program that shows no sign of life."""
-        while not received.wait(SECONDS_BETWEEN_LOOKS):
-            if silence.is_over(self._line_count):
+    def _watch(
+        self, watched: Sequence[Silence | Standstill], pause: float, received: threading.Event
+    ) -> None:
+        """Give up on a program that shows no sign of life, or has had its time."""
+        while not received.wait(pause):
+            if any(one.is_over(self._line_count) for one in watched):
                 self._give_up()
                 return
 

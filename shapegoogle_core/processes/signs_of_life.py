@@ -9,11 +9,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["Silence", "processor_seconds"]
+__all__ = ["Silence", "Standstill", "processor_seconds"]
 
 # Seconds of processor time that count as a sign of life: what waits for ever looks at a clock now and then.
 LEAST_WORK = 0.2
 PROC = Path("/proc")
+# How many times as long as on an idle machine a process may take on a busy one.
+MOST_TIMES = 5.0
 
 
 class Silence:
@@ -24,14 +26,21 @@ class Silence:
     pid : int
     patience : float
         Seconds.
-    clock : callable, optional
+    clock, work : callable, optional
         For tests.
     """
 
-    def __init__(self, pid: int, patience: float, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        pid: int,
+        patience: float,
+        clock: Callable[[], float] = time.monotonic,
+        work: Callable[[int], float | None] | None = None,
+    ) -> None:
         self._pid = pid
         self._patience = patience
         self._clock = clock
+        self._work_of = work or processor_seconds
         self._since = clock()
         self._work = 0.0
         self._printed = 0
@@ -49,10 +58,60 @@ class Silence:
         over : bool
             Whether the patience is exhausted.
         """
-        now, work = self._clock(), processor_seconds(self._pid)
+        now, work = self._clock(), self._work_of(self._pid)
         if printed > self._printed or (work is not None and work >= self._work + LEAST_WORK):
             self._since, self._printed, self._work = now, printed, work or 0.0
         return now - self._since > self._patience
+
+
+class Standstill:
+    """Notices when a process has had its time: on a busy machine it gets less of a second than a second.
+
+    Parameters
+    ----------
+    pid : int
+    limit : float
+        Seconds. As long as the process shows signs of life, but has not worked for so long, it gets up to
+        `MOST_TIMES` as many.
+    clock, work : callable, optional
+        For tests.
+    """
+
+    def __init__(
+        self,
+        pid: int,
+        limit: float,
+        clock: Callable[[], float] = time.monotonic,
+        work: Callable[[int], float | None] | None = None,
+    ) -> None:
+        self._pid = pid
+        self._limit = limit
+        self._clock = clock
+        self._work = work or processor_seconds
+        self._silence = Silence(pid, limit, clock, self._work)
+        self._begun = clock()
+        self._work_before = self._work(pid)
+
+    def is_over(self, printed: int) -> bool:
+        """Look at the process.
+
+        Parameters
+        ----------
+        printed : int
+            Number of lines that it has printed so far.
+
+        Returns
+        -------
+        over : bool
+            Whether the time is up.
+        """
+        is_silent = self._silence.is_over(printed)
+        seconds, work = self._clock() - self._begun, self._work(self._pid)
+        if seconds <= self._limit:
+            return False
+        if work is None or self._work_before is None or is_silent:
+            return True
+        return work - self._work_before >= self._limit or seconds > MOST_TIMES * self._limit
 
 
 def processor_seconds(pid: int) -> float | None:

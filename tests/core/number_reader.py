@@ -35,6 +35,10 @@ for line in sys.stdin:
             if word == "crash" or "FAIL" in os.environ:
                 print("something is wrong", flush=True)
                 os._exit(3)
+            elif word.startswith("step"):  # a part of a large file, which takes as many seconds
+                number = words.index(word) + 1
+                print(json.dumps({"progress": [number, len(words)]}), file=messages, flush=True)
+                time.sleep(float(word.removeprefix("step").partition("-")[0]))
             elif word == "hang":
                 time.sleep(3600)
             elif word == "swell":

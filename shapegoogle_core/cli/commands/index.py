@@ -75,7 +75,10 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
     add_jobs(parser)
     model = "model of a new library: a file written by `train`, or a shipped model: default, paper"
     add_value(parser, "--model", "FILE", model)
-    seconds = "seconds for reading one file, and for describing one shape (%(default)g)"
+    seconds = (
+        "seconds for reading one file (in Blender: without progress), and for describing one shape "
+        "(%(default)g)"
+    )
     add_value(parser, "--time-limit", "S", seconds, positive_number, IndexSettings.time_limit)
     megabytes = (
         "megabytes for reading one file, and for describing one shape (%(default)s); not enforced on macOS "

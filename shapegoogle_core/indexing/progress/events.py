@@ -70,6 +70,8 @@ class IndexingProgress:
         Estimate; None as long as too little is known.
     scene : bool
         Whether the open scene of Blender is indexed, not files.
+    read_share : float or None
+        Share of the objects that have been read of files that take long to read; None if there are none.
     """
 
     files_done: int
@@ -82,6 +84,7 @@ class IndexingProgress:
     seconds: float = 0.0
     seconds_left: float | None = None
     scene: bool = False
+    read_share: float | None = None
 
     @property
     def share(self) -> float:
@@ -100,6 +103,8 @@ class IndexingProgress:
             Such as "351 of 352 files, 412 of about 2,350 shapes, 6 min left".
         """
         parts = [] if self.scene else [f"{self.files_done:,} of {counted(self.files_total, 'file')}"]
+        if self.read_share is not None:
+            parts.append(f"{self.read_share:.0%} of a large file read")
         left = self.shapes_waiting + self.shapes_expected
         shapes = self.shapes_done + left
         if self.seconds_left is None:

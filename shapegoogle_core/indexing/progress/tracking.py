@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
 from shapegoogle_core.indexing.progress.events import IndexingProgress
@@ -33,6 +33,7 @@ class ProgressTracker:
         self._sizes: Mapping[Path, int] = {}
         self._files_done = self._bytes_done = 0
         self._remaining: RemainingTime | None = None
+        self._reading: list[tuple[int, int]] = []
 
     def start(
         self,
@@ -92,6 +93,16 @@ class ProgressTracker:
             self._remaining.read(path, self._sizes[path], spent, meshes, time.monotonic())
         self.report()
 
+    def reading(self, progress: Sequence[tuple[int, int]]) -> None:
+        """Note how far the files have been read that are being read, as far as that is known.
+
+        Parameters
+        ----------
+        progress : sequence of (int, int)
+            For each the number of objects that have been read, and that of all.
+        """
+        self._reading = list(progress)
+
     def described(self, path: Path, mesh: int, spent: Spent) -> None:
         """Note that a shape was described, or failed.
 
@@ -141,5 +152,12 @@ class ProgressTracker:
                 shapes_expected=self._remaining.shapes_expected(),
                 seconds=now - self._started,
                 seconds_left=self._remaining.seconds_left(now),
+                read_share=_share(self._reading),
             )
         )
+
+
+def _share(progress: Sequence[tuple[int, int]]) -> float | None:
+    """Share of the objects of some files that have been read; None if there are none."""
+    total = sum(total for _, total in progress)
+    return sum(done for done, _ in progress) / total if total else None

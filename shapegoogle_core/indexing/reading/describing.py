@@ -25,10 +25,21 @@ from shapegoogle_core.model import ShapeModel, load_model
 from shapegoogle_core.model.signature import ShapeSignature
 from shapegoogle_core.rendering import make_preview, thumbnail
 
-__all__ = ["Describer", "Failure", "MeshOnDisk", "ReadFile", "ReadFunction", "describe_shape", "failure_of"]
+__all__ = [
+    "Describer",
+    "Failure",
+    "MeshOnDisk",
+    "ReadFile",
+    "ReadFunction",
+    "describe_shape",
+    "failure_of",
+    "progress_of",
+]
 
 # Width of pictures: the largest that Blender's gallery shows.
 _PICTURE = 256
+# Name of the file that says how far a file has been read.
+_PROGRESS = "progress"
 
 ReadFunction = Callable[[ShapeReader, Path], Iterator[NewShape[Mesh] | FileNotes | str]]
 """`ShapeReader.iterate` or a function like it."""
@@ -128,7 +139,8 @@ class Describer:
         self, model_file: Path, external: ExternalReader | None, read: ReadFunction, memory_limit: int
     ) -> None:
         self._model = load_model(model_file)
-        self._reader = ShapeReader(external)
+        self._reader = ShapeReader(external, self._note_progress)
+        self._folder: Path | None = None
         self._read = read
         self._memory_limit = memory_limit
 
@@ -147,7 +159,7 @@ class Describer:
         """
         try:
             folder.mkdir(exist_ok=True)
-            tempfile.tempdir = str(folder)
+            tempfile.tempdir, self._folder = str(folder), folder
             shapes: list[NewShape[MeshOnDisk]] = []
             problems: list[str] = []
             notes = FileNotes()
@@ -169,6 +181,13 @@ class Describer:
         except Exception as error:
             return failure_of(path.name, error, self._memory_limit)
 
+    def _note_progress(self, done: int, total: int) -> None:
+        """Leave word for the process that shows the progress, see `progress_of`."""
+        if self._folder is not None:
+            written = self._folder / f"{_PROGRESS}.new"
+            written.write_text(f"{done} {total}", encoding="ascii")
+            written.replace(self._folder / _PROGRESS)
+
     def describe(self, shape: NewShape[MeshOnDisk]) -> NewShape[ShapeSignature] | Failure:
         """Describe a shape whose mesh waits on disk.
 
@@ -187,6 +206,26 @@ class Describer:
             return describe_shape(shape.with_content(Mesh(vertices, faces, shape.name)), self._model)
         except Exception as error:
             return failure_of(shape.name, error, self._memory_limit)
+
+
+def progress_of(folder: Path) -> tuple[int, int] | None:
+    """Say how far a file has been read.
+
+    Parameters
+    ----------
+    folder : Path
+        That `Describer.read` was given.
+
+    Returns
+    -------
+    progress : (int, int) or None
+        Number of objects that have been read, and of all; None if nothing is known.
+    """
+    try:
+        done, total = map(int, (folder / _PROGRESS).read_text(encoding="ascii").split())
+    except (OSError, ValueError):  # not begun, or not replaced while it was read, as Windows may refuse
+        return None
+    return done, total
 
 
 def failure_of(name: str, error: Exception, memory_limit: int) -> Failure:

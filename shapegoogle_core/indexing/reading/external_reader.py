@@ -14,9 +14,11 @@ pipe (see `shapegoogle_core.processes.messages`); it may print whatever it likes
 several, each with a matrix from its coordinates to those of the shape; it has one placement for each object
 that shows it. All but its name, parts and placements may be left out. If each shape has one mesh of its own,
 it may give its "vertices" and "faces" itself, in place of "meshes" and "parts". With "joined", all placements
-are parts of one shape::
+are parts of one shape. Before its answer it may say how many of the file's objects it has read, and how many
+there are; each time its time begins anew::
 
     {"ready": true}
+    {"progress": [640, 2000]}
     {"meshes": [{"vertices": 8, "faces": 12}, …],
      "shapes": [{"name": "Cube", "type": "object", "names": ["Oak chair"], "tags": ["prop"],
      "catalog": "Props/Chairs", "color": [0.8, 0.2, 0.1], "frame": 10,
@@ -31,7 +33,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -44,7 +46,7 @@ from shapegoogle_core.mesh import Mesh
 from shapegoogle_core.processes.program import Program
 from shapegoogle_core.processes.temporary import temporary_folder
 
-__all__ = ["ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
+__all__ = ["DEFAULT_TIME_LIMIT", "ExternalReader", "ReaderError", "ReaderOption", "ReaderProcess"]
 
 # Number of a program's last lines that an error message shows.
 SHOWN_LINES = 5
@@ -55,6 +57,8 @@ OUT_OF_MEMORY = ("Malloc returns null", "std::bad_alloc", "<jemalloc>: backgroun
 SEARCHED_LINES = 50
 # Seconds for which a program that starts may neither work nor print anything: a busy machine is slow.
 START_PATIENCE = 120.0
+DEFAULT_TIME_LIMIT = 300.0
+"""Seconds for a file where nobody has chosen a limit."""
 
 
 class ReaderError(MeshError):
@@ -98,8 +102,9 @@ class ExternalReader:
         Options that can be chosen.
     options : tuple of (str, str)
         Chosen options: names and values, sent along with every request.
-    time_limit : float
-        Seconds that it may take for one file, once it has started; it is killed then.
+    time_limit : float or None
+        Seconds that it may take for one file, once it has started, without saying that it goes on; it is
+        killed then. None for those of the run, or `DEFAULT_TIME_LIMIT`.
     memory_limit : int or None
         Megabytes that it may need for one file; the program itself has to enforce this.
     environment : tuple of (str, str)
@@ -111,7 +116,7 @@ class ExternalReader:
     title: str
     offers: tuple[ReaderOption, ...] = ()
     options: tuple[tuple[str, str], ...] = ()
-    time_limit: float = 300.0
+    time_limit: float | None = None
     memory_limit: int | None = None
     environment: tuple[tuple[str, str], ...] = field(default=(), repr=False)
 
@@ -152,10 +157,14 @@ class ReaderProcess:
     Parameters
     ----------
     reader : ExternalReader
+    progress : callable, optional
+        Called with the number of objects that have been read, and that of all, while a file is read.
     """
 
-    def __init__(self, reader: ExternalReader) -> None:
+    def __init__(self, reader: ExternalReader, progress: Callable[[int, int], None] | None = None) -> None:
         self._reader = reader
+        self._progress = progress
+        self._limit = DEFAULT_TIME_LIMIT if reader.time_limit is None else reader.time_limit
         self._program: Program | None = None
         # The present one: workers have another one for each file, which the program outlasts.
         self._folder = Path(tempfile.gettempdir())
@@ -201,12 +210,15 @@ class ReaderProcess:
         program.printed.clear()
         program.send(request)
         try:
-            answer = program.message(self._reader.time_limit)
+            while isinstance(answer := program.message(self._limit), dict) and "progress" in answer:
+                done, total = answer["progress"]
+                if self._progress is not None:
+                    self._progress(int(done), int(total))
         except TimeoutError as error:
             self.close()
             raise MeshError(
-                f"{path.name!r} was not read by {self._reader.title} after {self._reader.time_limit:g} s and "
-                "given up; simplify it or raise the time limit"
+                f"{path.name!r} was given up, since {self._reader.title} did not get on with it for "
+                f"{self._limit:g} s; simplify it or raise the time limit"
             ) from error
         if not isinstance(answer, dict):
             ending, printed = program.ending(SHOWN_LINES), program.ending(SEARCHED_LINES)

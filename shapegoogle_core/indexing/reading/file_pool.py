@@ -18,7 +18,13 @@ from typing import Any, Self
 
 from shapegoogle_core.indexing.progress.remaining import describing_order
 from shapegoogle_core.indexing.progress.tracking import ProgressTracker
-from shapegoogle_core.indexing.reading.describing import Describer, Failure, ReadFile, ReadFunction
+from shapegoogle_core.indexing.reading.describing import (
+    Describer,
+    Failure,
+    ReadFile,
+    ReadFunction,
+    progress_of,
+)
 from shapegoogle_core.indexing.reading.external_reader import ExternalReader
 from shapegoogle_core.indexing.reading.notes import NO_NOTES, FileNotes
 from shapegoogle_core.indexing.settings import IndexSettings
@@ -160,6 +166,7 @@ class FilePool:
         tracker: ProgressTracker,
     ) -> None:
         self._tracker = tracker
+        self._external = external
         self._time_limit = settings.time_limit
         self._resources = ExitStack()
         self._folder = self._resources.enter_context(temporary_folder())
@@ -199,7 +206,10 @@ class FilePool:
         """
         self._files += 1
         file = _FileInWork(path, self._folder / str(next(self._numbers)))
-        self._steps[self._pool.submit(Describer.read, file.path, file.folder, first=first)] = _Step(file)
+        # The program that reads it has a limit of its own, which begins anew whenever it gets on.
+        limited = self._external is None or not self._external.reads(path)
+        task = self._pool.submit(Describer.read, file.path, file.folder, first=first, limited=limited)
+        self._steps[task] = _Step(file)
 
     def finished(self) -> list[FinishedFile]:
         """Wait until at least one file is done.
@@ -225,8 +235,14 @@ class FilePool:
                     results.append(FinishedFile(step.file.path, outcome, step.file.seconds))
                     self._files -= 1
                     shutil.rmtree(step.file.folder, ignore_errors=True)
+            self._tracker.reading(self._being_read())
             self._tracker.report()
         return results
+
+    def _being_read(self) -> list[tuple[int, int]]:
+        """How many objects of the files that are being read have been read, and of how many."""
+        folders = [step.file.folder for step in self._steps.values() if step.shape is None]
+        return [progress for progress in map(progress_of, folders) if progress is not None]
 
     def _track(self, step: _Step, spent: Spent) -> None:
         file = step.file

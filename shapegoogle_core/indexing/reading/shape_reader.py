@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -70,11 +70,17 @@ class ShapeReader:
     ----------
     external : ExternalReader, optional
         Reads the files that have one of its suffixes.
+    progress : callable, optional
+        Called with the number of objects that the program has read of a file, and that of all, now and then.
     """
 
-    def __init__(self, external: ExternalReader | None = None) -> None:
+    def __init__(
+        self,
+        external: ExternalReader | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
         self._external = external
-        self._process = None if external is None else ReaderProcess(external)
+        self._process = None if external is None else ReaderProcess(external, progress)
 
     def __enter__(self) -> Self:
         return self

@@ -87,9 +87,10 @@ def press(addon: ModuleType, name: str, **options: Any) -> None:
     """Press the button of an operator, such as "library.index.SHAPEGOOGLE_OT_index_library"."""
     place, _, operator = name.rpartition(".")
     pressed = SimpleNamespace(report=print, **options)
-    for key, value in vars(getattr(module(addon, place), operator)).items():
-        if isinstance(value, FunctionType):
-            setattr(pressed, key, MethodType(value, pressed))
+    for kind in reversed(getattr(module(addon, place), operator).__mro__):
+        for key, value in vars(kind).items():
+            if isinstance(value, FunctionType) and not hasattr(object, key):
+                setattr(pressed, key, MethodType(value, pressed))
     assert pressed.invoke(bpy.context, None) == {"FINISHED"}
 
 

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import importlib
+import json
+import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -97,9 +99,33 @@ def test_few_objects_of_asset_collections_are_evaluated_at_once(
             collection.objects.link(item)
         collection.asset_mark()
     with (tmp_path / "shapes.bin").open("wb") as output:
-        answer = contents.read_contents(Path("assets.blend"), output)
+        reported: list[tuple[int, int]] = []
+        answer = contents.read_contents(
+            Path("assets.blend"), output, progress=lambda done, total: reported.append((done, total))
+        )
     assert len(answer["shapes"]) == 9 + 27
     assert max(sizes) <= 8
+    # One for each portion, to the end.
+    shares = [done / total for done, total in reported]
+    assert len(shares) >= len(sizes)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
+
+
+def test_the_reader_says_how_far_it_is_now_and_then(
+    addon: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (reader,) = modules(addon, "reading.reader")
+    reading, writing = os.pipe()
+    report = reader._reporter(writing)
+    report(1, 9)  # too early to bother anybody
+    monkeypatch.setattr(reader, "SECONDS_BEFORE_REPORTS", 0.0)
+    report = reader._reporter(writing)
+    for done in range(2, 9):
+        report(done, 9)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as lines:
+        assert [json.loads(line) for line in lines] == [{"progress": [2, 9]}]
 
 
 def test_instances_are_collected_without_computing_subdivided_meshes(addon: ModuleType) -> None:

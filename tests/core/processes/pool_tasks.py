@@ -18,6 +18,8 @@ from shapegoogle_core.processes import worker
 def misbehave(what: str) -> str:
     """Do what the word says; other words are returned."""
     match what:
+        case "wait":
+            time.sleep(1.5)
         case "hang":
             time.sleep(3600)
         case "abort":

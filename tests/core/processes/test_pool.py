@@ -47,6 +47,14 @@ def test_a_task_that_fails_costs_only_itself(capfd: pytest.CaptureFixture[str]) 
     assert "output of a library" in printed.err
 
 
+def test_a_task_may_have_no_limit() -> None:
+    with Pool(1, 0.5) as pool:
+        task = pool.submit(pool_tasks.misbehave, "wait", limited=False)
+        while not task.done:
+            pool.finished()
+        assert task.result() == "wait"
+
+
 def test_a_task_whose_process_died_before_that_was_known_is_run_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

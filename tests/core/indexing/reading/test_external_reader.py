@@ -15,6 +15,7 @@ from shapegoogle_core.errors import MeshError
 from shapegoogle_core.indexing import (
     ExternalReader,
     FileShapes,
+    IndexingProgress,
     IndexReport,
     IndexSettings,
     ShapeReader,
@@ -85,8 +86,42 @@ def test_a_program_that_hangs_is_killed(reader: ExternalReader, tmp_path: Path) 
     slow = write_numbers(tmp_path, "slow", "hang")
     with ShapeReader(replace(reader, time_limit=0.5)) as shapes:
         for _ in range(2):  # it is started again
-            with pytest.raises(MeshError, match=r"'slow\.numbers' was not read by the program after 0\.5 s"):
+            with pytest.raises(MeshError, match=r"'slow\.numbers' was given up, since .* for 0\.5 s"):
                 shapes.read(slow)
+
+
+def test_a_program_says_how_far_it_is_and_gets_time_anew(reader: ExternalReader, tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    with ShapeReader(replace(reader, time_limit=4), lambda done, total: seen.append((done, total))) as shapes:
+        found = shapes.read(write_numbers(tmp_path, "large", "step1.5-a step1.5-b step1.5-c 2"))
+    assert seen == [(1, 4), (2, 4), (3, 4)]
+    assert [shape.object_name for shape in found.shapes] == ["x2"]
+
+
+def test_the_progress_within_a_file_is_reported(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    write_numbers(tmp_path / "files", "large", "step4-a 1")
+    paths = find_meshes([tmp_path / "files"], suffixes=readable_suffixes(reader))
+    reported: list[IndexingProgress] = []
+    index_files(library, paths, ONE_JOB, status=reported.append, reader=reader)
+    assert {progress.read_share for progress in reported} == {None, 0.5}
+    (sentence,) = {progress.sentence() for progress in reported if progress.read_share is not None}
+    assert sentence.startswith("0 of 1 file, 50% of a large file read")
+
+
+def test_the_limit_of_a_run_is_that_of_the_program(
+    reader: ExternalReader, library: Library, tmp_path: Path
+) -> None:
+    """The pool does not end the process that waits for the program."""
+    write_numbers(tmp_path / "files", "large", "step2-a step2-b step2-c 1")
+    write_numbers(tmp_path / "files", "slow", "hang")
+    settings = IndexSettings(jobs=1, time_limit=4)
+    report = index(library, tmp_path / "files", replace(reader, time_limit=None), settings)
+    assert report.shapes == 1
+    ((path, reason),) = report.failed
+    assert path.name == "slow.numbers"
+    assert "did not get on with it for 4 s" in reason
 
 
 def test_a_program_that_is_not_there(tmp_path: Path) -> None:
