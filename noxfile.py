@@ -84,6 +84,9 @@ def checks(session: nox.Session) -> None:
 def core(session: nox.Session) -> None:
     """Test what needs no Blender, in several processes."""
     install_for_tests(session)
+    # Sessions that work in one process go first: this one uses what they leave.
+    if hasattr(os, "nice"):
+        os.nice(5)
     command = [sys.executable, "-m", "pytest", "--quiet", *SPREAD, *session.posargs]
     session.run(*command, env=ENVIRONMENT, external=True)
 
