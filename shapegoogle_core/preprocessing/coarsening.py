@@ -19,6 +19,8 @@ from shapegoogle_core.preprocessing.triangulation import EdgeTable, Indices, edg
 
 __all__ = ["coarsen"]
 
+_TINY = float(np.finfo(float).tiny)
+
 
 def coarsen(mesh: Mesh) -> tuple[Mesh, Indices]:
     """Remove the vertices inside flat regions and on straight edges between them.
@@ -214,12 +216,13 @@ def _clip_fan(
     if len(outline) < 3:
         return []
     points = vertices[outline] - vertices[vertex]
-    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    following = vertices[[*outline[1:], outline[0]]] - vertices[vertex]
+    # Row by row, since sums of columns are added in another order.
+    normal = np.ascontiguousarray(cross_products(points, following).T).sum(axis=0)
     first = points[np.argmax((points**2).sum(axis=1))]
-    second = np.cross(normal, first)
-    axes = np.stack(
-        [axis / max(float(np.linalg.norm(axis)), np.finfo(float).tiny) for axis in (first, second)]
-    )
+    (a, b, c), (x, y, z) = normal.tolist(), first.tolist()
+    second = np.array([b * z - c * y, c * x - a * z, a * y - b * x])
+    axes = np.stack([axis / max(float(np.linalg.norm(axis)), _TINY) for axis in (first, second)])
     return clip_ears(outline, points @ axes.T, tolerance)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from shapegoogle_core.mesh.connectivity import boundary_vertices
 from shapegoogle_core.mesh.measures import bounding_box, face_areas
 from shapegoogle_core.mesh.mesh import FloatArray, IntArray, Mesh
 from shapegoogle_core.preprocessing.coarsening import coarsen
@@ -106,6 +107,9 @@ def simplify(mesh: Mesh, budget: int) -> Mesh:
     """
     if len(mesh.vertices) <= budget:
         return mesh
+    # A collapse keeps all vertices on boundaries: with so many of them its end is known.
+    if np.count_nonzero(boundary_vertices(mesh)) > FAR_ABOVE_BUDGET * budget:
+        return _merge_on_grid(mesh, budget)
     collapsed = _collapse(mesh, budget)
     if budget < len(collapsed.vertices) <= FAR_ABOVE_BUDGET * budget:
         collapsed = _collapse(collapsed, int(SECOND_AIM * budget))

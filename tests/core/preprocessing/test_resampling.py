@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh import Mesh, face_areas, unique_edges
-from shapegoogle_core.preprocessing import repair, resample
+from shapegoogle_core.preprocessing import repair, resample, resampling
 from shapegoogle_core.preprocessing.resampling import cell_numbers, finest_cell, simplify, thin
 from shapegoogle_core.preprocessing.subdivision import subdivide
 
@@ -165,6 +165,27 @@ class TestSimplify:
         assert after.area == pytest.approx(before.area, rel=0.1)
         assert part_count(after) == 1
         assert np.isin(after.vertices, before.vertices).all()
+
+    @pytest.mark.parametrize("side", [2, 4])
+    def test_sheets_that_cannot_be_collapsed_are_known_by_their_outlines(
+        self, monkeypatch: pytest.MonkeyPatch, side: int
+    ) -> None:
+        """Four hundred bumpy sheets; that their outlines stay is found without collapsing them."""
+        row = np.linspace(0, 0.02, side + 1)
+        points = np.stack(np.meshgrid(row, row, [0.0], indexing="ij"), axis=-1).reshape(-1, 3)
+        corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+        a, b, c, d = corner, corner + side + 1, corner + side + 2, corner + 1
+        sheet = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+        random = np.random.default_rng(side)
+        vertices = random.uniform(-1, 1, (400, 1, 3)) + points + random.normal(0, 1e-3, (400, len(points), 3))
+        faces = len(points) * np.arange(400)[:, None, None] + sheet
+        mesh = repair(Mesh(vertices.reshape(-1, 3), faces.reshape(-1, 3)))
+        budget = int(0.9 * 400 * 4 * side)
+        found = simplify(mesh, budget)
+        monkeypatch.setattr(resampling, "boundary_vertices", lambda mesh: np.zeros(len(mesh.vertices), bool))
+        collapsed = simplify(mesh, budget)
+        assert np.array_equal(found.vertices, collapsed.vertices)
+        assert np.array_equal(found.faces, collapsed.faces)
 
     def test_many_parts_keep_their_area(self) -> None:
         """A floor of 1,600 tiles: collapsing edges reaches the budget, but at the cost of whole tiles."""
