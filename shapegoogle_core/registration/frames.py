@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from shapegoogle_core.mesh.measures import cross_products, dots
 from shapegoogle_core.mesh.mesh import FloatArray
 
 __all__ = ["Frame", "height_derivatives", "similarity_frame", "similarity_transformations", "stepped"]
@@ -132,9 +133,7 @@ def height_derivatives(arms: FloatArray, normals: FloatArray) -> FloatArray:
     columns : (n, 7) array
         Derivatives by rotation about three axes, translation along them, and scaling.
     """
-    return np.concatenate(
-        [np.cross(arms, normals), normals, (arms * normals).sum(axis=1, keepdims=True)], axis=1
-    )
+    return np.concatenate([cross_products(arms, normals).T, normals, dots(arms, normals)[:, None]], axis=1)
 
 
 def stepped(frame: Frame, middle: FloatArray, solution: FloatArray, smallest: float, largest: float) -> Frame:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shapegoogle_core.mesh.measures import dots, lengths
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.registration.frames import Frame, height_derivatives, stepped
 from shapegoogle_core.registration.prepared_sample import PreparedSample
@@ -82,11 +83,11 @@ def _heights(
     turned = query.normals[:count] @ frame.rotation.T
     distances, nearest = candidate.tree.query(points)
     counterpart_normals = candidate.normals[nearest]
-    cosines = (turned * counterpart_normals).sum(axis=1)
+    cosines = dots(turned, counterpart_normals)
     # The orientation of a sample's normals is arbitrary.
     normals = turned + np.where(cosines < 0, -1.0, 1.0)[:, None] * counterpart_normals
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    heights = ((points - candidate.points[nearest]) * normals).sum(axis=1)
+    normals /= lengths(normals)[:, None]
+    heights = dots(points - candidate.points[nearest], normals)
     aside = np.sqrt(np.maximum(distances**2 - heights**2, 0))
     paired = (np.abs(cosines) > _SMALLEST_COSINE) & (aside < _ASIDE)
     return points, heights, normals, paired.astype(np.float64)
