@@ -27,6 +27,7 @@ from functools import partial
 from pathlib import Path
 
 import nox
+from filelock import BaseFileLock, FileLock  # comes with nox
 
 ROOT = Path(__file__).resolve().parent
 PROJECT = nox.project.load_toml(ROOT / "pyproject.toml")
@@ -261,13 +262,8 @@ def install_for_tests(session: nox.Session) -> None:
 
 
 def apt_install(session: nox.Session, *packages: str, success_codes: Sequence[int] = (0,)) -> None:
-    """Install Debian packages, one session at a time: several sessions run at once."""
-    import fcntl  # not on Windows
-
-    lock = ROOT / ".cache" / "apt.lock"
-    lock.parent.mkdir(exist_ok=True)
-    with lock.open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    """Install Debian packages."""
+    with lock("apt"):
         for command in (["update"], ["install", "--yes", "--no-install-recommends", *packages]):
             session.run(
                 "apt-get",
@@ -277,6 +273,13 @@ def apt_install(session: nox.Session, *packages: str, success_codes: Sequence[in
                 success_codes=success_codes,
                 env={"DEBIAN_FRONTEND": "noninteractive"},
             )
+
+
+def lock(name: str) -> BaseFileLock:
+    """Return the lock of what only one of the sessions that run at once may do at a time."""
+    folder = ROOT / ".cache"
+    folder.mkdir(exist_ok=True)
+    return FileLock(folder / f"{name}.lock")
 
 
 def can_use_apt() -> bool:
@@ -332,7 +335,9 @@ def install_modules(session: nox.Session, real: RealBlender) -> Path:
     ]
     folder = MODULES / f"blender-{real.version}-python-{real.python}"
     stamp = folder / "requirements.txt"
-    if not stamp.exists() or stamp.read_text(encoding="utf-8").split("\n") != wanted:
+    with lock("blender-modules"):
+        if stamp.exists() and stamp.read_text(encoding="utf-8").split("\n") == wanted:
+            return folder
         shutil.rmtree(folder, ignore_errors=True)
         options = ["--only-binary=:all:", f"--python-version={real.python}", "--target", str(folder)]
         session.run(

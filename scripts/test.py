@@ -52,12 +52,13 @@ def sessions_for(
         stage three at a time.
     """
     if not paths:
-        # The zips are built, and the environments made, before several sessions use them at once.
-        prepared = ["build", *(f"{name} --install-only" for name in addon if name != "blender")]
+        # Before several sessions use them at once, the environments are made, and the zips built: with the
+        # tool of one of the environments, where there is no real Blender.
+        environments = [f"{name} --install-only" for name in addon if name != "blender"]
         # First what works in one process and often waits: `core` has several, and fills two processors
         # beside it and to the end.
         everything = ["window", *addon, "core", "checks", *(["docs"] if docs else []), "extension"]
-        return [prepared, everything]
+        return [environments, ["build"], everything]
     folders = {**FOLDERS, "tests/addon": addon}
     wanted = {
         session

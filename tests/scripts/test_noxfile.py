@@ -7,7 +7,11 @@ import os
 import re
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -105,3 +109,25 @@ def test_what_python_compiles_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
         command, env=os.environ | noxfile.ENVIRONMENT, capture_output=True, text=True, check=True
     )
     assert result.stdout == "False\n"
+
+
+def test_sessions_at_once_install_the_modules_of_a_blender_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(noxfile, "MODULES", tmp_path)
+    python = noxfile.BLENDERS["5.2"]["python"]
+    blender = noxfile.RealBlender("blender", "5.2.3", python, has_numpy=True)
+    installed: list[Path] = []
+
+    def run(*command: str, external: bool) -> None:
+        folder = Path(command[command.index("--target") + 1])
+        installed.append(folder)
+        (folder / "numpy").mkdir(parents=True)
+        time.sleep(0.1)  # the others come meanwhile
+        (folder / "scipy").mkdir()
+
+    with ThreadPoolExecutor(3) as pool:
+        session: Any = SimpleNamespace(run=run)
+        (folder,) = {*pool.map(lambda _: noxfile.install_modules(session, blender), range(3))}
+    assert installed == [folder]
+    assert sorted(path.name for path in folder.iterdir()) == ["requirements.txt", "scipy"]

@@ -3,18 +3,19 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from types import ModuleType
 
 import pytest
 
 ADDON = ["addon-4.5"]
-PREPARED = ["build", "addon-4.5 --install-only"]
+PREPARED = [["addon-4.5 --install-only"], ["build"]]
 
 
 @pytest.mark.parametrize(
     ("paths", "stages"),
     [
-        ([], [PREPARED, ["window", *ADDON, "core", "checks", "extension"]]),
+        ([], [*PREPARED, ["window", *ADDON, "core", "checks", "extension"]]),
         (["tests/addon"], [[name] for name in ADDON]),
         (["tests/addon/test_it.py::test_1", "tests/core"], [["core"], *([name] for name in ADDON)]),
         (["tests/core/test_it.py"], [["core"]]),
@@ -30,10 +31,11 @@ def test_paths_choose_the_sessions(
 def test_more_blenders_are_tested_on_request(test_script: ModuleType) -> None:
     assert test_script.CI == ("blender", "addon-4.5", "addon-4.2")
     assert (*test_script.CI, "addon-5.0", "addon-5.2") == test_script.ALL
-    prepared, sessions = test_script.sessions_for([], test_script.CI)
-    assert prepared == [*PREPARED, "addon-4.2 --install-only"]
+    environments, build, sessions = test_script.sessions_for([], test_script.CI)
+    assert environments == ["addon-4.5 --install-only", "addon-4.2 --install-only"]
+    assert build == ["build"]
     assert sessions == ["window", *test_script.CI, "core", "checks", "extension"]
-    documented = test_script.sessions_for([], test_script.CI, docs=True)[1]
+    documented = test_script.sessions_for([], test_script.CI, docs=True)[-1]
     assert documented == ["window", *test_script.CI, "core", "checks", "docs", "extension"]
     assert test_script.sessions_for(["tests/addon"], test_script.CI) == [[name] for name in test_script.CI]
 
@@ -50,13 +52,13 @@ def test_one_failing_session_fails_the_run_and_the_others_still_run(
     def run(name: str, *, options: list[str], live: bool) -> bool:
         ran.append(name)
         assert options[:2] == ["-m", "not long and not real_data"]
-        assert live == (name == "core")
+        assert live == (name == "core" or [name] in PREPARED)
         return name != failing
 
     monkeypatch.setattr(test_script.bootstrap, "enter", lambda extras: None)
     monkeypatch.setattr(test_script, "run_session", run)
     assert test_script.main(["--fast"]) == (0 if failing is None else 1)
-    assert sorted(ran) == sorted([*PREPARED, "checks", "core", *ADDON, "extension", "window"])
+    assert sorted(ran) == sorted([*chain(*PREPARED), "checks", "core", *ADDON, "extension", "window"])
     closing = capsys.readouterr().out.splitlines()[-1]
     assert closing.endswith("all passed" if failing is None else f"FAILED: {failing}")
 
