@@ -123,7 +123,8 @@ def thumbnail(
     mesh = as_mesh(mesh)
     picture = render(mesh, colors, (size, size), None, canonical_view(mesh, up_axis))
     with io.BytesIO() as file:
-        picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", optimize=True)
+        # The highest level takes five times as long, and saves a twenty-fifth of the bytes.
+        picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", compress_level=7)
         return file.getvalue()
 
 
