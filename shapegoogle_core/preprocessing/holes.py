@@ -99,17 +99,20 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
         most; no loop passes a vertex twice. Edges of a walk that ends without returning (possible only
         where faces meet in non-manifold edges) are in no loop.
     """
-    edges_at: dict[int, list[int]] = {}
-    # Edges that leave a vertex come last: `pop` takes them first, which follows the direction of the faces.
-    for side in (1, 0):
-        for edge, vertex in reversed(list(enumerate(half_edges[:, side].tolist()))):
-            edges_at.setdefault(vertex, []).append(edge)
+    following = _following(half_edges)
     ends = half_edges.tolist()
+    edges_at: dict[int, list[int]] = {}
     free = [True] * len(ends)
     loops: list[list[int]] = []
     for first in range(len(ends)):
         if not free[first]:
             continue
+        if loop := _plain_loop(first, following):
+            loops.append(loop)
+            for edge in loop:
+                free[edge] = False
+            continue
+        edges_at = edges_at or _edges_at(half_edges)
         free[first] = False
         walk, path = [first], list(ends[first])
         place = {vertex: index for index, vertex in enumerate(path)}
@@ -136,6 +139,40 @@ def boundary_loops(half_edges: NDArray[np.int64]) -> list[list[int]]:
                 place[arrived] = len(path)
                 path.append(arrived)
     return loops
+
+
+def _following(half_edges: NDArray[np.int64]) -> list[int]:
+    """Find the edge that leaves the end of each edge; −1 where other edges meet them."""
+    starts, ends = half_edges.T
+    count = int(half_edges.max(initial=-1)) + 1
+    plain = (np.bincount(starts, minlength=count) == 1) & (np.bincount(ends, minlength=count) == 1)
+    leaving = np.zeros(count, np.int64)
+    leaving[starts] = np.arange(len(starts))
+    following: list[int] = np.where(plain[ends], leaving[ends], -1).tolist()
+    return following
+
+
+def _plain_loop(first: int, following: list[int]) -> list[int]:
+    """Walk around the loop of an edge; empty, and those edges not walked again, if other edges meet it."""
+    loop, edge = [first], following[first]
+    while edge != first:
+        if edge < 0:
+            for edge in loop:
+                following[edge] = -1
+            return []
+        loop.append(edge)
+        edge = following[edge]
+    return loop
+
+
+def _edges_at(half_edges: NDArray[np.int64]) -> dict[int, list[int]]:
+    """List the edges at each vertex, as stacks."""
+    edges_at: dict[int, list[int]] = {}
+    # Edges that leave a vertex come last: `pop` takes them first, which follows the direction of the faces.
+    for side in (1, 0):
+        for edge, vertex in reversed(list(enumerate(half_edges[:, side].tolist()))):
+            edges_at.setdefault(vertex, []).append(edge)
+    return edges_at
 
 
 def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

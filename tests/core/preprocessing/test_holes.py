@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from unittest import mock
+
 import numpy as np
 import pytest
 import trimesh
@@ -11,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from shapegoogle_core.mesh import Mesh, unique_edges
-from shapegoogle_core.preprocessing import close_holes, repair
+from shapegoogle_core.preprocessing import close_holes, holes, repair
 from shapegoogle_core.preprocessing.holes import boundary_loops
 
 BALL = trimesh.creation.icosphere(subdivisions=4)
@@ -193,3 +195,21 @@ def test_loops_are_simple_and_disjoint(edges: list[tuple[int, int]]) -> None:
     # Where an even number of edges meet everywhere, none is left over.
     if not (np.bincount(np.array(unique, int).ravel(), minlength=1) % 2).any():
         assert len(used) == len(unique)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda e: e[0] != e[1]), max_size=12),
+    st.lists(st.integers(2, 6), max_size=4),
+    st.integers(0, 2**32 - 1),
+)
+def test_loops_that_no_other_edge_meets_are_found_as_all_others(
+    tangle: list[tuple[int, int]], sizes: list[int], seed: int
+) -> None:
+    cycles = [[(i, (i + 1) % size) for i in range(size)] for size in sizes]
+    apart = [(20 + 10 * n + a, 20 + 10 * n + b) for n, cycle in enumerate(cycles) for a, b in cycle]
+    edges = np.array(sorted({*tangle, *apart}), np.int64).reshape(-1, 2)
+    edges = np.random.default_rng(seed).permutation(edges)
+    loops = boundary_loops(edges)
+    with mock.patch.object(holes, "_plain_loop", return_value=[]):
+        assert boundary_loops(edges) == loops
