@@ -123,18 +123,16 @@ def test_objects_that_are_evaluated_alike_are_one_shape(read: Any, tmp_path: Pat
         reduced.modifiers.new("Bevel", "BEVEL").show_viewport = name == "I"
     keyed = add("K", location=(9, 0, 0))
     keyed.shape_key_add(name="Basis")
-    keyed.shape_key_add(name="Long").data[0].co.x += 3
+    key = keyed.shape_key_add(name="Long")
+    key.data[0].co.x += 3
+    key.value = 0.0  # from Blender 5.0 on a new key has 1, so that all objects of the mesh show it
     linked(keyed, "L", place=(9, 9, 0))
     pinned = linked(keyed, "M")
     pinned.active_shape_key_index, pinned.show_only_shape_key = 1, True
     bpy.context.view_layer.update()
-    # Blender 5.0 shows the pinned key in all objects that share the mesh.
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    lengths = {item.evaluated_get(depsgraph).data.vertices[0].co.x for item in (keyed, pinned)}
-    with_keys = [["K", "L"], ["M"]] if len(lengths) > 1 else [["K", "L", "M"]]
     shapes = read(save(tmp_path / "scene.blend")).shapes
     assert objects_of(shapes) == [
-        *(["A", "B"], ["C", "F"], ["D", "E"], ["G"], ["H"], ["I"], ["J"], *with_keys),
+        *(["A", "B"], ["C", "F"], ["D", "E"], ["G"], ["H"], ["I"], ["J"], ["K", "L"], ["M"]),
     ]
 
 
