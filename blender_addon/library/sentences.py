@@ -97,7 +97,8 @@ def progress_text(progress: IndexingProgress, *, brief: bool = False) -> str:
             counted("{done:,} of {count:,} shape", "{done:,} of {count:,} shapes", shapes, done=done)
         )
     if progress.seconds_left is None:
-        parts.append(tr("estimating the time left"))
+        if not brief or progress.read_share is None:
+            parts.append(tr("estimating the time left"))
     elif progress.files_done == progress.files_total and not left:
         parts.append(tr("done"))
     else:

@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 
 from ..gallery.refining import search_again
+from ..library.status_bar import redraw_status_bar
 
 __all__ = ["SearchProperties", "examples_of", "register", "unregister"]
 
@@ -38,7 +39,8 @@ class SHAPEGOOGLE_PG_example(bpy.types.PropertyGroup):
 class SearchProperties:
     """Part of the session: the query."""
 
-    searching: BoolProperty(name="Searching")
+    # The status bar says so, and is drawn only when it is told to.
+    searching: BoolProperty(name="Searching", update=lambda _session, _context: redraw_status_bar())
     query: StringProperty(name="Query", description="Shape that was searched")
     several: EnumProperty(
         name="Several Objects", description="Meaning of several selected objects", items=_SEVERAL
