@@ -9,7 +9,7 @@ Blender.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shapegoogle_core.cli.events import Event
     from shapegoogle_core.processes.worker import Worker
 
-__all__ = ["BackgroundRun", "complete", "end", "redraw", "stop_all", "watch", "worker"]
+__all__ = ["BackgroundRun", "complete", "end", "redraw", "shows_matches", "stop_all", "watch", "worker"]
 
 T = TypeVar("T")
 
@@ -93,16 +93,33 @@ def complete(future: Future[Any]) -> None:
 
 def redraw() -> None:
     """Have preferences, galleries and the sidebars with the add-on's tab drawn again; never the 3D views."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
-                for region in area.regions:
-                    if region.type == "UI" and region.active_panel_category == CATEGORY:
-                        region.tag_redraw()
-            elif area.type == "PREFERENCES" or (
-                area.type == "NODE_EDITOR" and area.spaces.active.tree_type == GALLERY
-            ):
-                area.tag_redraw()
+    for sidebar in _sidebars():
+        sidebar.tag_redraw()
+    for area in _areas():
+        if area.type == "PREFERENCES" or _is_gallery(area):
+            area.tag_redraw()
+
+
+def shows_matches() -> bool:
+    """Whether a gallery or a sidebar with the add-on's tab is open in some window."""
+    return any(True for _ in _sidebars()) or any(map(_is_gallery, _areas()))
+
+
+def _areas() -> Iterator[Any]:
+    return (area for window in bpy.context.window_manager.windows for area in window.screen.areas)
+
+
+def _is_gallery(area: Any) -> bool:
+    return bool(area.type == "NODE_EDITOR" and area.spaces.active.tree_type == GALLERY)
+
+
+def _sidebars() -> Iterator[Any]:
+    """Regions that show the add-on's tab."""
+    for area in _areas():
+        if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
+            for region in area.regions:
+                if region.type == "UI" and region.active_panel_category == CATEGORY:
+                    yield region
 
 
 class BackgroundRun:

@@ -14,6 +14,7 @@ from ..gallery.labels import title
 from ..gallery.on_match import OnMatch, active_match
 from ..library.address import library_address
 from ..library.open_file import open_source, shown_file
+from ..library.status_bar import tell
 from ..preferences import preferences
 from ..search.operators import refine, refine_and_wait
 from ..state import session_of
@@ -110,10 +111,12 @@ class _Decides:
 
         def done(made: list[Decision]) -> None:
             _show(bpy.context, made, sentence)
+            tell(bpy.context, sentence)  # the panel of decisions may be closed, or out of sight
             follow(bpy.context, kind, shapes)
 
         def failed(error: BaseException) -> None:
             _say(bpy.context, error_text(error))
+            tell(bpy.context, error_text(error))
 
         jobs.watch(submit(context, kind, shapes, others), done, failed)
         return {"FINISHED"}

@@ -52,6 +52,7 @@ class IndexingProperties:
     show_model: BoolProperty(name="Model", description="Show the model and its training")
     show_errors: BoolProperty(name="Not Indexed", description="Show what was not indexed, and why")
     training: StringProperty(name="Training")
+    told: StringProperty(description="What the status bar says for a while")
     trained: StringProperty(name="Trained", description="How the last training ended")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The progress of indexing and searching in Blender's status bar, wherever the sidebar is."""
+"""Progress and results of background work in Blender's status bar, wherever the sidebar is."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from typing import Any
 
 import bpy
 
+from .. import state
 from ..progress_bar import progress_bar
 from ..state import session_of
 from ..translation import tr
 
-__all__ = ["redraw_status_bar", "register", "unregister"]
+__all__ = ["redraw_status_bar", "register", "tell", "unregister"]
 
 
 # In units of the interface: enough for a sentence.
 WIDTH = 18
+# How long a result is shown, as Blender shows reports of operators.
+SECONDS_OF_TELLING = 8.0
 
 
 def _with_name(text: str) -> str:
@@ -37,6 +40,28 @@ def _draw(self: Any, context: Any) -> None:
         row.operator("shape_google.cancel_check", text="", icon="X", emboss=False)
     elif session.searching:
         self.layout.label(text=_with_name(tr("searching …")), translate=False, icon="VIEWZOOM")
+    elif session.told:
+        self.layout.label(text=_with_name(session.told), translate=False, icon="INFO")
+
+
+def tell(context: Any, text: str) -> None:
+    """Say for a while what was done; an operator that works in the background cannot report it any more.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    text : str
+        A sentence.
+    """
+    session_of(context).told = text
+    redraw_status_bar()
+
+    def forget() -> None:
+        if state.is_registered() and session_of(bpy.context).told == text:
+            session_of(bpy.context).told = ""
+            redraw_status_bar()
+
+    bpy.app.timers.register(forget, first_interval=SECONDS_OF_TELLING, persistent=True)
 
 
 def redraw_status_bar() -> None:

@@ -11,6 +11,7 @@ import bpy
 
 from .. import jobs
 from ..library.address import library_address
+from ..library.status_bar import tell
 from ..state import session_of
 from ..translation import error_text, tr
 from .operators import search_with
@@ -62,12 +63,12 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
 
         def done(found: tuple[int, str] | None) -> None:
             if found is None:
-                session_of(bpy.context).answer = _not_there(name, source)
+                _say(_not_there(name, source))
             else:
                 search_with(bpy.context, found)
 
         def failed(error: BaseException) -> None:
-            session_of(bpy.context).answer = error_text(error)
+            _say(error_text(error))
 
         jobs.watch(future, done, failed)
         text = tr("Searching for {name}; the matches are in the sidebar of the 3D view")
@@ -101,6 +102,12 @@ class SHAPEGOOGLE_OT_find_similar_asset(bpy.types.Operator):
         find = partial(shape_of, is_collection=asset.id_type == "COLLECTION")
         name = str(asset.name)
         return name, source, jobs.worker().submit(find, library_address(context), source, name)
+
+
+def _say(text: str) -> None:
+    """Show a sentence in place of an answer, and in the status bar, which Asset Browsers have, too."""
+    session_of(bpy.context).answer = text
+    tell(bpy.context, text)
 
 
 def _not_there(name: str, source: str) -> str:

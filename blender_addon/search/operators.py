@@ -14,6 +14,7 @@ from .. import jobs, state
 from ..gallery.filters import conditions, size_factor
 from ..library.address import library_address, library_key, library_missing
 from ..library.present import when_it_goes
+from ..library.status_bar import tell
 from ..scene.reads_meshes import ReadsMeshes
 from ..scene.selection import joined_name, query_objects, searched_objects
 from ..state import session_of
@@ -198,14 +199,23 @@ def _show_when_done(future: Future[Answer]) -> None:
     def failed(error: BaseException) -> None:
         if state.current().search.waiting is future:
             drop_answer(bpy.context, error_text(error))
+            tell(bpy.context, error_text(error))
 
     def done(answer: Answer) -> None:
         if state.current().search.waiting is future:  # else it was cancelled as it ended
             state.current().search.waiting = None
             show_answer(bpy.context, answer, time.monotonic() - started)
+            _tell_where(bpy.context)
             explain_matches(answer)
 
     jobs.watch(future, done, failed)
+
+
+def _tell_where(context: Any) -> None:
+    """Say where the matches are if nothing shows them, as after a search from the Outliner."""
+    if not jobs.shows_matches():
+        text = tr("{answer}; the matches are in the sidebar of the 3D view (N), tab Shape Google")
+        tell(context, text.format(answer=session_of(context).answer))
 
 
 def _submit(context: Any, shapes: Sequence[Any], like: Sequence[tuple[int, str]] = ()) -> Future[Answer]:

@@ -18,6 +18,7 @@ TEXTS = {
     "Stop searching": "Suche beenden",
     "Searching for {name} …": "Suche nach {name} …",
     "Cancelled": "Abgebrochen",
+    "{answer}; the matches are in the sidebar of the 3D view (N), tab Shape Google": "{answer}; die Treffer sind in der Seitenleiste der 3D-Ansicht (N), Reiter Shape Google",
     "Reading the query …": "Anfrage wird gelesen …",
     "Reading {name} …": "{name} wird gelesen …",
     "Select a mesh or a point cloud": "Eine Masche oder eine Punktwolke auswählen",

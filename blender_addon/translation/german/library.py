@@ -43,6 +43,7 @@ TEXTS = {
     "{shapes} updated from {files}": "{shapes} aus {files} aktualisiert",
     "indexing": "Indizieren",
     "searching …": "Suche …",
+    "What the status bar says for a while": "Was die Statusleiste eine Weile anzeigt",
     # Moving and forgetting
     "Move Sources": "Quellen verschieben",
     "Tell the library where a folder is now that was moved or renamed, or has another drive letter. Nothing is read again, and no file is changed": "Der Bibliothek mitteilen, wo ein Ordner jetzt ist, der verschoben oder umbenannt wurde oder einen anderen Laufwerksbuchstaben hat. Nichts wird erneut gelesen, und keine Datei wird geändert",
