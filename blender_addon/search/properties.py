@@ -36,11 +36,15 @@ class SHAPEGOOGLE_PG_example(bpy.types.PropertyGroup):
     unlike: BoolProperty(name="Not Like This")
 
 
+def _tell_status_bar(_session: Any, _context: Any) -> None:
+    redraw_status_bar()
+
+
 class SearchProperties:
     """Part of the session: the query."""
 
     # The status bar says so, and is drawn only when it is told to.
-    searching: BoolProperty(name="Searching", update=lambda _session, _context: redraw_status_bar())
+    searching: BoolProperty(name="Searching", update=_tell_status_bar)
     query: StringProperty(name="Query", description="Shape that was searched")
     several: EnumProperty(
         name="Several Objects", description="Meaning of several selected objects", items=_SEVERAL

@@ -30,3 +30,14 @@ def test_a_sentence_is_shown_for_a_while_and_the_latest_as_long_as_others(
 def test_without_a_sidebar_or_gallery_nothing_shows_matches(addon: ModuleType) -> None:
     jobs = importlib.import_module(f"{addon.__name__}.jobs")
     assert not jobs.shows_matches()
+
+
+def test_the_status_bar_is_drawn_again_when_a_search_begins_or_ends(
+    addon: ModuleType, session: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    properties = importlib.import_module(f"{addon.__name__}.search.properties")
+    drawn: list[bool] = []
+    monkeypatch.setattr(properties, "redraw_status_bar", lambda: drawn.append(session.searching))
+    session.searching = True
+    session.searching = False
+    assert drawn == [True, False]
