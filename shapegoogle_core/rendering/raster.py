@@ -123,7 +123,7 @@ def thumbnail(
     mesh = as_mesh(mesh)
     picture = render(mesh, colors, (size, size), None, canonical_view(mesh, up_axis))
     with io.BytesIO() as file:
-        # The highest level takes five times as long, and saves a twenty-fifth of the bytes.
+        # The highest level takes several times as long to save few bytes: docs/measurements/libraries.md.
         picture.quantize(64, method=Image.Quantize.FASTOCTREE).save(file, "PNG", compress_level=7)
         return file.getvalue()
 
