@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from bpy.app.handlers import persistent
 
 __all__ = ["main"]
 
@@ -139,7 +140,7 @@ def read(
     path = Path(request["path"])
     is_blend = path.suffix.lower() == ".blend"
     if is_blend:
-        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+        _open(path)
     else:
         _neighbour("importers").import_file(path)
     frames = [int(frame) for frame in request.get("frames", "").split(",") if frame]
@@ -156,6 +157,25 @@ def read(
         contents["shapes"] = [shape for shape in contents["shapes"] if len(shape["parts"]) == 1]
     # Like the other files for exchange, an imported one is one shape; a .blend is one for each object.
     return {**contents, "joined": not is_blend, "up_axis": UP_AXIS}
+
+
+def _open(path: Path) -> None:
+    """Open a .blend file without computing all of its scene, which may need more memory than there is."""
+    handlers = bpy.app.handlers.load_post
+    handlers.append(_leave_scene)
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    finally:
+        handlers.remove(_leave_scene)
+
+
+@persistent
+def _leave_scene(*_arguments: object) -> None:
+    """Show an empty scene at the same frame: Blender computes what its windows show once this is done."""
+    for window in bpy.context.window_manager.windows:
+        frame = window.scene.frame_current
+        window.scene = bpy.data.scenes.new("Shape Google")
+        window.scene.frame_current = frame
 
 
 def _neighbour(name: str) -> Any:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import math
 import os
 from pathlib import Path
@@ -236,6 +237,31 @@ def test_point_clouds_are_shapes_and_vertices_without_faces_are_not(read: Any, t
     for shape in found.shapes:
         assert shape.mesh.is_point_cloud
         np.testing.assert_allclose(shape.mesh.vertices, points * [1, 2, -3], atol=1e-6)
+
+
+def test_a_file_is_opened_at_its_frame_and_not_computed(addon: ModuleType, tmp_path: Path) -> None:
+    """Blender computes what its window shows as soon as a file is open, however much that is."""
+    reader = importlib.import_module(f"{addon.__name__}.reading.reader")
+    item = add("Grown")
+    item.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    faces = len(item.data.polygons)
+    bpy.context.scene.frame_set(7)
+    path = save(tmp_path / "scene.blend")
+    try:
+        reader._open(path)
+        assert bpy.context.scene.frame_current == 7
+        assert not len(bpy.context.scene.objects)
+        assert sum(len(scene.objects) for scene in bpy.data.scenes) == 1
+        for window in bpy.context.window_manager.windows:
+            assert not len(window.view_layer.depsgraph.objects)
+        assert reader._leave_scene not in bpy.app.handlers.load_post
+        with (tmp_path / "shapes.bin").open("wb") as output:
+            contents = importlib.import_module(f"{addon.__name__}.reading.contents")
+            answer = contents.read_contents(path, output)
+        assert [shape["name"] for shape in answer["shapes"]] == ["Grown"]
+        assert answer["meshes"][0]["faces"] > 16 * faces
+    finally:
+        bpy.ops.wm.read_homefile(use_empty=True)
 
 
 def test_scripts_in_files_do_not_run(read: Any, tmp_path: Path) -> None:
