@@ -14,7 +14,7 @@ from shapegoogle_core.mesh.connectivity import used_vertices
 from shapegoogle_core.mesh.measures import bounding_box
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model.settings import ModelSettings
-from shapegoogle_core.preprocessing import preprocess, repair
+from shapegoogle_core.preprocessing import Preprocessed, Unsmoothed, preprocess_in_steps, repair
 from shapegoogle_core.spectral import Spectrum, compute_spectrum
 
 __all__ = ["Placement", "WorkingShape", "prepare", "working_shape"]
@@ -73,14 +73,17 @@ class WorkingShape:
         Spectrum of that mesh.
     placement : Placement
         Transformation from the mesh as given.
+    unsmoothed : Unsmoothed or None
+        The mesh before it was smoothed, if that is known.
     """
 
     mesh: Mesh
     spectrum: Spectrum
     placement: Placement
+    unsmoothed: Unsmoothed | None = None
 
 
-def prepare(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
+def prepare(settings: ModelSettings, mesh: Mesh) -> tuple[Preprocessed, Placement]:
     """Preprocess a mesh or a point cloud, and scale it to the working area.
 
     Parameters
@@ -90,8 +93,8 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
 
     Returns
     -------
-    prepared : Mesh
-        Of area `settings.area`, centred on its bounding box. A point cloud stays one.
+    prepared : Preprocessed
+        Its mesh has the area `settings.area` and is centred on its bounding box. A point cloud stays one.
     placement : Placement
         Transformation from the mesh as given.
 
@@ -114,16 +117,21 @@ def prepare(settings: ModelSettings, mesh: Mesh) -> tuple[Mesh, Placement]:
     centered = Mesh((vertices - origin) / size, faces, mesh.name)
     if settings.preprocessing is None:
         repaired = repair(centered)
+        steps = Preprocessed(repaired, Unsmoothed(repaired, np.empty((0, 3))))
     else:
-        repaired = preprocess(centered, settings.preprocessing)
+        steps = preprocess_in_steps(centered, settings.preprocessing)
     if mesh.is_point_cloud:
-        area = build_operator(repaired, POINT_CLOUD).lumped_mass.sum()
+        area = build_operator(steps.mesh, POINT_CLOUD).lumped_mass.sum()
     else:
-        area = repaired.area
+        area = steps.mesh.area
     if not area > 0:
         raise MeshError(f"{mesh.name!r} has no surface left after repair: all faces are degenerate")
     scale = float(np.sqrt(settings.area / area))
-    return Mesh(repaired.vertices * scale, repaired.faces, mesh.name), Placement(origin, scale / size)
+    prepared = Preprocessed(
+        Mesh(steps.mesh.vertices * scale, steps.mesh.faces, mesh.name),
+        steps.unsmoothed.scaled(scale),
+    )
+    return prepared, Placement(origin, scale / size)
 
 
 def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
@@ -146,6 +154,6 @@ def working_shape(settings: ModelSettings, mesh: Mesh) -> WorkingShape:
         If the shape cannot be described, or its eigenproblem cannot be solved.
     """
     prepared, placement = prepare(settings, mesh)
-    laplacian = POINT_CLOUD if prepared.is_point_cloud else settings.laplacian
-    spectrum = compute_spectrum(prepared, settings.eigenpairs, laplacian, settings.boundary)
-    return WorkingShape(prepared, spectrum, placement)
+    laplacian = POINT_CLOUD if mesh.is_point_cloud else settings.laplacian
+    spectrum = compute_spectrum(prepared.mesh, settings.eigenpairs, laplacian, settings.boundary)
+    return WorkingShape(prepared.mesh, spectrum, placement, prepared.unsmoothed)

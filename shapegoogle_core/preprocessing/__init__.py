@@ -6,12 +6,21 @@ from shapegoogle_core.preprocessing.holes import close_holes
 from shapegoogle_core.preprocessing.repair import repair, repair_mapped
 from shapegoogle_core.preprocessing.resampling import resample
 from shapegoogle_core.preprocessing.smoothing import smooth
-from shapegoogle_core.preprocessing.steps import PreprocessingSettings, preprocess
+from shapegoogle_core.preprocessing.steps import (
+    Preprocessed,
+    PreprocessingSettings,
+    Unsmoothed,
+    preprocess,
+    preprocess_in_steps,
+)
 
 __all__ = [
+    "Preprocessed",
     "PreprocessingSettings",
+    "Unsmoothed",
     "close_holes",
     "preprocess",
+    "preprocess_in_steps",
     "repair",
     "repair_mapped",
     "resample",

@@ -12,7 +12,10 @@ from shapegoogle_core.mesh.connectivity import shared_sides, unique_edges
 from shapegoogle_core.mesh.measures import box_sides, face_areas
 from shapegoogle_core.mesh.mesh import Mesh
 
-__all__ = ["boundary_loops", "close_holes"]
+__all__ = ["boundary_half_edges", "boundary_loops", "close_holes"]
+
+Boundary = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""Half-edges of the boundary, each in the direction of its face, and their faces."""
 
 # A hole is closed if its lid has less than this share of the area of its part. A flat sheet closed along its
 # outline would be doubled: share 1. A hemisphere's lid has 0.5, an end of a tube of length l and radius r
@@ -22,7 +25,7 @@ LARGEST_SHARE = 0.4
 LEAST_HEIGHT = 1e-6
 
 
-def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
+def close_holes(mesh: Mesh, max_diameter: float = 0.45, boundary: Boundary | None = None) -> Mesh:
     """Close boundary loops by fans of triangles around their centroids.
 
     A loop is left open if it is wider than `max_diameter`, or if its lid has at least 0.4 of the area of the
@@ -37,6 +40,8 @@ def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
     max_diameter : float, optional
         Largest width of a hole, twice the distance from its centroid to its farthest vertex, as a share of
         the diagonal of the mesh's bounding box. 0 closes nothing.
+    boundary : (b, 2) array of int, (b,) array of int, optional
+        From `boundary_half_edges`, if it is known already.
 
     Returns
     -------
@@ -45,8 +50,10 @@ def close_holes(mesh: Mesh, max_diameter: float = 0.45) -> Mesh:
         run against the faces across each boundary edge, so an oriented surface stays oriented. A loop of
         three edges gets one face and no vertex.
     """
-    half_edges, owners = _boundary_half_edges(mesh)
-    if max_diameter <= 0 or len(half_edges) == 0:
+    if max_diameter <= 0:
+        return mesh
+    half_edges, owners = boundary_half_edges(mesh) if boundary is None else boundary
+    if len(half_edges) == 0:
         return mesh
     loops = boundary_loops(half_edges)
     if not loops:
@@ -175,8 +182,20 @@ def _edges_at(half_edges: NDArray[np.int64]) -> dict[int, list[int]]:
     return edges_at
 
 
-def _boundary_half_edges(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Find the edges of only one face, in the direction of that face, and their faces."""
+def boundary_half_edges(mesh: Mesh) -> Boundary:
+    """Find the edges of only one face.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    half_edges : (b, 2) array
+        Each in the direction of its face.
+    faces : (b,) array
+        These faces.
+    """
     edges, face_counts = unique_edges(mesh)
     edges = edges[face_counts == 1]
     if len(edges) == 0:

@@ -5,17 +5,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from shapegoogle_core.api.arguments import check_count, check_number
 from shapegoogle_core.mesh.checks import check_cloud, check_surface
-from shapegoogle_core.mesh.mesh import Mesh
+from shapegoogle_core.mesh.mesh import FloatArray, Mesh
 from shapegoogle_core.mesh.mesh_like import MeshLike, as_mesh
 from shapegoogle_core.preprocessing.fans import separate_fans
-from shapegoogle_core.preprocessing.holes import close_holes
+from shapegoogle_core.preprocessing.holes import boundary_half_edges, close_holes
+from shapegoogle_core.preprocessing.openings import opening_points
 from shapegoogle_core.preprocessing.repair import repair
 from shapegoogle_core.preprocessing.resampling import resample
 from shapegoogle_core.preprocessing.smoothing import smooth
 
-__all__ = ["PreprocessingSettings", "preprocess"]
+__all__ = ["Preprocessed", "PreprocessingSettings", "Unsmoothed", "preprocess", "preprocess_in_steps"]
 
 
 @dataclass(frozen=True)
@@ -99,18 +102,88 @@ def preprocess(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Me
     >>> sg.preprocess(trimesh.creation.icosphere(subdivisions=5), sg.PreprocessingSettings(budget=2000))
     Mesh('mesh', 2000 vertices, 3996 faces)
     """
+    return preprocess_in_steps(mesh, settings).mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Unsmoothed:
+    """A surface before it is smoothed. A part is smoothed less than its whole, as its area is smaller.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    openings : (p, 3) array
+        Points of the boundary and of the lids of holes, see `opening_points`.
+    """
+
+    mesh: Mesh
+    openings: FloatArray
+
+    def scaled(self, factor: float) -> Unsmoothed:
+        """Return the surface with all lengths multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+
+        Returns
+        -------
+        unsmoothed : Unsmoothed
+        """
+        mesh = Mesh(self.mesh.vertices * factor, self.mesh.faces, self.mesh.name)
+        return Unsmoothed(mesh, self.openings * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class Preprocessed:
+    """A preprocessed shape, and what is lost on the way.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        The result of all steps.
+    unsmoothed : Unsmoothed
+        The same vertices and faces before the last step.
+    """
+
+    mesh: Mesh
+    unsmoothed: Unsmoothed
+
+
+def preprocess_in_steps(mesh: MeshLike, settings: PreprocessingSettings = _DEFAULT) -> Preprocessed:
+    """Preprocess a shape like `preprocess`, and keep what a later step has removed.
+
+    Parameters
+    ----------
+    mesh : MeshLike
+        A surface or a point cloud, as read from a file.
+    settings : PreprocessingSettings, optional
+        Settings of the steps; by default those of the shipped model.
+
+    Returns
+    -------
+    preprocessed : Preprocessed
+
+    Raises
+    ------
+    MeshError
+        As `preprocess`.
+    """
     mesh = as_mesh(mesh)
     is_cloud = mesh.is_point_cloud
     check = check_cloud if is_cloud else check_surface
     check(mesh)
     repaired = repair(mesh)
+    openings = np.empty((0, 3))
     if not is_cloud:
         if repaired is not mesh:
             check(repaired)  # repair drops faces without area, which may be all
-        repaired = close_holes(repaired, settings.close_holes)
+        boundary, face_count = boundary_half_edges(repaired), len(repaired.faces)
+        repaired = close_holes(repaired, settings.close_holes, boundary)
+        openings = opening_points(repaired, boundary[0], repaired.faces[face_count:])
         if settings.longest_edge > 0:
             repaired = separate_fans(repaired)
     mesh = resample(repaired, settings.floor, settings.budget, settings.longest_edge)
     if is_cloud:
         check(mesh)  # points that crowd in few places become few points
-    return smooth(mesh, settings.smoothing)
+    return Preprocessed(smooth(mesh, settings.smoothing), Unsmoothed(mesh, openings))
