@@ -94,7 +94,7 @@ COMMANDS = (
     Command(
         "local-heat",
         "benchmarks.experiments.local_heat",
-        "find creatures by bent parts of them; an experiment",
+        "find creatures by bent parts of them, by local heat alone",
     ),
     Command("keypoints", "benchmarks.experiments.keypoints", "repeatability of keypoint detectors"),
     Command("correspondence", "benchmarks.experiments.correspondence", "geodesic errors of matched vertices"),

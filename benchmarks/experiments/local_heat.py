@@ -1,48 +1,50 @@
 # SPDX-License-Identifier: MIT
-"""Find creatures by parts of them in another pose, by local heat alone. An experiment, not the product.
+"""Find creatures by parts of them in another pose, by local heat alone, without the rest of a search.
 
-    python -m benchmarks local-heat [--individuals N] [--queries N] [--points N] [--jobs N]
-
-The heat kernel K_t(x, x) at a short time t depends on the surface up to a few √t around x. So a part keeps
-its values but near the cut, and bending changes them little. They are measured without smoothing, which would
-change thin limbs of a whole and of its part differently, and without closing holes.
-
-Each point of the query is compared with the most similar point of a whole, at several sizes of the query, by
-log 4πt K_t and the radius of the medial ball. A point near the cut is compared at the times that do not feel
-it. What differs by chance is learnt from other creatures. Whether
-neighbours stay neighbours is not checked.
+    python -m benchmarks local-heat [--individuals N] [--queries N] [--jobs N]
+    python -m benchmarks local-heat --learn
 
 Prints how often the right one of all wholes differs least from a third and from half of it in another pose,
-and how often it is among the first few.
+and how often it is among the first few. Cuts are made through the creature in its other pose.
+
+With --learn it writes the background in `shapegoogle_core/registration/heat`, and prints the covariance of
+`agreement.py` there: differences between points of other creatures' parts and the nearest points of wholes.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
+import shapegoogle_core.registration.heat
 from benchmarks.creatures import CREATURE_KINDS, make_creature
 from benchmarks.experiments.evidence_pairs import cut
 from benchmarks.parallel import map_in_processes
+from benchmarks.things import THING_KINDS, make_thing
 from shapegoogle_core import Mesh, load_model
 from shapegoogle_core.cli.arguments import number_from
 from shapegoogle_core.cli.text import say, table
-from shapegoogle_core.descriptors import heat_kernel_signature
-from shapegoogle_core.mesh.connectivity import boundary_vertices, edge_graph
 from shapegoogle_core.mesh.drawing import draw_points
-from shapegoogle_core.mesh.measures import face_areas, vertex_normals
+from shapegoogle_core.mesh.measures import face_areas
 from shapegoogle_core.model.settings import ModelSettings
 from shapegoogle_core.model.working_shape import working_shape
-from shapegoogle_core.registration import farthest_points
-from shapegoogle_core.registration.medial import medial_radii
-from shapegoogle_core.spectral import Spectrum
+from shapegoogle_core.registration import (
+    BACKGROUND_FILE,
+    FEW_AMONG,
+    BentPart,
+    LocalHeat,
+    farthest_points,
+    heat_features,
+    measure_local_heat,
+)
 
 __all__ = ["add_options", "run"]
 
@@ -51,101 +53,51 @@ Floats = NDArray[np.float64]
 FIRST_SEED, FIRST_TRAINING_SEED, TRAINING_SEEDS = 8_000, 7_000, 2
 SHARES = {"a third missing": 2 / 3, "half missing": 1 / 2}
 TOP = (1, 5, 12, 40)
-# Times as shares of the area, half an octave apart. A hundred eigenpairs do not represent shorter ones. The
-# first few are compared; a part has the value of its whole at a longer time of its own.
-TIMES = 4e-3 * 2.0 ** (np.arange(11) / 2)
-COMPARED = 7
-# Sizes of a part, as shares of its own: down to a third of the area of its whole.
-SIZES = 1.05 ** -np.arange(12.0)
-# A cut is not felt at time t if it is farther away than this many √t.
-REACH = 2.0
-FEWEST_TIMES, FEWEST_POINTS, MOST_DIFFERENT = 3, 24, 2.0
-# Margin where there is no boundary; in any unit farther than heat is compared.
-FARTHEST = 1e6
-# Points of a surface that those of the samples are chosen from.
-CLOUD = 4_000
-SMALLEST_RADIUS, LARGEST_RADIUS = 0.01, 0.5
-# Wholes compared together, so that their matrices stay in the processor's cache.
-AT_ONCE = 8
-# Outliers are cut off before a covariance is learnt; the share of its diagonal that is added.
-OUTLIERS, RIDGE = (3, 97), 0.01
+# As in `sample_surface`.
+CLOUD, POINTS = 4_000, 1_200
+HEAT_FOLDER = Path(shapegoogle_core.registration.heat.__file__).parent
+# Outliers are cut off before a covariance is learnt.
+OUTLIERS = (3, 97)
 
 
 @dataclass(frozen=True, eq=False)
-class Heat:
-    """Local heat at points of a surface, evenly spread. Lengths are in units of √area.
+class Measured:
+    """Local heat of a mesh, and where.
 
     Attributes
     ----------
-    values : (k, t) array
-        log 4πt K_t(x, x) at `TIMES`.
-    radii : (k,) array
-        Logarithms of the radii of the medial balls.
-    margins : (k,) array
-        Distances to the open boundary along edges.
+    heat : LocalHeat
     places : (k, 3) array
-        In the coordinates of the mesh.
+        Its points in the coordinates of the mesh.
     unit : float
         √area in the unit of the mesh.
     """
 
-    values: Floats
-    radii: Floats
-    margins: Floats
+    heat: LocalHeat
     places: Floats
     unit: float
-
-    def features(self, size: float, points: int) -> tuple[Floats, Floats]:
-        """Radius and values that the first points would have at another size, and their margins."""
-        place = np.arange(COMPARED) - 4 * np.log2(size)
-        before = np.clip(place.astype(int), 0, len(TIMES) - 2)
-        share = np.clip(place - before, 0, 1)
-        values = self.values[:points, before] * (1 - share) + self.values[:points, before + 1] * share
-        return np.column_stack([self.radii[:points] + np.log(size), values]), size * self.margins[:points]
 
 
 @cache
 def _settings() -> ModelSettings:
-    settings = load_model().settings
-    assert settings.preprocessing is not None
-    return replace(settings, preprocessing=replace(settings.preprocessing, close_holes=0.0, smoothing=0.0))
+    return load_model().settings
 
 
-def measure(mesh: Mesh, points: int) -> Heat:
+def measure(mesh: Mesh) -> Measured:
     """Measure the local heat of a surface."""
     shape = working_shape(_settings(), mesh)
-    surface, unit = shape.mesh, float(np.sqrt(shape.mesh.area))
-    # Points anywhere on the faces: a part and its whole would have many vertices in common.
+    assert shape.unsmoothed is not None
+    surface = shape.unsmoothed.mesh
     faces, corners = draw_points(face_areas(surface), CLOUD, np.random.default_rng(0))
-    vertices, weights = surface.faces[faces].astype(np.int64), corners[:, :, None]
-    cloud = (surface.vertices[vertices] * weights).sum(axis=1) / unit
-    chosen = farthest_points(cloud - cloud.mean(axis=0), min(points, CLOUD))
-    vertices, weights = vertices[chosen], weights[chosen]
-
-    def at_points(values: Floats) -> Floats:
-        return np.asarray((values[vertices] * weights).sum(axis=1))
-
-    normals = at_points(vertex_normals(surface))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    radii = medial_radii(cloud[chosen], normals, cloud, LARGEST_RADIUS)
-    spectrum = shape.spectrum
-    functions = Spectrum(spectrum.eigenvalues, at_points(spectrum.eigenvectors), spectrum.mass)
-    heat = heat_kernel_signature(functions, list(TIMES * unit**2)) * unit**2
-    return Heat(
-        np.log(4 * np.pi * TIMES * heat),
-        np.log(np.maximum(np.abs(radii), SMALLEST_RADIUS)),
-        at_points(_margins(surface)[:, None])[:, 0] / unit,
-        at_points(shape.placement.restore(surface).vertices),
-        unit / shape.placement.scale,
-    )
-
-
-def _margins(mesh: Mesh) -> Floats:
-    """Distance of each vertex from the open boundary, along edges."""
-    ends = np.flatnonzero(boundary_vertices(mesh))
-    if len(ends) == 0:
-        return np.full(len(mesh.vertices), FARTHEST)
-    return np.asarray(dijkstra(edge_graph(mesh), directed=False, indices=ends, min_only=True))
+    vertices = surface.faces[faces].astype(np.int64)
+    cloud = (surface.vertices[vertices] * corners[:, :, None]).sum(axis=1)
+    chosen = farthest_points(cloud - cloud.mean(axis=0), POINTS)
+    order = np.concatenate([chosen, np.delete(np.arange(CLOUD), chosen)])
+    heat = measure_local_heat(shape.unsmoothed, shape.spectrum, vertices[order], corners[order], POINTS)
+    places = shape.placement.restore(Mesh(cloud[chosen], np.empty((0, 3), np.int64))).vertices
+    # With the precision of a library.
+    heat = LocalHeat.from_bytes(heat.to_bytes())
+    return Measured(heat, places, float(np.sqrt(surface.area)) / shape.placement.scale)
 
 
 def _part(kind: str, seed: int, share: float) -> Mesh:
@@ -153,87 +105,52 @@ def _part(kind: str, seed: int, share: float) -> Mesh:
     return cut(make_creature(kind, seed).pose(1), random.normal(size=3), share)
 
 
-def whole_of(job: tuple[str, int, int]) -> Heat:
-    """Measure a creature: its kind, its seed, and the number of points."""
-    kind, seed, points = job
-    return measure(make_creature(kind, seed).pose(0), points)
+def whole_of(job: tuple[str, int]) -> Measured:
+    """Measure a creature: its kind and its seed."""
+    kind, seed = job
+    return measure(make_creature(kind, seed).pose(0))
 
 
-def part_of(job: tuple[str, int, float, int]) -> Heat:
-    """Measure a part of a creature in another pose: kind, seed, share of the area, number of points."""
-    kind, seed, share, points = job
-    return measure(_part(kind, seed, share), points)
+def thing_of(kind: str) -> Measured:
+    """Measure a thing of a kind."""
+    return measure(make_thing(kind, FIRST_TRAINING_SEED))
 
 
-def residuals_of(job: tuple[str, int, float, int]) -> tuple[Floats, Floats]:
+def part_of(job: tuple[str, int, float]) -> Measured:
+    """Measure a part of a creature in another pose: kind, seed, share of the area."""
+    return measure(_part(*job))
+
+
+def residuals_of(job: tuple[str, int, float]) -> tuple[Floats, NDArray[np.int64]]:
     """Compare a part's points with the nearest ones of its whole, at the size at which they differ least."""
-    kind, seed, share, points = job
+    kind, seed, _ = job
     creature = make_creature(kind, seed)
     rest, posed = creature.pose(0), creature.pose(1)
-    whole, part = measure(rest, points), measure(_part(kind, seed, share), points)
+    whole, part = measure(rest), part_of(job)
     same = cKDTree(posed.vertices).query(part.places)[1]
     nearest = cKDTree(whole.places).query(rest.vertices[same])[1]
-    among, _ = whole.features(1.0, points)
+    among, _ = heat_features(whole.heat)
     found = []
     for size in part.unit / whole.unit * np.linspace(0.9, 1.1, 21):
-        own, margins = part.features(size, points)
+        own, known = heat_features(part.heat, size)
         differences = own - among[nearest]
-        certain = margins > REACH * np.sqrt(TIMES[COMPARED // 2])
-        found.append((float(np.median(np.abs(differences[certain, 1:]))), differences, margins))
-    _, differences, margins = min(found, key=lambda each: each[0])
-    return differences, margins
+        error = float(np.median(np.abs(differences[known >= known.max(), 1:])))
+        found.append((error, differences, known))
+    _, differences, known = min(found, key=lambda each: each[0])
+    return differences, known
 
 
-def learn_whitening(residuals: Sequence[tuple[Floats, Floats]]) -> Floats:
-    """Learn the matrix that gives differences of the same point unit covariance.
-
-    With the covariance L Lᵀ, z = L⁻¹ x has it. L is triangular, so the first m entries of z depend only on
-    the first m features, and whiten these.
-    """
+def learn_covariance(residuals: Sequence[tuple[Floats, NDArray[np.int64]]]) -> Floats:
+    """Learn how the features of the same point differ by chance, each pair of them where both are known."""
     differences = np.concatenate([each for each, _ in residuals])
-    margins = np.concatenate([each for _, each in residuals])
-    low, high = np.percentile(differences, OUTLIERS, axis=0)
+    known = np.concatenate([each for _, each in residuals])
+    low, high = np.percentile(differences[known > 0], OUTLIERS, axis=0)
     clipped = np.clip(differences, low, high)
-    needed = np.concatenate([[0.0], REACH * np.sqrt(TIMES[:COMPARED])])
-    needed = np.maximum(needed, needed[FEWEST_TIMES])
-    covariance = np.empty((len(needed),) * 2)
+    covariance = np.empty((differences.shape[1],) * 2)
     for row, column in np.ndindex(covariance.shape):
-        known = margins > max(needed[row], needed[column])
-        covariance[row, column] = (clipped[known, row] * clipped[known, column]).mean()
-    covariance += RIDGE * np.diag(np.diag(covariance))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)).T)
-
-
-def differences_from(
-    query: Heat, wholes: Sequence[NDArray[np.float32]], whitening: Floats, points: int
-) -> Floats:
-    """Difference of a query from each of some whitened wholes, at the size at which it is least."""
-    found = []
-    for start in range(0, len(wholes), AT_ONCE):
-        some = wholes[start : start + AT_ONCE]
-        totals = [_differences_at(query, size, some, whitening, points) for size in SIZES]
-        found.append(np.min(totals, axis=0))
-    return np.concatenate(found)
-
-
-def _differences_at(
-    query: Heat, size: float, wholes: Sequence[NDArray[np.float32]], whitening: Floats, points: int
-) -> Floats:
-    features, margins = query.features(size, points)
-    whitened = (features @ whitening).astype(np.float32)
-    known = (REACH * np.sqrt(TIMES[:COMPARED]) < margins[:, None]).sum(axis=1)
-    count = int((known >= FEWEST_TIMES).sum())
-    if count < FEWEST_POINTS:
-        return np.full(len(wholes), np.inf)
-    together, sums = np.concatenate(wholes), np.zeros(len(wholes))
-    for times in np.unique(known[known >= FEWEST_TIMES]).tolist():
-        own, others = whitened[known == times, : times + 1], together[:, : times + 1]
-        products = own @ others.T
-        products -= (others**2).sum(axis=1) / 2
-        nearest = products.reshape(len(own), len(wholes), -1).max(axis=2)
-        squares = (own**2).sum(axis=1)[:, None] - 2 * nearest
-        sums += np.sqrt(squares.clip(min=0) / (times + 1)).clip(max=MOST_DIFFERENT).sum(axis=0)
-    return sums / count
+        both = known >= max(row, column, 1)
+        covariance[row, column] = (clipped[both, row] * clipped[both, column]).mean()
+    return covariance
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -246,11 +163,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     for name, default, text in (
         ("--individuals", 12, "of each of 31 kinds (12: 372 wholes)"),
         ("--queries", 62, "creatures that are cut and bent (62)"),
-        ("--points", 1_200, "of each whole (1,200)"),
-        ("--query-points", 192, "of each part (192)"),
         ("--jobs", 2, "worker processes (2)"),
     ):
         parser.add_argument(name, type=number_from(1), default=default, metavar="N", help=text)
+    parser.add_argument("--learn", action="store_true", help="make background and covariance instead")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -265,30 +181,36 @@ def run(options: argparse.Namespace) -> int:
     -------
     exit_code : int
     """
-    seeds = range(FIRST_TRAINING_SEED, FIRST_TRAINING_SEED + TRAINING_SEEDS)
-    learnt = [
-        (kind, seed, share, options.points)
-        for kind in CREATURE_KINDS
-        for seed in seeds
-        for share in SHARES.values()
-    ]
-    whitening = learn_whitening(map_in_processes(residuals_of, learnt, options.jobs, "to learn from"))
+    if options.learn:
+        return _learn(options.jobs)
     names = [(kind, FIRST_SEED + number) for number in range(options.individuals) for kind in CREATURE_KINDS]
-    jobs = [(kind, seed, options.points) for kind, seed in names]
-    wholes = []
-    for heat in map_in_processes(whole_of, jobs, options.jobs, "creatures"):
-        features, _ = heat.features(1.0, options.points)
-        wholes.append((features @ whitening).astype(np.float32))
+    wholes = [measured.heat for measured in map_in_processes(whole_of, names, options.jobs, "creatures")]
     rows = [["", "MRR", *(f"first {top}" for top in TOP)]]
     for sort, share in SHARES.items():
-        asked = [(kind, seed, share, options.query_points) for kind, seed in names[: options.queries]]
+        asked = [(kind, seed, share) for kind, seed in names[: options.queries]]
         ranks = []
         for right, part in enumerate(map_in_processes(part_of, asked, options.jobs, sort)):
-            found = differences_from(part, wholes, whitening, options.query_points)
-            ranks.append(1 + int((found < found[right]).sum()))
+            found = BentPart(part.heat).differences(dict(enumerate(wholes)))
+            own = found.get(right, np.inf)
+            ranks.append(1 + sum(difference < own for difference in found.values()))
         places = np.array(ranks)
         rows.append([sort, f"{(1 / places).mean():.3f}", *(f"{(places <= top).mean():.0%}" for top in TOP)])
     say(f"{len(wholes):,} wholes, {min(options.queries, len(names))} queries of each sort")
     for line in table(rows, "<" + ">" * (1 + len(TOP))):
         say(line)
+    return 0
+
+
+def _learn(jobs: int) -> int:
+    seeds = range(FIRST_TRAINING_SEED, FIRST_TRAINING_SEED + TRAINING_SEEDS)
+    # The creatures that the covariance is learnt from, and a thing of each kind.
+    creatures = map_in_processes(whole_of, list(product(CREATURE_KINDS, seeds)), jobs, "creatures")
+    things = map_in_processes(thing_of, THING_KINDS, jobs, "things")
+    heats = [measured.heat.first(FEW_AMONG) for measured in (*creatures, *things)]
+    rows = np.stack([np.frombuffer(heat.to_bytes(), np.uint8) for heat in heats])
+    np.savez_compressed(HEAT_FOLDER / BACKGROUND_FILE, shapes=rows)
+    learnt = [(kind, seed, share) for kind in CREATURE_KINDS for seed in seeds for share in SHARES.values()]
+    covariance = learn_covariance(map_in_processes(residuals_of, learnt, jobs, "to learn from"))
+    for row in range(len(covariance)):
+        say(", ".join(f"{value:.5f}" for value in covariance[row, : row + 1]))
     return 0

@@ -172,7 +172,7 @@ class ShapeModel(BagComparison):
             code = self.codes(bags[None])[0]
             sample = local_code = None
             if self.settings.sample is not None:
-                sample = sample_surface(shape.mesh, shape.spectrum, self.settings.sample)
+                sample = sample_surface(shape.mesh, shape.spectrum, self.settings.sample, shape.unsmoothed)
                 sample = sample.moved_back(shape.placement.origin, shape.placement.scale)
             if sample is not None and self.local_words is not None:
                 local_code = self.local_words.code(sample)

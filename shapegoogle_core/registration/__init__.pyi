@@ -17,6 +17,14 @@ from shapegoogle_core.registration.fit.surface_fit import fit_surface as fit_sur
 from shapegoogle_core.registration.fit.surface_fit import frame_between as frame_between
 from shapegoogle_core.registration.fit.surface_fit import mirrored as mirrored
 from shapegoogle_core.registration.frames import Frame as Frame
+from shapegoogle_core.registration.heat.agreement import PartHeat as PartHeat
+from shapegoogle_core.registration.heat.agreement import heat_features as heat_features
+from shapegoogle_core.registration.heat.agreement import whitened_heat as whitened_heat
+from shapegoogle_core.registration.heat.bent_part import BACKGROUND_FILE as BACKGROUND_FILE
+from shapegoogle_core.registration.heat.bent_part import FEW_AMONG as FEW_AMONG
+from shapegoogle_core.registration.heat.bent_part import BentPart as BentPart
+from shapegoogle_core.registration.heat.local_heat import LocalHeat as LocalHeat
+from shapegoogle_core.registration.heat.local_heat import measure_local_heat as measure_local_heat
 from shapegoogle_core.registration.isometry import Isometry as Isometry
 from shapegoogle_core.registration.isometry import IsometryTest as IsometryTest
 from shapegoogle_core.registration.isometry import functional_map as functional_map

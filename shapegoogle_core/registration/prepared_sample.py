@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapegoogle_core.registration.aligning.nearest_field import NearestField
+from shapegoogle_core.registration.heat.bent_part import BentPart
 from shapegoogle_core.registration.medial_axis import AxisMeasures, measure_axis
 from shapegoogle_core.registration.point_distances import point_distances
 from shapegoogle_core.registration.sample import SurfaceSample
@@ -75,6 +76,12 @@ class PreparedSample:
         other.scales = scales
         other.__dict__.pop("at_scales", None)
         return other
+
+    @cached_property
+    def bent(self) -> BentPart | None:
+        """The sample as a part in another pose; None if it is cut off nowhere or has no local heat."""
+        heat = self.sample.local_heat
+        return BentPart(heat) if heat is not None and heat.is_cut else None
 
     @cached_property
     def tree(self) -> cKDTree:

@@ -17,6 +17,8 @@ from shapegoogle_core.descriptors import log_heat_kernel_signature, spin_images
 from shapegoogle_core.mesh.drawing import draw_points
 from shapegoogle_core.mesh.measures import cross_products, lengths, point_normals, vertex_normals
 from shapegoogle_core.mesh.mesh import FloatArray, Mesh
+from shapegoogle_core.preprocessing import Unsmoothed
+from shapegoogle_core.registration.heat.local_heat import LocalHeat, measure_local_heat
 from shapegoogle_core.registration.medial import ball_centers, medial_radii
 from shapegoogle_core.spectral import Spectrum
 
@@ -41,6 +43,8 @@ _LARGEST_RADIUS = 0.5
 _NORMAL_UNIT, _RADIUS_UNIT, _DESCRIPTOR_UNIT = 1 / 127, _LARGEST_RADIUS / 127, 12 / 127
 # Number of eigenfunctions; their values at the keypoints, times √area, reach ±8 at the tips of thin limbs.
 _MODES, _MODE_UNIT = 24, 8 / 127
+# Number of points with local heat.
+_HEAT_POINTS = 1200
 _DESCRIPTOR_SIZE = len(_TIMES) + 2 * _BINS[0] * _BINS[1]
 _MOST_POINTS = 65_535
 # Numbers of points, keypoints, values of a descriptor, modes; unit of the coordinates; centre and unit.
@@ -94,6 +98,8 @@ class SurfaceSample:
     center : (3,) array
     unit : float
         The points lie at center + unit · points in the coordinates of the mesh.
+    packed_heat : bytes
+        `local_heat` as it is stored; empty if there is none.
     """
 
     points: FloatArray
@@ -104,6 +110,12 @@ class SurfaceSample:
     modes: NDArray[np.float32]
     center: FloatArray
     unit: float
+    packed_heat: bytes = b""
+
+    @cached_property
+    def local_heat(self) -> LocalHeat | None:
+        """Local heat of points that begin with these; None for point clouds, and in libraries from before."""
+        return LocalHeat.from_bytes(self.packed_heat) if self.packed_heat else None
 
     @cached_property
     def centers(self) -> FloatArray:
@@ -176,7 +188,7 @@ class SurfaceSample:
         return replace(self, center=origin + self.center / scale, unit=self.unit / scale)
 
     def to_bytes(self) -> bytes:
-        """Serialise with 10 bytes for each point, and one for each value of a descriptor and of a mode.
+        """Serialise with 10 bytes for each point, and one for each value of a descriptor, a mode and heat.
 
         Returns
         -------
@@ -196,7 +208,7 @@ class SurfaceSample:
                 (self.modes, _MODE_UNIT),
             )
         ]
-        return header + b"".join(array.tobytes() for array in arrays)
+        return header + b"".join(array.tobytes() for array in arrays) + self.packed_heat
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Self:
@@ -227,8 +239,11 @@ class SurfaceSample:
             )
         lengths = (6 * points, 3 * points, 4 * modes, points, keypoints * size, keypoints * modes)
         ends = list(accumulate(lengths, initial=_HEADER.size))
-        if len(data) != ends[-1]:
+        if len(data) < ends[-1]:
             raise ValueError(f"a surface sample of {points} points has {ends[-1]} bytes, not {len(data)}")
+        packed_heat = data[ends[-1] :]
+        if packed_heat:
+            LocalHeat.check(packed_heat)
 
         def numbers(part: int, kind: str, unit: float, exact: type[np.floating[Any]]) -> NDArray[Any]:
             stored = np.frombuffer(data, kind, lengths[part] // np.dtype(kind).itemsize, ends[part])
@@ -243,10 +258,16 @@ class SurfaceSample:
             modes=numbers(5, "i1", _MODE_UNIT, np.float32).reshape(keypoints, modes),
             center=center,
             unit=unit,
+            packed_heat=packed_heat,
         )
 
 
-def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> SurfaceSample:
+def sample_surface(
+    mesh: Mesh,
+    spectrum: Spectrum,
+    settings: SampleSettings,
+    unsmoothed: Unsmoothed | None = None,
+) -> SurfaceSample:
     """Spread points evenly over a surface and describe the neighbourhood of some of them.
 
     Parameters
@@ -256,6 +277,8 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
     spectrum : Spectrum
         Spectrum of that mesh.
     settings : SampleSettings
+    unsmoothed : Unsmoothed, optional
+        The same vertices and faces before smoothing. Without it there is no local heat.
 
     Returns
     -------
@@ -272,13 +295,21 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
         vertices = mesh.faces[face].astype(np.int64)
     center = points.mean(axis=0)
     points = (points - center) / unit
-    chosen = farthest_points(points, min(settings.points, len(points)))
+    more = farthest_points(points, min(max(settings.points, _HEAT_POINTS), len(points)))
+    chosen = more[: settings.points]
     radii = medial_radii(points[chosen], normals[chosen], points, _LARGEST_RADIUS)
     keys = chosen[: settings.keypoints]
     at_keys = vertices[keys], corners[keys, :, None]
     heat = _HEAT_WEIGHT * _interpolated(log_heat_kernel_signature(spectrum, _TIMES * unit**2), *at_keys)
     spin = _spin_images(points[chosen], normals[chosen], radii, len(keys), 1.0)
     modes = slice(1, 1 + _MODES)
+    packed_heat = b""
+    if unsmoothed is not None and not mesh.is_point_cloud:
+        # The points of the sample first, then all others.
+        ordered = np.concatenate([more, np.delete(np.arange(len(points)), more)])
+        packed_heat = measure_local_heat(
+            unsmoothed, spectrum, vertices[ordered], corners[ordered], min(_HEAT_POINTS, len(more))
+        ).to_bytes()
     return SurfaceSample(
         points=points[chosen],
         normals=normals[chosen],
@@ -288,6 +319,7 @@ def sample_surface(mesh: Mesh, spectrum: Spectrum, settings: SampleSettings) -> 
         modes=_interpolated(unit * spectrum.eigenvectors[:, modes], *at_keys).astype(np.float32),
         center=center,
         unit=unit,
+        packed_heat=packed_heat,
     )
 
 

@@ -34,7 +34,9 @@ _TYPES = {"|u1", "|i1", "<f4", "<f8", "<i4"}
 _LONGEST_HEADER = 20_000
 # A signature takes some 30 kB, and ten times as much with its surface in full.
 _MOST_BYTES = 2**23
-_SAMPLE_ARRAYS = tuple(field.name for field in fields(SurfaceSample) if field.name != "unit")
+_SAMPLE_ARRAYS = tuple(
+    field.name for field in fields(SurfaceSample) if field.name not in {"unit", "packed_heat"}
+)
 
 
 def signature_to_bytes(signature: ShapeSignature, *, exact: bool = False) -> bytes:
@@ -80,6 +82,7 @@ def signature_to_bytes(signature: ShapeSignature, *, exact: bool = False) -> byt
     if signature.sample is not None and exact:
         values["sample_unit"] = float(signature.sample.unit)
         arrays |= {f"sample.{name}": getattr(signature.sample, name) for name in _SAMPLE_ARRAYS}
+        arrays["sample.packed_heat"] = np.frombuffer(signature.sample.packed_heat, np.uint8)
     elif signature.sample is not None:
         arrays["sample"] = np.frombuffer(signature.sample.to_bytes(), np.uint8)
     if signature.surface is not None and exact:
@@ -218,7 +221,11 @@ def _sample(
         unit = float(values["sample_unit"])
         if not 0 < unit < math.inf:
             raise ValueError
-        sample = SurfaceSample(unit=unit, **{name: arrays[f"sample.{name}"] for name in _SAMPLE_ARRAYS})
+        sample = SurfaceSample(
+            unit=unit,
+            packed_heat=arrays.get("sample.packed_heat", np.empty(0, np.uint8)).tobytes(),
+            **{name: arrays[f"sample.{name}"] for name in _SAMPLE_ARRAYS},
+        )
         # Writing it in the form of a library checks that its arrays fit each other.
         SurfaceSample.from_bytes(sample.to_bytes())
     else:
