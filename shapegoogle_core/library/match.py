@@ -72,6 +72,8 @@ class Match:
         Relation of the two surfaces, such as "re-posed"; None where they were not compared.
     bag_distance : float or None
         Distance of the bags; `distance` may have been lowered.
+    bent_distance : float or None
+        `distance` where local heat has changed it or agrees, see `PreparedSample.bent`.
     typical_distance : float or None
         Of unrelated shapes that are as plain as query and match, see `ShapeModel.typical_distances`.
     alignment : Alignment or None
@@ -106,6 +108,7 @@ class Match:
     evidence: Evidence | None = None
     likeness: float | None = None
     bag_distance: float | None = field(default=None, compare=False, repr=False)
+    bent_distance: float | None = field(default=None, compare=False, repr=False)
     typical_distance: float | None = field(default=None, compare=False, repr=False)
     alignment: Alignment | None = field(default=None, compare=False, repr=False)
     aligned_sample: int = field(default=0, compare=False, repr=False)

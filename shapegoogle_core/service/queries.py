@@ -36,7 +36,7 @@ _PART = "query.json"
 _KEPT = tuple(
     field.name
     for field in fields(Match)
-    if field.name not in ("placement", "evidence", "alignment", "aligned_sample", "origin")
+    if field.name not in ("placement", "evidence", "alignment", "aligned_sample", "bent_distance", "origin")
 )
 
 

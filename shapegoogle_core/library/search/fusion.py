@@ -252,8 +252,13 @@ def list_distances(
     assert typical is not None  # the model has a background
     bags = [match.distance if match.bag_distance is None else match.bag_distance for match in matches]
     verified = [min(match.distance, own) for match, own in zip(matches, bags, strict=True)]
+    # What is missing of a part changes its bags more than its local heat.
+    whole = [
+        own if match.bent_distance is None else min(own, match.bent_distance)
+        for match, own in zip(matches, bags, strict=True)
+    ]
     return ranking.verified_distances(
-        ranking.sorting_distances(kind, bags, typical),
+        ranking.sorting_distances(kind, whole, typical),
         model.similarity(bags, typical, verified=True),
         model.similarity(verified, typical, verified=True),
     )

@@ -89,7 +89,17 @@ def _are_equal(first: ShapeSignature, second: ShapeSignature) -> bool:
         return False
     pairs = [
         (getattr(first.sample, name), getattr(second.sample, name))
-        for name in ("center", "unit", "points", "normals", "radii", "descriptors", "eigenvalues", "modes")
+        for name in (
+            "center",
+            "unit",
+            "points",
+            "normals",
+            "radii",
+            "descriptors",
+            "eigenvalues",
+            "modes",
+            "packed_heat",
+        )
     ]
     if first.surface is not None and second.surface is not None:
         pairs += [

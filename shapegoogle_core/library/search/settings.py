@@ -125,6 +125,12 @@ class VerificationSettings:
         e0 and k in d exp(-k (e - e0)), where a share e > e0 of the query fits exactly.
     surely_exact : float
         Share of the query that fits exactly from which no others are aligned.
+    bent_half, bent_exponent : float
+        x½ and k in the odds (x½ / x)ᵏ that a query whose local heat differs by x, see `BentPart`, is a part
+        of the candidate in another pose.
+    bent_exact : float
+        Share of the query that fits exactly from which local heat says nothing against an alignment. A part
+        of the candidate has more, a part of a relative in the same pose less.
     """
 
     candidates: int = 300
@@ -142,6 +148,9 @@ class VerificationSettings:
     exact_from: float = 0.4
     exact_gain: float = 8.0
     surely_exact: float = 0.7
+    bent_half: float = 0.64
+    bent_exponent: float = 3.6
+    bent_exact: float = 0.55
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from shapegoogle_core.library.match import DISTANCE_DECIMALS, Match, typical_distances
+from shapegoogle_core.library.match import Match, typical_distances
 from shapegoogle_core.library.search.query import QuerySample, QuerySamples
 from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.library.search.surfaces import (
@@ -28,6 +28,7 @@ from shapegoogle_core.library.search.surfaces import (
     prepared_candidates,
     remembered,
 )
+from shapegoogle_core.library.search.verified_distances import bent_distance, lowered_distance
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,
@@ -42,7 +43,7 @@ from shapegoogle_core.registration import (
     rough_poses,
 )
 
-__all__ = ["Sharing", "Verifier", "known_alignment", "lowered_distance", "verify_pair"]
+__all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair"]
 
 
 @dataclass(frozen=True)
@@ -151,9 +152,11 @@ class Verifier:
                         known = pairs.get(shape_id)
                         if known is None or self._distance(pair) <= self._distance(known):
                             pairs[shape_id] = pair
-        verified = [self._verified(samples, pair) for pair in pairs.values()]
-        rest = [match for match in rest if match.shape_id not in pairs]
-        return sorted([*verified, *rest], key=lambda match: match.rank_key)
+            verified = [self._verified(samples, pair) for pair in pairs.values()]
+            found = [*verified, *(match for match in rest if match.shape_id not in pairs)]
+            if max(match.similarity for match in verified) < settings.likely:
+                found = self._with_bent(samples, found, pairs)
+        return sorted(found, key=lambda match: match.rank_key)
 
     def _doubted(self, matches: Sequence[Match]) -> list[Match]:
         distances = np.array([match.distance for match in matches])
@@ -241,6 +244,37 @@ class Verifier:
                 pairs[match.shape_id] = _Pair(match, prepared, alignment, exact, is_full=False)
         return pairs
 
+    def _with_bent(
+        self, samples: QuerySamples, matches: Sequence[Match], pairs: Mapping[int, _Pair]
+    ) -> list[Match]:
+        """Change the distances of matches by whether the query may be a part of them in another pose."""
+        differences: dict[int, float] = {}
+        surfaces = remembered(self._surfaces, samples.surfaces)
+        for example in samples.examples:
+            if example.prepared.bent is not None:
+                own = [match.shape_id for match in matches if samples.of(match) is example]
+                known = {
+                    shape_id: sample.local_heat
+                    for shape_id, sample in surfaces(own)
+                    if sample.local_heat is not None
+                }
+                differences |= example.prepared.bent.differences(known)
+        return [
+            self._if_bent(match, differences[match.shape_id], pairs.get(match.shape_id))
+            if match.shape_id in differences
+            else match
+            for match in matches
+        ]
+
+    def _if_bent(self, match: Match, difference: float, pair: _Pair | None) -> Match:
+        bags = match.distance if pair is None else pair.match.distance
+        exact = 0.0 if pair is None else pair.exact
+        distance = bent_distance(self._model, self._settings, match.distance, bags, exact, difference)
+        if distance == match.distance:
+            return replace(match, bent_distance=distance)
+        similarity = self._model.similarity(distance, match.typical_distance, verified=True)
+        return replace(match, distance=distance, bent_distance=distance, similarity=float(similarity))
+
     def _distance(self, pair: _Pair) -> float:
         """Lower the distance of the bags by how well the surfaces fit."""
         if pair.alignment is None:
@@ -305,31 +339,6 @@ def verify_pair(
         if again < lowered:
             return again, other
     return lowered, alignment
-
-
-def lowered_distance(
-    model: ShapeModel, settings: VerificationSettings, distance: float, alignment: Alignment, exact: float
-) -> float:
-    """Lower a distance of bags by how well the surfaces agree, and by the share that fits exactly.
-
-    Parameters
-    ----------
-    model : ShapeModel
-    settings : VerificationSettings
-    distance : float
-        Distance of the bags.
-    alignment : Alignment
-        From the query to the candidate.
-    exact : float
-        Share of the query that fits exactly.
-
-    Returns
-    -------
-    distance : float
-    """
-    distance = model.verified_distance(distance, alignment.excess)
-    distance *= math.exp(-settings.exact_gain * max(0.0, exact - settings.exact_from))
-    return round(distance, DISTANCE_DECIMALS)
 
 
 def _sample_key(sample: SurfaceSample) -> int:

@@ -15,7 +15,7 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.library.search.prepared import PreparedQuery
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.verify import lowered_distance
+from shapegoogle_core.library.search.verified_distances import bent_distance, lowered_distance
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
@@ -215,6 +215,7 @@ class PairFigures:
             evidence = self._explainer.relate(match, weighed, position.pose)
             return by_bags, _limited(evidence, by_bags, bags, weighed)
         verified, pose = self._verify(bags, position)
+        verified = self._if_bent(match.sample, bags, verified, pose)
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
         evidence = self._explainer.relate(match, weighed, pose)
         return similarity, _limited(evidence, similarity, bags, weighed)
@@ -232,6 +233,14 @@ class PairFigures:
             return verified, pose
         pose = self._explainer.refined(position.candidate, pose, thorough)
         return min(verified, self._lowered(bags, thorough, pose)), pose
+
+    def _if_bent(self, sample: SurfaceSample, bags: BagFigures, verified: float, pose: PartPose) -> float:
+        """Change the distance by whether the query may be a part of the match in another pose."""
+        bent, heat = self._prepared.bent, sample.local_heat
+        if bent is None or heat is None:
+            return verified
+        settings, exact = self._settings.verification, pose.exact if pose.of_query else 0.0
+        return bent_distance(self._model, settings, verified, bags.pooled, exact, bent.difference(heat))
 
     def _lowered(self, bags: BagFigures, alignment: Alignment, pose: PartPose) -> float:
         exact = pose.exact if pose.of_query else 0.0
