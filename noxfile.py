@@ -298,7 +298,9 @@ def find_real_blender() -> RealBlender:
     command = os.path.abspath(command)  # noqa: PTH100 - a link to a launcher must not be followed
     probe = [command, "--background", "--factory-startup", "--python-expr", BLENDER_PROBE]
     try:
-        result = subprocess.run(probe, capture_output=True, text=True, errors="replace", check=False)
+        # A launcher may install what it needs when it runs for the first time, which two must not do at once.
+        with lock("blender"):
+            result = subprocess.run(probe, capture_output=True, text=True, errors="replace", check=False)
     except OSError as error:
         raise BlenderMissingError(f"{command} does not run: {error}") from error
     for line in result.stdout.splitlines():
