@@ -73,7 +73,11 @@ def heat_features(heat: LocalHeat, scale: float = 1.0) -> tuple[FloatArray32, ND
     """
     values, radii, margins = heat.at_scale(scale)
     known = (_REACH * np.sqrt(HEAT_TIMES[:_TIMES]) < margins[:, None]).sum(axis=1)
-    return np.concatenate([radii[:, None], values[:, :_TIMES]], axis=1), known
+    return _compared(values, radii), known
+
+
+def _compared(values: FloatArray32, radii: FloatArray32) -> FloatArray32:
+    return np.concatenate([radii[:, None], values[:, :_TIMES]], axis=1)
 
 
 def whitened_heat(heat: LocalHeat) -> FloatArray32:
@@ -91,7 +95,8 @@ def whitened_heat(heat: LocalHeat) -> FloatArray32:
     -------
     features : (k, 6) array of float32
     """
-    return np.asarray(heat_features(heat)[0] @ _WHITENING)
+    # All points of a candidate are compared: which times know a cut matters for the query only.
+    return np.asarray(_compared(heat.values, heat.radii) @ _WHITENING)
 
 
 class PartHeat:
