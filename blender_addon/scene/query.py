@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ..reading.entries import MOST_FACES
-from ..reading.instancers import InstanceCollector, is_carrier
+from ..reading.instancers import MOST_INSTANCES, InstanceCollector, is_carrier
 from ..reading.records import SHAPE_TYPES
 from ..translation import marked, tr
 from . import mesh_arrays
@@ -78,12 +78,14 @@ def selected_part(items: Sequence[Any]) -> Mesh:
     return core_mesh(name, parts)
 
 
-def query_meshes(context: Any, *, separate: bool = False) -> list[Mesh]:
+def query_meshes(context: Any, *, separate: bool = False, notes: list[str] | None = None) -> list[Mesh]:
     """Return the query at a stretch; see `query_steps`."""
-    return result_of(query_steps(context, separate=separate))
+    return result_of(query_steps(context, separate=separate, notes=notes))
 
 
-def query_steps(context: Any, *, separate: bool = False) -> Generator[bool, None, list[Mesh]]:
+def query_steps(
+    context: Any, *, separate: bool = False, notes: list[str] | None = None
+) -> Generator[bool, None, list[Mesh]]:
     """Read the query, the selected faces in edit mode, else the selected objects.
 
     Parameters
@@ -93,6 +95,8 @@ def query_steps(context: Any, *, separate: bool = False) -> Generator[bool, None
     separate : bool, optional
         Whether several objects are shapes of their own; else they are joined. What is selected in edit mode
         is always one shape.
+    notes : list of str, optional
+        Gets a sentence, translated, for each object of which only a part is read.
 
     Yields
     ------
@@ -134,7 +138,7 @@ def query_steps(context: Any, *, separate: bool = False) -> Generator[bool, None
         chosen.sort(key=lambda item: item != active)
     meshes = []
     for item in _without_parts(chosen, context):
-        meshes.append((yield from _seen(item, context)))
+        meshes.append((yield from _seen(item, context, notes)))
         yield False
     yield len(meshes) > 1
     empty = [mesh.name for mesh in meshes if not len(mesh.vertices)]
@@ -143,18 +147,22 @@ def query_steps(context: Any, *, separate: bool = False) -> Generator[bool, None
     return meshes if separate else [_joined(meshes)]
 
 
-def object_mesh(item: Any, context: Any) -> Mesh:
+def object_mesh(item: Any, context: Any, notes: list[str] | None = None) -> Mesh:
     """Return the mesh of an object at a stretch; see `object_steps`."""
-    return result_of(object_steps(item, context))
+    return result_of(object_steps(item, context, notes))
 
 
-def object_steps(item: Any, context: Any) -> Generator[bool, None, Mesh]:
+def object_steps(
+    item: Any, context: Any, notes: list[str] | None = None
+) -> Generator[bool, None, Mesh]:
     """Read the mesh of an object as it is seen, with what it instances or carries, at world scale.
 
     Parameters
     ----------
     item : bpy.types.Object
     context : bpy.types.Context
+    notes : list of str, optional
+        See `query_steps`.
 
     Yields
     ------
@@ -172,7 +180,7 @@ def object_steps(item: Any, context: Any) -> Generator[bool, None, Mesh]:
     """
     from shapegoogle_core import MeshError
 
-    mesh = yield from _seen(item, context)
+    mesh = yield from _seen(item, context, notes)
     if not len(mesh.vertices):
         raise MeshError(EMPTY, name=mesh.name)
     return mesh
@@ -188,7 +196,7 @@ def _without_parts(chosen: Sequence[Any], context: Any) -> list[Any]:
     ]
 
 
-def _seen(item: Any, context: Any) -> Generator[bool, None, Mesh]:
+def _seen(item: Any, context: Any, notes: list[str] | None) -> Generator[bool, None, Mesh]:
     """Read the mesh of an object as it is seen; of a rig, a lattice or an empty, its meshes joined."""
     from shapegoogle_core import MeshError
 
@@ -199,10 +207,10 @@ def _seen(item: Any, context: Any) -> Generator[bool, None, Mesh]:
             parts.append(own)
         # What it instances is what is seen of it, too.
         if is_carrier(item):
-            parts += yield from _instanced(item, context)
+            parts += yield from _instanced(item, context, notes)
     else:
         if item.instance_type == "COLLECTION":
-            parts = yield from _instanced(item, context)
+            parts = yield from _instanced(item, context, notes)
         else:
             for part in meshes_of(item, context):
                 parts.append(placed_arrays(part, context.evaluated_depsgraph_get()))
@@ -217,7 +225,7 @@ def _seen(item: Any, context: Any) -> Generator[bool, None, Mesh]:
     return core_mesh(item.name, parts)
 
 
-def _instanced(item: Any, context: Any) -> Generator[bool, None, list[Part]]:
+def _instanced(item: Any, context: Any, notes: list[str] | None) -> Generator[bool, None, list[Part]]:
     """Read all meshes that an object instances, also in nested collections, each where it is seen.
 
     Raises
@@ -243,6 +251,10 @@ def _instanced(item: Any, context: Any) -> Generator[bool, None, list[Part]]:
     collector = InstanceCollector(SHAPE_TYPES, read, lambda _item: False, item.session_uid)
     while not collector.collect(context.evaluated_depsgraph_get(), _time_for(SECONDS_OF_LISTING)):
         yield True
+    if collector.further and notes is not None:
+        text = tr("only the first {count:,} of the {total:,} instances of {name!r} are part of the query")
+        total = MOST_INSTANCES + collector.further
+        notes.append(text.format(count=MOST_INSTANCES, total=total, name=item.name))
     matrices: defaultdict[int, list[list[float]]] = defaultdict(list)
     for number, instance in enumerate(collector.of.get(item.session_uid, []), 1):
         if instance.mesh is not None:

@@ -84,7 +84,8 @@ def show_matches(context: Any, answer: Answer, seconds: float) -> None:
     session.active_match = ids.index(chosen_id) if chosen_id in ids else 0 if ids else -1
     session.page = 0
     session.shape_count = answer.shape_count
-    session.answer = _sentence(session, len(ids), answer.shape_count, seconds)
+    parts = (_sentence(session, len(ids), answer.shape_count, seconds), *search.asked_with.notes)
+    session.answer = "; ".join(parts)
 
 
 def _sentence(session: Any, count: int, among: int, seconds: float) -> str:

@@ -66,7 +66,8 @@ class SHAPEGOOGLE_OT_find_similar(ReadsMeshes, bpy.types.Operator):
 
         self._searched = searched_objects(context)
         separate = session_of(context).several == "EXAMPLES"
-        return self.read_meshes(context, query_steps(context, separate=separate))
+        self._notes: list[str] = []
+        return self.read_meshes(context, query_steps(context, separate=separate, notes=self._notes))
 
     def execute(self, context: Any) -> set[str]:
         """Search and wait for the answer."""
@@ -76,9 +77,10 @@ class SHAPEGOOGLE_OT_find_similar(ReadsMeshes, bpy.types.Operator):
         from ..scene.query import query_meshes
 
         started = time.monotonic()
-        self._searched = searched_objects(context)
+        self._searched, self._notes = searched_objects(context), []
+        separate = session_of(context).several == "EXAMPLES"
         try:
-            meshes = query_meshes(context, separate=session_of(context).several == "EXAMPLES")
+            meshes = query_meshes(context, separate=separate, notes=self._notes)
         except MeshError as error:
             if self._refuse(context, error):
                 return {"CANCELLED"}
@@ -157,7 +159,9 @@ class SHAPEGOOGLE_OT_find_similar(ReadsMeshes, bpy.types.Operator):
             others = joined_name([example.name for example in unlike])
             title = tr("{query}, not like {others}").format(query=title, others=others)
         stored = [(example.shape_id, example.name) for example in like]
-        return _begin(context, meshes, stored, title, self._searched)
+        for note in self._notes:
+            self.report({"WARNING"}, note)
+        return _begin(context, meshes, stored, title, self._searched, tuple(self._notes))
 
 
 def search_with(context: Any, shape: tuple[int, str]) -> None:
@@ -179,13 +183,14 @@ def _begin(
     stored: Sequence[tuple[int, str]],
     title: str,
     searched: frozenset[int],
+    notes: tuple[str, ...] = (),
 ) -> Future[Answer]:
     """Have the worker search, and say so."""
     session, search = session_of(context), state.current().search
     future = _submit(context, meshes, stored)
     search.waiting, search.searched, search.refine_at = future, searched, 0.0
     search.coming = [(mesh.name, 0) for mesh in meshes] + [(name, number) for number, name in stored]
-    search.asking_with = Asked(tuple(meshes), tuple(shape_id for shape_id, _ in stored))
+    search.asking_with = Asked(tuple(meshes), tuple(shape_id for shape_id, _ in stored), notes)
     session.searching, session.query = True, title
     search.before = session.answer
     session.answer = tr("Searching for {name} …").format(name=title)

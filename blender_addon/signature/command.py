@@ -14,6 +14,7 @@ import bpy
 
 from ..scene.selection import split_evaluated
 from . import painting, results
+from .bare_file import BareFile
 from .choices import CHANNELS, DETECTORS, KINDS, LAPLACIANS, TIMED, Painting
 from .distance import distance_text
 from .layers import times_of
@@ -103,7 +104,7 @@ def _run(options: argparse.Namespace) -> int:
     kinds = [ATTRIBUTES[name] for name in options.attribute or ["hks"]]
     model = _model(options) if "WORDS" in kinds else None
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(source.resolve()), load_ui=True, use_scripts=False)
+        opened = BareFile(source.resolve())
     except RuntimeError as error:
         _say(f"paint_signatures: '{source}' cannot be opened: {str(error).strip()}")
         return UNUSABLE
@@ -128,7 +129,7 @@ def _run(options: argparse.Namespace) -> int:
     if count:
         window.scene, window.view_layer = open_scene, open_layer
         try:
-            bpy.ops.wm.save_as_mainfile(filepath=str(output.resolve()), copy=True, check_existing=False)
+            opened.save(output.resolve())
         except RuntimeError as error:
             _say(f"paint_signatures: '{output}' cannot be written: {str(error).strip()}")
             return UNUSABLE

@@ -137,10 +137,13 @@ class Asked:
         The first examples, as they were then.
     stored : tuple of int
         Ids of the others, which are shapes of the library.
+    notes : tuple of str
+        Translated sentences on what of the selection is not part of the query.
     """
 
     meshes: tuple[Mesh, ...] = ()
     stored: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass

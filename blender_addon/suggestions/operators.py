@@ -70,7 +70,8 @@ class SHAPEGOOGLE_OT_suggest_tags(ReadsMeshes, bpy.types.Operator):
         item = context.active_object
         self._name, self._uid = item.name, item.session_uid
         self._window, self._area = context.window, context.area
-        return self.read_meshes(context, object_steps(item, context))
+        self._notes: list[str] = []
+        return self.read_meshes(context, object_steps(item, context, self._notes))
 
     def begin(self, context: Any, steps: Iterator[object]) -> set[str]:
         """Go on reading in slices."""
@@ -90,6 +91,8 @@ class SHAPEGOOGLE_OT_suggest_tags(ReadsMeshes, bpy.types.Operator):
     def take_meshes(self, context: Any, found: Mesh) -> set[str]:
         """Show a dialog once the worker has found suggestions."""
         name, uid, window, area = self._name, self._uid, self._window, self._area
+        for note in self._notes:
+            self.report({"WARNING"}, note)
         session_of(context).suggesting = True
 
         def done(suggestions: list[Suggestion]) -> None:

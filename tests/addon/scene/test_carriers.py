@@ -200,3 +200,30 @@ def test_a_scatter_is_read_in_short_steps_although_the_scene_changes_meanwhile(
     assert count >= 40 * 40 // 500
     np.testing.assert_array_equal(read.faces, whole.faces)
     np.testing.assert_array_equal(read.vertices, whole.vertices)
+
+
+def test_a_query_says_how_many_of_its_instances_are_left_out(
+    addon: ModuleType, meshes: Any, preferences: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True)
+    item = scatter(4)
+    preferences.use_scene = True
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    notes: list[str] = []
+    meshes.query_meshes(bpy.context, notes=notes)
+    assert not notes
+    for module in (meshes, importlib.import_module(f"{addon.__name__}.reading.instancers")):
+        monkeypatch.setattr(module, "MOST_INSTANCES", 10)
+    (mesh,) = meshes.query_meshes(bpy.context, notes=notes)
+    assert len(mesh.faces) == 10 * len(bpy.data.meshes["Icosphere"].polygons)
+    assert notes == ["only the first 10 of the 16 instances of 'Scatter' are part of the query"]
+    # In the window it is said beside the answer, also when this is given again under other filters.
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    session = bpy.context.window_manager.shape_google
+    assert session.answer.endswith(f"; {notes[0]}")
+    importlib.import_module(f"{addon.__name__}.search.operators").refine_and_wait(bpy.context)
+    assert session.answer.endswith(f"; {notes[0]}")
+    item.select_set(False)
+    add_ball("Other", 99)
+    assert bpy.ops.shape_google.find_similar() == {"FINISHED"}
+    assert "instances" not in session.answer

@@ -144,6 +144,41 @@ def test_keypoints_of_a_detector(
     assert np.allclose(attributes.values_of(item.data, "sg_keypoint"), found.responses)
 
 
+def test_modifiers_are_not_computed_and_are_saved_as_they_were(
+    main: Any, source: Any, addon: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Subdivided or scattered objects can need more memory than there is."""
+    bpy.ops.wm.open_mainfile(filepath=str(source))
+    for item in bpy.data.objects:
+        if item.type == "MESH":
+            for name in ("Seen", "Only rendered"):
+                modifier = item.modifiers.new(name, "SUBSURF")
+                modifier.levels, modifier.show_viewport = 2, name == "Seen"
+    bpy.ops.wm.save_as_mainfile(filepath=str(source), copy=True)
+    painting = importlib.import_module(f"{addon.__name__}.signature.command").painting
+    apply, computed = painting.apply, {}
+
+    def note(item: Any, *arguments: Any, **options: Any) -> None:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluated = item.evaluated_get(depsgraph)
+        computed[item.name] = len(evaluated.data.polygons) / len(item.data.polygons)
+        assert np.allclose(evaluated.matrix_world.to_scale(), item.scale)
+        apply(item, *arguments, **options)
+
+    monkeypatch.setattr(painting, "apply", note)
+    handlers = [bpy.app.handlers.load_post, bpy.app.handlers.save_pre, bpy.app.handlers.save_post]
+    handlers += [bpy.app.handlers.save_post_fail]
+    before = [list(some) for some in handlers]
+    output = source.with_name("out.blend")
+    main([str(source), "--output", str(output)])
+    assert computed == {"Ball": 1, "Other ball": 1}
+    assert [list(some) for some in handlers] == before
+    bpy.ops.wm.open_mainfile(filepath=str(output))
+    for name in computed:
+        shown = {modifier.name: modifier.show_viewport for modifier in bpy.data.objects[name].modifiers}
+        assert shown == {"Seen": True, "Only rendered": False}
+
+
 def test_the_source_is_never_saved_over(
     main: Any, source: Any, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
