@@ -152,9 +152,7 @@ def object_mesh(item: Any, context: Any, notes: list[str] | None = None) -> Mesh
     return result_of(object_steps(item, context, notes))
 
 
-def object_steps(
-    item: Any, context: Any, notes: list[str] | None = None
-) -> Generator[bool, None, Mesh]:
+def object_steps(item: Any, context: Any, notes: list[str] | None = None) -> Generator[bool, None, Mesh]:
     """Read the mesh of an object as it is seen, with what it instances or carries, at world scale.
 
     Parameters
