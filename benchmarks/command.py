@@ -127,6 +127,12 @@ COMMANDS = (
         ("bpy",),
     ),
     Command(
+        "large-mesh",
+        "benchmarks.experiments.large_mesh",
+        "how long one large mesh keeps the window from answering (needs bpy)",
+        ("bpy",),
+    ),
+    Command(
         "foretold",
         "benchmarks.experiments.foretold",
         "how right the time left is while a file of many objects is indexed (needs bpy)",

@@ -32,7 +32,7 @@ T = TypeVar("T")
 # Seconds that tasks may take that have to be completed when Blender ends.
 PATIENCE = 10.0
 # Seconds between the main thread's checks for results, which draw nothing.
-INTERVAL = 0.02
+INTERVAL = 0.01
 # Of the sidebar, the tab that has the add-on's panels.
 CATEGORY = "Shape Google"
 # Kind of node tree by which an area is a gallery, see `gallery.editor.area`.

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`InSlices`: work on Blender's own data in short slices; the window shows progress and can cancel.
 
-Only the main thread may touch bpy, so such work cannot go to another process.
+Only the main thread may touch bpy, so such work cannot go to another process. Arithmetic with large arrays in
+between can go to another thread: see `aside`.
 """
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import Future
+from typing import Any, TypeVar
 
 from . import jobs
 
-__all__ = ["InSlices", "next_slice"]
+__all__ = ["InSlices", "aside", "next_slice", "result_of"]
+
+T = TypeVar("T")
 
 # Long enough that little is lost between slices, short enough for the window to answer.
 SECONDS_OF_SLICE = 0.15
@@ -37,6 +42,62 @@ def next_slice(steps: Iterator[object], clock: Callable[[], float] = time.monoto
     """
     end = clock() + SECONDS_OF_SLICE
     return any(alone or clock() > end for alone in steps)
+
+
+def aside(work: Callable[[], T]) -> Generator[bool, None, T]:
+    """Compute in another thread, as a step of a task; meanwhile the window answers.
+
+    Parameters
+    ----------
+    work : callable
+        Uses arrays alone, nothing of bpy. If the task is cancelled, it is computed to its end for nothing.
+
+    Yields
+    ------
+    alone : bool
+        True as long as it runs; see `next_slice`.
+
+    Returns
+    -------
+    result : object
+        Of the work, whose exceptions are raised here.
+    """
+    future: Future[T] = Future()
+
+    def compute() -> None:
+        try:
+            future.set_result(work())
+        except BaseException as error:
+            future.set_exception(error)
+
+    thread = threading.Thread(target=compute, daemon=True)
+    thread.start()
+    while True:
+        # Returns as soon as it has ended; and without the window, nobody waits in between.
+        thread.join(SECONDS_BETWEEN_SLICES)
+        if not thread.is_alive():
+            return future.result()
+        yield True
+
+
+def result_of(steps: Generator[bool, None, T]) -> T:
+    """Do all steps of a task at a stretch.
+
+    Parameters
+    ----------
+    steps : generator
+
+    Returns
+    -------
+    result : object
+        What the steps return.
+    """
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            result: T = end.value
+            return result
 
 
 class InSlices:

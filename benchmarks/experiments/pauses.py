@@ -27,9 +27,12 @@ from benchmarks.blender import enable_addon
 from benchmarks.experiments.large_scene import pairs
 from shapegoogle_core.cli.arguments import number_from
 
-__all__ = ["Slices", "add_options", "foretold", "run", "watch"]
+__all__ = ["HEADER", "Slices", "add_options", "foretold", "in_slices", "run", "watch"]
 
 T = TypeVar("T")
+
+HEADER = f"{'task':24}  slices  longest ms  (wall ms)"
+"""Above lines of `Slices.line`."""
 
 # As between the looks of the window.
 SECONDS_BETWEEN_LOOKS = 0.25
@@ -132,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
     """
     import bpy
 
-    print(f"{'task':24}  slices  longest ms  (wall ms)", flush=True)
+    print(HEADER, flush=True)
     with tempfile.TemporaryDirectory() as folder:
         bpy.ops.wm.read_homefile(use_empty=True)
         addon = enable_addon()
@@ -273,13 +276,13 @@ def _link() -> str:
     shown.similar = False
     find = Slices()
     collection = find.timed(lambda: Collecting(bpy.context, bpy.context.scene.objects))
-    _in_slices(collection.steps(), find)
+    in_slices(collection.steps(), find)
     find.timed(lambda: show_groups(shown, scene_groups(collection.found), "SCENE"))
     names = objects_by_name(bpy.context)
     groups = [objects_of(bpy.context, group, names, "SCENE") for group in shown.groups if group.linkable]
     slices = Slices()
     task = slices.timed(lambda: LinkRun(bpy.context, groups))
-    _in_slices(task.steps(), slices)
+    in_slices(task.steps(), slices)
     # What Blender itself takes to draw the scene again once a single object has another mesh.
     first, *_, last = bpy.context.scene.objects
     first.data = last.data
@@ -319,12 +322,19 @@ def _read_scatter() -> str:
         meshes = yield from query_steps(bpy.context)
         faces.append(len(meshes[0].faces))
 
-    _in_slices(steps(), slices)
+    in_slices(steps(), slices)
     return slices.line("read a scatter", f"{BOXES_IN_ROW**2:,} instances with {faces[0]:,} faces")
 
 
-def _in_slices(steps: Iterator[object], slices: Slices) -> None:
-    """Work as `time_slices.InSlices` does."""
+def in_slices(steps: Iterator[object], slices: Slices) -> None:
+    """Work as `time_slices.InSlices` does.
+
+    Parameters
+    ----------
+    steps : iterator
+    slices : Slices
+        Gets the times that this takes.
+    """
     from blender_addon.time_slices import next_slice
 
     while slices.timed(lambda: next_slice(steps, time.thread_time)):

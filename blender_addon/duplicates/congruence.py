@@ -11,6 +11,7 @@ fix a rotation; the nearest vertices then tell the order, and the polygons have 
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +21,9 @@ from scipy.spatial import cKDTree
 
 from shapegoogle_core.mesh.mesh import FloatArray
 
-__all__ = ["TOLERANCE", "Congruence", "PolygonMesh", "congruence"]
+from ..time_slices import aside
+
+__all__ = ["LARGE", "TOLERANCE", "Congruence", "PolygonMesh", "congruence", "congruence_steps"]
 
 Indices = NDArray[np.int64]
 
@@ -34,6 +37,8 @@ PROBES = 32
 # Rotations that are tried. Where none fits because too many vertices are alike, meshes count as different.
 MOST_ROTATIONS = 2_000
 MOST_FULL_TRIES = 8
+# Vertices from which on meshes are compared in another thread.
+LARGE = 50_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +166,27 @@ def congruence(first: PolygonMesh, second: PolygonMesh, tolerance: float = TOLER
     return None
 
 
+def congruence_steps(first: PolygonMesh, second: PolygonMesh) -> Generator[bool, None, Congruence | None]:
+    """Compare two meshes as `congruence` does, large ones while the window answers.
+
+    Parameters
+    ----------
+    first, second : PolygonMesh
+
+    Yields
+    ------
+    alone : bool
+        See `..time_slices.next_slice`.
+
+    Returns
+    -------
+    congruence : Congruence or None
+    """
+    if len(first.vertices) < LARGE or first.counts != second.counts:
+        return congruence(first, second)
+    return (yield from aside(lambda: congruence(first, second)))
+
+
 def _fit(
     first: PolygonMesh, second: PolygonMesh, orders: tuple[Indices, ...], tolerance: float
 ) -> Congruence | None:
@@ -190,8 +216,10 @@ def _kabsch(start: FloatArray, end: FloatArray) -> FloatArray:
 
 def _edge_order(first: PolygonMesh, second: PolygonMesh, vertex_order: Indices) -> Indices | None:
     """Which edge of the second each one of the first becomes; None when they are not the same edges."""
-    pairs = [np.sort(edges, axis=1) for edges in (vertex_order[first.edges], second.edges)]
-    keys = [pair[:, 0] * len(vertex_order) + pair[:, 1] for pair in pairs]
+    ends = [edges.T for edges in (vertex_order[first.edges], second.edges)]
+    keys = [np.minimum(*pair) * len(vertex_order) + np.maximum(*pair) for pair in ends]
+    if np.array_equal(*keys):  # as of most copies: to sort millions of them takes long
+        return np.arange(len(keys[0]))
     sorting = [np.argsort(key, kind="stable") for key in keys]
     if not np.array_equal(keys[0][sorting[0]], keys[1][sorting[1]]):
         return None
@@ -206,8 +234,7 @@ class _Target:
     def __init__(self, mesh: PolygonMesh) -> None:
         self.mesh = mesh
         self.vertices = (mesh.vertices - mesh.centroid) / mesh.size
-        places, place_of = np.unique(self.vertices, axis=0, return_inverse=True)
-        self.place_of = place_of.ravel().astype(np.int64)
+        places, self.place_of = _unique_rows(self.vertices)
         self.count = len(places)
         self.tree = cKDTree(places)
 
@@ -242,6 +269,19 @@ class _Target:
             return None
         vertex_order[free] = left
         return vertex_order, corner_order, polygon_order
+
+
+def _unique_rows(rows: FloatArray) -> tuple[FloatArray, Indices]:
+    """Sorted rows without repetitions, and which of them each row is.
+
+    As numpy's `unique` does, which keeps all other threads waiting meanwhile.
+    """
+    order = np.lexsort(rows.T[::-1])
+    in_order = rows[order]
+    is_new = np.concatenate([[True], (in_order[1:] != in_order[:-1]).any(axis=1)])
+    which = np.empty(len(rows), np.int64)
+    which[order] = np.cumsum(is_new) - 1
+    return in_order[is_new], which
 
 
 def _polygon_order(

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right, insort
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scene.meshes import base_mesh
 from ..scene.selection import mesh_objects, split_evaluated
-from .congruence import TOLERANCE, congruence
-from .mesh_data import WorldMesh, differing_data, world_mesh
+from .congruence import LARGE, TOLERANCE, congruence_steps
+from .mesh_data import WorldMesh, differing_steps, world_mesh
 
 if TYPE_CHECKING:
     from shapegoogle_core import Mesh
@@ -196,8 +196,14 @@ class Collecting:
         self.found = SceneShapes([], [], sorted(item.name for item in hidden))
         self.total, self.compared = len(self._users), 0
 
-    def steps(self) -> Iterator[None]:
-        """Compare one mesh after the other."""
+    def steps(self) -> Iterator[bool]:
+        """Compare one mesh after the other.
+
+        Yields
+        ------
+        alone : bool
+            Whether the step took long by itself, see `..time_slices.next_slice`.
+        """
         shapes = self.found.shapes
         # Shapes of the same counts, sorted by their compactness: only near ones can be congruent.
         near: defaultdict[tuple[int, ...], list[tuple[float, int]]] = defaultdict(list)
@@ -207,11 +213,15 @@ class Collecting:
             if world is None or not world.polygons.size > 0:
                 self.found.skipped.extend(item.name for item in items)
             else:
-                self._place(near[world.polygons.counts], shapes, _Mesh(world, items))
-            yield
+                if len(world.polygons.vertices) >= LARGE:
+                    yield True
+                yield from self._place(near[world.polygons.counts], shapes, _Mesh(world, items))
+            yield world is not None and len(world.polygons.vertices) >= LARGE
 
     @staticmethod
-    def _place(candidates: list[tuple[float, int]], shapes: list[_Shape], mesh: _Mesh) -> None:
+    def _place(
+        candidates: list[tuple[float, int]], shapes: list[_Shape], mesh: _Mesh
+    ) -> Generator[bool, None, None]:
         """Put a mesh to the shape that it is congruent to, or make a new one."""
         polygons = mesh.world.polygons
         compactness = polygons.compactness
@@ -219,10 +229,11 @@ class Collecting:
         high = bisect_right(candidates, (compactness + 2 * TOLERANCE, len(shapes)))
         for _, index in sorted(candidates[low:high], key=lambda entry: entry[1]):
             first = shapes[index].first.world
-            found = congruence(first.polygons, polygons)
+            found = yield from congruence_steps(first.polygons, polygons)
             if found is not None:
                 mesh.scale = found.scale
-                _place(shapes[index], mesh, differing_data(first, mesh.world, found))
+                differences = yield from differing_steps(first, mesh.world, found)
+                yield from _place(shapes[index], mesh, differences)
                 return
         insort(candidates, (compactness, len(shapes)))
         shapes.append(_Shape(mesh, []))
@@ -345,7 +356,7 @@ def _preference(entry: tuple[Any, list[Any]]) -> tuple[bool, int, str]:
     return data.library is not None, -len(items), items[0].name
 
 
-def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> None:
+def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> Generator[bool, None, None]:
     """Put a mesh to those that it equals in size and data, or beside them."""
     mesh.note = ", ".join(differences)
     if _is_one(mesh.scale) and not differences:
@@ -354,8 +365,8 @@ def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> None:
     for variant in shape.variants:
         if not _is_one(mesh.scale / variant.scale):
             continue
-        found = congruence(variant.world.polygons, mesh.world.polygons)
-        if found is not None and not differing_data(variant.world, mesh.world, found):
+        found = yield from congruence_steps(variant.world.polygons, mesh.world.polygons)
+        if found is not None and not (yield from differing_steps(variant.world, mesh.world, found)):
             mesh.scale, mesh.note = 1.0, ""
             variant.identical.append(mesh)
             return

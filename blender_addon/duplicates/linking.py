@@ -8,7 +8,7 @@ meshes are compared first, then exchanged in portions with one update each, and 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from ..scene.selection import split_evaluated
 from ..translation import marked, tr
-from .congruence import congruence
+from .congruence import LARGE, congruence_steps
 from .exchange import Exchange, Kept, exchange_of, is_deformed, moved_reason, points_seen, put_in_place
-from .mesh_data import WorldMesh, differing_data, world_mesh
+from .mesh_data import WorldMesh, differing_steps, world_mesh
 
 FloatArray = NDArray[np.float64]
 
@@ -118,15 +118,13 @@ class LinkRun:
         Yields
         ------
         alone : bool
-            Whether the next step, or the last one, updates the whole scene.
+            Whether the next step, or the last one, takes long: it updates the whole scene, or compares
+            large meshes.
         """
         for stage in self._stages:
             exchanges: list[Exchange] = []
             for group in stage:
-                for exchange in self._compare(group):
-                    if exchange is not None:
-                        exchanges.append(exchange)
-                    yield False
+                yield from self._compare(group, exchanges)
             exchanges = self._without_referred(exchanges)
             for exchanges_of_depth in _by_depth(exchanges):
                 yield from self._exchange_all(exchanges_of_depth)
@@ -152,8 +150,8 @@ class LinkRun:
     def _refuse(self, item: Any, reason: str) -> None:
         self.result.refused.append((item.name, reason))
 
-    def _compare(self, group: Sequence[Any]) -> Iterator[Exchange | None]:
-        """Compare the meshes of a group; yields for each object what to exchange, or None after a refusal."""
+    def _compare(self, group: Sequence[Any], exchanges: list[Exchange]) -> Iterator[bool]:
+        """Compare the meshes of a group; adds what to exchange."""
         first = group[0]
         others = [item for item in group[1:] if item.data != first.data]
         self.total -= len(group) - 1 - len(others)
@@ -167,23 +165,29 @@ class LinkRun:
             if target is None:
                 text = tr("of {name!r}: {reason}")
                 self._refuse(item, text.format(name=first.name, reason=reason or tr("it has no extent")))
-                yield None
+                yield False
                 continue
             reason = tr(HIDDEN) if item in self._hidden else _object_reason(item) or _mesh_reason(item.data)
-            exchange = None
             if not reason:
                 data = item.data
                 if data not in corrections:
-                    corrections[data] = _correction(target, world_mesh(item))
+                    if len(target.polygons.vertices) >= LARGE:
+                        yield True
+                    own = world_mesh(item)
+                    if len(target.polygons.vertices) >= LARGE:
+                        yield True
+                    corrections[data] = yield from _correction(target, own)
                 correction = corrections[data]
                 if isinstance(correction, str):
                     reason = correction
                 else:
                     exchange = exchange_of(item, first.data, correction[0])
                     reason = self._moving_reason(item, exchange.stays, correction[1])
+                    if not reason:
+                        exchanges.append(exchange)
             if reason:
                 self._refuse(item, reason)
-            yield None if reason else exchange
+            yield False
 
     def _moving_reason(self, item: Any, stays: bool, same_order: bool) -> str:
         """Why an object must not get a mesh with another origin or order of vertices, or an empty text."""
@@ -309,12 +313,14 @@ def _is_animated(block: Any) -> bool:
     )
 
 
-def _correction(target: WorldMesh, own: WorldMesh | None) -> tuple[FloatArray, bool] | str:
+def _correction(
+    target: WorldMesh, own: WorldMesh | None
+) -> Generator[bool, None, tuple[FloatArray, bool] | str]:
     """Matrix from the target's mesh to an object's own, and whether the vertices are in the same order."""
-    found = None if own is None else congruence(target.polygons, own.polygons)
+    found = None if own is None else (yield from congruence_steps(target.polygons, own.polygons))
     if found is None or own is None:
         return tr("its geometry is not the same any more; find duplicates again")
-    differences = differing_data(target, own, found)
+    differences = yield from differing_steps(target, own, found)
     if differences:
         return tr("it differs in: {data}").format(data=", ".join(differences))
     matrix = np.linalg.inv(own.matrix) @ found.matrix @ target.matrix

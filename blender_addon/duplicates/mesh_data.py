@@ -3,21 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.mesh_arrays import corner_vertices, read, vertex_positions
+from ..scene.mesh_arrays import corner_vertices, edge_vertices, polygon_sizes, read, vertex_positions
 from ..signature import attributes
+from ..time_slices import aside
 from ..translation import tr
-from .congruence import Congruence, PolygonMesh
+from .congruence import LARGE, Congruence, PolygonMesh
 
 Indices = NDArray[np.int64]
 
-__all__ = ["WorldMesh", "differing_data", "world_mesh"]
+__all__ = ["WorldMesh", "differing_steps", "world_mesh"]
 
 # Relative or absolute difference up to which two numbers are the same.
 CLOSE = 1e-4
@@ -83,13 +85,14 @@ def world_mesh(item: Any) -> WorldMesh | None:
     data = item.data
     matrix = np.array(item.matrix_world, np.float64)
     points = vertex_positions(data).astype(np.float64)
-    vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
+    # Not `@`: the threads of BLAS wait for each other on a busy machine, and the window for them.
+    vertices = np.einsum("nj,ij->ni", points, matrix[:3, :3]) + matrix[:3, 3]
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False) if np.isfinite(matrix).all() else np.zeros(3)
     if not len(points) or not np.isfinite(vertices).all() or scales[2] <= 1e-9 * scales[0]:
         return None
     corners = corner_vertices(data).astype(np.int64)
-    sizes = read(data.polygons, "loop_total", 1, np.int32).ravel().astype(np.int64)
-    edges = read(data.edges, "vertices", 2, np.int32).astype(np.int64)
+    sizes = polygon_sizes(data).astype(np.int64)
+    edges = edge_vertices(data).astype(np.int64)
     corner_ids = np.arange(len(corners))
     if np.linalg.det(matrix[:3, :3]) < 0:
         starts = np.repeat(np.cumsum(sizes) - sizes, sizes)
@@ -98,7 +101,9 @@ def world_mesh(item: Any) -> WorldMesh | None:
     return WorldMesh(data, matrix, polygons, corner_ids, tuple(group.name for group in item.vertex_groups))
 
 
-def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) -> list[str]:
+def differing_steps(
+    first: WorldMesh, second: WorldMesh, congruence: Congruence
+) -> Generator[bool, None, list[str]]:
     """Name the data in which two congruent meshes differ, besides the order of their vertices.
 
     Parameters
@@ -106,6 +111,12 @@ def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) 
     first, second : WorldMesh
     congruence : Congruence
         Of their polygons.
+
+    Yields
+    ------
+    alone : bool
+        True: only with large meshes is there a step, which takes long by itself; see
+        `..time_slices.next_slice`.
 
     Returns
     -------
@@ -128,8 +139,15 @@ def differing_data(first: WorldMesh, second: WorldMesh, congruence: Congruence) 
         (tr("custom normals"), lambda: _same_normals(first, second, congruence, corners)),
         (tr("custom properties"), lambda: _properties(one) == _properties(two)),
     ]
-    names = [name for name, same in checks if not same()]
-    return names + _differing_attributes(one, two, orders)
+    is_large = len(corners) >= LARGE
+    names = []
+    for name, same in checks:
+        if not same():
+            names.append(name)
+        if is_large:
+            yield True
+    names += yield from _differing_attributes(one, two, orders)
+    return names
 
 
 def _same_seams(one: Any, two: Any, order: Indices) -> bool:
@@ -175,7 +193,7 @@ def _properties(data: Any) -> dict[str, Any]:
     }
 
 
-def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> list[str]:
+def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> Generator[bool, None, list[str]]:
     uv_maps = {layer.name for data in (one, two) for layer in data.uv_layers}
     kept = [
         {
@@ -187,7 +205,10 @@ def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> lis
         for data in (one, two)
     ]
     names = []
+    is_large = len(orders["CORNER"]) >= LARGE
     for name in sorted(kept[0].keys() | kept[1].keys()):
+        if is_large:
+            yield True
         first, second = kept[0].get(name), kept[1].get(name)
         if first is None or second is None:
             present = first or second
@@ -195,8 +216,11 @@ def _differing_attributes(one: Any, two: Any, orders: dict[str, Indices]) -> lis
                 continue
         elif (first.domain, first.data_type) == (second.domain, second.data_type):
             order = orders.get(first.domain)
-            if order is not None and _close(_values(first), _values(second)[order]):
-                continue
+            if order is not None:
+                compare = partial(_close, _values(first), _values(second), order)
+                same = (yield from aside(compare)) if is_large else compare()
+                if same:
+                    continue
         text = tr("UV map {name!r}") if name in uv_maps else tr("attribute {name!r}")
         names.append(text.format(name=name))
     return names
@@ -214,7 +238,8 @@ def _values(attribute: Any) -> NDArray[Any]:
     return read(attribute.data, name, max(1, properties[name].array_length), dtype)
 
 
-def _close(one: NDArray[Any], two: NDArray[Any]) -> bool:
+def _close(one: NDArray[Any], two: NDArray[Any], order: Indices) -> bool:
+    two = two[order]
     if one.dtype.kind == "f":
         return bool(np.allclose(one, two, rtol=CLOSE, atol=CLOSE, equal_nan=True))
     return bool(np.array_equal(one, two))

@@ -93,15 +93,16 @@ class SHAPEGOOGLE_OT_find_duplicates(InSlices, bpy.types.Operator):
         state.current().duplicates.collecting = self
         return self.begin(context, self._steps_of(similar=shown.similar))
 
-    def _steps_of(self, *, similar: bool) -> Iterator[None]:
+    def _steps_of(self, *, similar: bool) -> Iterator[bool]:
         """Compare the meshes with each other; read those to describe."""
+        from .congruence import LARGE
         from .groups import solid_shapes
 
         yield from self._collecting.steps()
         if similar:
             for solid in solid_shapes(self._collecting.found):
                 self._solids.append(solid)
-                yield
+                yield solid[0].faces >= LARGE
 
     def show_progress(self, context: Any) -> None:
         """Show the share of the meshes that have been compared."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["corner_vertices", "read", "triangles", "vertex_positions"]
+__all__ = ["corner_vertices", "edge_vertices", "polygon_sizes", "read", "triangles", "vertex_positions"]
 
 
 def read(collection: Any, name: str, width: int, dtype: Any) -> NDArray[Any]:
@@ -71,6 +71,41 @@ def corner_vertices(data: Any) -> NDArray[np.int32]:
     return read(block, "value", 1, np.int32)[:, 0]
 
 
+def edge_vertices(data: Any) -> NDArray[np.int32]:
+    """Vertices at both ends of each edge of a mesh.
+
+    Parameters
+    ----------
+    data : bpy.types.Mesh
+        After `update_from_editmode`, if it is edited.
+
+    Returns
+    -------
+    vertices : (e, 2) array of int32
+    """
+    block = _block(data, ".edge_verts", len(data.edges))
+    if block is None:
+        return read(data.edges, "vertices", 2, np.int32)
+    return read(block, "value", 2, np.int32)
+
+
+def polygon_sizes(data: Any) -> NDArray[np.int32]:
+    """Corners of each polygon of a mesh, counted.
+
+    Parameters
+    ----------
+    data : bpy.types.Mesh
+        After `update_from_editmode`, if it is edited.
+
+    Returns
+    -------
+    sizes : (m,) array of int32
+    """
+    if _are_triangles(data):
+        return np.full(len(data.polygons), 3, np.int32)
+    return read(data.polygons, "loop_total", 1, np.int32)[:, 0]
+
+
 def triangles(data: Any) -> NDArray[np.int32]:
     """Triangles that Blender draws the polygons of a mesh as.
 
@@ -85,9 +120,13 @@ def triangles(data: Any) -> NDArray[np.int32]:
         Indices of vertices, in the order of `loop_triangles`, which can be read afterwards.
     """
     data.calc_loop_triangles()
-    if len(data.loops) == 3 * len(data.polygons):  # each has at least three corners
+    if _are_triangles(data):
         return corner_vertices(data).reshape(-1, 3)
     return read(data.loop_triangles, "vertices", 3, np.int32)
+
+
+def _are_triangles(data: Any) -> bool:
+    return len(data.loops) == 3 * len(data.polygons)  # each has at least three corners
 
 
 def _block(data: Any, name: str, count: int) -> Any | None:

@@ -18,6 +18,7 @@ import numpy as np
 from ..reading.entries import MOST_FACES
 from ..reading.instancers import MOST_INSTANCES, InstanceCollector, is_carrier
 from ..reading.records import SHAPE_TYPES
+from ..time_slices import result_of
 from ..translation import marked, tr
 from . import mesh_arrays
 from .meshes import (
@@ -29,7 +30,6 @@ from .meshes import (
     matrix_of,
     placed_arrays,
 )
-from .reads_meshes import result_of
 from .selection import joined_name, mesh_objects, meshes_of, query_objects
 
 if TYPE_CHECKING:

@@ -4,16 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from ..time_slices import InSlices, next_slice
 
 if TYPE_CHECKING:
     from shapegoogle_core import MeshError
 
-__all__ = ["ReadsMeshes", "result_of"]
-
-T = TypeVar("T")
+__all__ = ["ReadsMeshes"]
 
 
 class ReadsMeshes(InSlices):
@@ -75,23 +73,3 @@ class ReadsMeshes(InSlices):
             else self.take_error(context, self._error)
         )
         return result
-
-
-def result_of(steps: Generator[bool, None, T]) -> T:
-    """Read at a stretch.
-
-    Parameters
-    ----------
-    steps : generator
-
-    Returns
-    -------
-    result : object
-        What the steps return.
-    """
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            result: T = end.value
-            return result

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .. import jobs
 from ..library.model import current_model
+from ..time_slices import next_slice, result_of
 from ..translation import counted, error_text, tr
 from . import shading
 from .choices import TIMED, Painting
@@ -24,8 +25,10 @@ if TYPE_CHECKING:
 __all__ = ["MODES", "Painter"]
 
 # Longer computations run in the worker process, so that the window stays usable.
-MOST_SECONDS = 0.7
-SECONDS_BETWEEN_LOOKS = 0.1
+MOST_SECONDS = 0.15
+SECONDS_BETWEEN_LOOKS = 0.02
+# Vertices from which on reading a mesh takes long.
+LARGE = 50_000
 MODES = {"OBJECT", "EDIT_MESH"}
 
 
@@ -35,25 +38,49 @@ class Painter:
     def paint_in_background(self, context: Any, objects: Sequence[Any]) -> set[str]:
         """Paint objects, at once if it is quick; else the window stays usable meanwhile."""
         self._failed: list[str] = []
-        tasks = self._tasks(context, objects)
+        self._names = [item.name for item in objects]
+        self._waiting: list[tuple[Task, Future[Any]]] = []
+        self._timer: Any = None
+        self._reading: Generator[bool, None, None] | None = self._keep_tasks(context, objects)
+        if not next_slice(self._reading):
+            return self._compute(context)
+        self._begin_waiting(context, self._names[0])
+        return {"RUNNING_MODAL"}
+
+    def _keep_tasks(self, context: Any, objects: Sequence[Any]) -> Generator[bool, None, None]:
+        self._tasks: list[Task] | None = yield from self._task_steps(context, objects)
+
+    def _begin_waiting(self, context: Any, name: str) -> None:
+        """Look now and then from now on, unless it is done already, and say what is computed."""
+        if self._timer is None:
+            manager = context.window_manager
+            self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
+            manager.modal_handler_add(self)
+        context.workspace.status_text_set(_computing(name))
+
+    def _compute(self, context: Any) -> set[str]:
+        """Compute what has been read, and paint if that is quick."""
+        self._reading = None
+        tasks = self._tasks
         if tasks is None:
+            self.cancel(context)
             return self._give_up(context)
         if sum(task.seconds for task in tasks) < MOST_SECONDS:
-            return self._paint_now(context, objects, tasks)
-        self._names = [item.name for item in objects]
-        self._waiting: list[tuple[Task, Future[Any]]] = [
-            (task, jobs.worker().submit(task.function, *task.arguments)) for task in tasks
-        ]
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(SECONDS_BETWEEN_LOOKS, window=context.window)
-        manager.modal_handler_add(self)
-        context.workspace.status_text_set(_computing(tasks[0]))
+            self.cancel(context)
+            return self._paint_now(context, self._objects(context), tasks)
+        self._waiting = [(task, jobs.worker().submit(task.function, *task.arguments)) for task in tasks]
+        self._begin_waiting(context, tasks[0].name)
         return {"RUNNING_MODAL"}
+
+    def _objects(self, context: Any) -> list[Any]:
+        """Return the objects that are still there."""
+        present = context.view_layer.objects
+        return [present[name] for name in self._names if name in present]
 
     def paint_at_once(self, context: Any, objects: Sequence[Any]) -> set[str]:
         """Paint objects before returning."""
         self._failed = []
-        tasks = self._tasks(context, objects)
+        tasks = result_of(self._task_steps(context, objects))
         return self._give_up(context) if tasks is None else self._paint_now(context, objects, tasks)
 
     def lacking(self, items: Sequence[Any]) -> str:  # noqa: ARG002
@@ -69,25 +96,30 @@ class Painter:
             self.cancel(context)
             self.report({"INFO"}, tr("Painting cancelled"))  # type: ignore[attr-defined]
             return self._give_up(context)
+        if self._reading is not None:
+            # As long as objects are read, they must not change.
+            done = event.type == "TIMER" and not next_slice(self._reading)
+            return self._compute(context) if done else {"RUNNING_MODAL"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         while self._waiting and self._waiting[0][1].done():
             task, future = self._waiting.pop(0)
             self._finish(task, future.result)
             if self._waiting:
-                context.workspace.status_text_set(_computing(self._waiting[0][0]))
+                context.workspace.status_text_set(_computing(self._waiting[0][0].name))
         if self._waiting or context.mode not in MODES:  # painting waits while the user sculpts
             return {"PASS_THROUGH"}
         self.cancel(context)
-        scene_objects = context.view_layer.objects
-        return self._paint(context, [scene_objects[name] for name in self._names if name in scene_objects])
+        return self._paint(context, self._objects(context))
 
     def cancel(self, context: Any) -> None:
         """Stop waiting and cancel the tasks."""
         for _, future in self._waiting:
             future.cancel()
-        context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            context.workspace.status_text_set(None)
+            self._timer = None
 
     def _paint_now(self, context: Any, objects: Sequence[Any], tasks: Sequence[Task]) -> set[str]:
         for task in tasks:
@@ -120,7 +152,7 @@ class Painter:
             )
             self._failed.append(text.format(name=task.name))
 
-    def _tasks(self, context: Any, objects: Sequence[Any]) -> list[Task] | None:
+    def _task_steps(self, context: Any, objects: Sequence[Any]) -> Generator[bool, None, list[Task] | None]:
         """Find the computations that are needed; None, after a report, if nothing can be computed."""
         from shapegoogle_core import MeshError, ShapeGoogleError
 
@@ -134,12 +166,15 @@ class Painter:
             return None
         tasks = []
         for item in painting.targets(objects)[0]:
+            is_large = len(item.data.vertices) >= LARGE
             key = results.key_of(item, chosen, model)
+            yield is_large
             if results.known(key) is None:
                 try:
                     tasks.append(results.task_of(item, chosen, model, key))
                 except MeshError as error:
                     self._failed.append(error_text(error))
+                yield is_large
         return tasks
 
     def _paint(self, context: Any, objects: Any) -> set[str]:
@@ -178,8 +213,8 @@ class Painter:
         return {"FINISHED"}
 
 
-def _computing(task: Task) -> str:
-    return tr("Computing {name} … (Esc: cancel)").format(name=task.name)
+def _computing(name: str) -> str:
+    return tr("Computing {name} … (Esc: cancel)").format(name=name)
 
 
 def _summary(chosen: Painting, done: list[tuple[Any, Known]], units: Any) -> str:

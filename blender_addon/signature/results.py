@@ -17,7 +17,7 @@ from .layers import Layer
 from .picked import picked
 
 if TYPE_CHECKING:
-    from shapegoogle_core import ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
+    from shapegoogle_core import Mesh, ShapeModel, VertexKeypoints, VertexSpectrum, VertexWords
 
     Result = VertexSpectrum | VertexWords | VertexKeypoints
 
@@ -120,9 +120,7 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
 
     mesh = base_mesh(item)
     count = len(mesh.vertices)
-    used = np.zeros(count, bool)
-    used[mesh.faces] = True
-    size = float(np.linalg.norm(np.ptp(mesh.vertices[used], axis=0))) if used.any() else 0.0
+    size = _diagonal(mesh)
     if chosen.kind != "WORDS" or model is None:
         solved = min(count, chosen.budget or count)
         seconds = 1e-6 * solved * chosen.eigenpairs + 2e-5 * count
@@ -141,6 +139,17 @@ def task_of(item: Any, chosen: Painting, model: ShapeModel | None, key: Key) -> 
         )
     channel = descriptors.index(chosen.channel)
     return Task(key, item.name, vertex_words, (model, mesh, channel), size, 1.0 + 2e-5 * count)
+
+
+def _diagonal(mesh: Mesh) -> float:
+    """Diagonal of the box around the faces of a mesh."""
+    if not len(mesh.faces):
+        return 0.0
+    used = np.zeros(len(mesh.vertices), bool)
+    used[mesh.faces.ravel()] = True
+    # Mostly all are: to pick those of half a million vertices takes as long as a redraw.
+    vertices = mesh.vertices if used.all() else mesh.vertices[used]
+    return float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
 
 
 def known(key: Key) -> Known | None:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ... import jobs, state
-from ...scene.reads_meshes import ReadsMeshes, result_of
+from ...scene.reads_meshes import ReadsMeshes
 from ...state import session_of
+from ...time_slices import result_of
 from ...translation import error_text, tr
 from .. import finding, labels
 from ..editor import area

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib
+import threading
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,15 @@ from tests.addon.conftest import addon_name
 
 _module = importlib.import_module(f"{addon_name()}.duplicates.congruence")
 TOLERANCE, PolygonMesh, congruence = _module.TOLERANCE, _module.PolygonMesh, _module.congruence
+
+
+def test_rows_are_made_unique_as_numpy_does() -> None:
+    random = np.random.default_rng(0)
+    rows = random.integers(-2, 3, (200, 3)) * 0.5
+    expected, which = np.unique(rows, axis=0, return_inverse=True)
+    found, found_which = _module._unique_rows(rows)
+    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(found_which, which.ravel())
 
 
 def polygons(vertices: Any, faces: Any) -> Any:
@@ -178,3 +188,25 @@ def test_a_large_mesh_behind_another_order() -> None:
     first = polygons(sphere.vertices * (1 + 0.1 * random.random((len(sphere.vertices), 1))), sphere.faces)
     second = shuffled(moved(first))
     assert congruence(first, second) is not None
+
+
+def test_large_meshes_are_compared_in_another_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = CUBE, shuffled(moved(CUBE, seed=3))
+    steps = _module.congruence_steps(first, second)
+    with pytest.raises(StopIteration) as end:
+        next(steps)
+    expected = end.value.value
+    threads = []
+
+    def compare(one: Any, two: Any) -> Any:
+        threads.append(threading.current_thread())
+        return congruence(one, two)
+
+    monkeypatch.setattr(_module, "congruence", compare)
+    monkeypatch.setattr(_module, "LARGE", 1)
+    found = importlib.import_module(f"{addon_name()}.time_slices").result_of(
+        _module.congruence_steps(first, second)
+    )
+    np.testing.assert_array_equal(found.vertex_order, expected.vertex_order)
+    assert len(threads) == 1
+    assert threads[0] is not threading.current_thread()

@@ -154,14 +154,14 @@ def test_in_a_scene_of_200_objects_only_near_ones_are_compared(
         order = np.random.default_rng(index).permutation(len(data.vertices)) if index % 4 == 3 else None
         add(f"object {index:03}", changed(data, motion(index), order))
     groups = module(addon, "duplicates.groups")
-    compare = groups.congruence
+    compare = groups.congruence_steps
     compared = []
 
     def count(*meshes: Any) -> Any:
         compared.append(meshes)
         return compare(*meshes)
 
-    monkeypatch.setattr(groups, "congruence", count)
+    monkeypatch.setattr(groups, "congruence_steps", count)
     find(shown)
     # Each of 150 copies with its first and few others, of 19,900 pairs in all.
     assert 150 <= len(compared) <= 500

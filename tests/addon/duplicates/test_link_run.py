@@ -177,3 +177,22 @@ def test_a_group_may_be_led_by_one_that_an_earlier_group_links(addon: ModuleType
     assert run.result.linked == ["b", "c"]
     assert third.data == second.data == first.data
     assert unmoved(before)
+
+
+def test_large_meshes_are_compared_while_the_window_answers(
+    addon: ModuleType, shown: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("groups", "linking", "mesh_data", "congruence"):
+        monkeypatch.setattr(module(addon, f"duplicates.{name}"), "LARGE", 1)
+    data = lump()
+    items = [add("a", data), add("b", changed(data, motion(1)))]
+    order = np.random.default_rng(2).permutation(len(data.vertices))
+    items.append(add("c", changed(data, motion(2), order)))
+    before = {item.name: in_world(item) for item in items}
+    collecting = module(addon, "duplicates.groups").Collecting(bpy.context, items)
+    assert sum(collecting.steps()) > len(items)
+    run = module(addon, "duplicates.linking").LinkRun(bpy.context, [items])
+    # Besides one before and one after the exchange.
+    assert sum(run.steps()) > 2 + len(items)
+    assert sorted(run.result.linked) == ["b", "c"]
+    assert unmoved(before)

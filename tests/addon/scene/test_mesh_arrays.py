@@ -18,6 +18,8 @@ def same_as_blender_says(addon: ModuleType, data: Any) -> bool:
     return bool(
         arrays.vertex_positions(data).tolist() == [list(vertex.co) for vertex in data.vertices]
         and arrays.corner_vertices(data).tolist() == [loop.vertex_index for loop in data.loops]
+        and arrays.edge_vertices(data).tolist() == [list(edge.vertices) for edge in data.edges]
+        and arrays.polygon_sizes(data).tolist() == [polygon.loop_total for polygon in data.polygons]
         and faces.tolist() == [list(triangle.vertices) for triangle in data.loop_triangles]
     )
 
@@ -57,5 +59,7 @@ def test_nothing_to_read(blender: Any, addon: ModuleType) -> None:
     arrays = import_module(f"{addon.__name__}.scene.mesh_arrays")
     assert arrays.vertex_positions(data).shape == (0, 3)
     assert arrays.corner_vertices(data).shape == (0,)
+    assert arrays.edge_vertices(data).shape == (0, 2)
+    assert arrays.polygon_sizes(data).shape == (0,)
     assert arrays.triangles(data).shape == (0, 3)
     assert arrays.triangles(data).dtype == np.int32
