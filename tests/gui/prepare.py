@@ -42,6 +42,7 @@ def write_blend(path: Path, meshes: Any) -> None:
             heights = [vertex.co.z for vertex in item.data.vertices]
             low, high = min(heights), max(heights)
             shares = [(height - low) / (high - low) for height in heights]
+            item.asset_mark()
         dress(item, shares)
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
 

@@ -30,6 +30,8 @@ PANELS = {
     "Search": "shape_google.find_similar",
     "Signature": "shape_google_painting.kind",
     "Duplicates": "shape_google_duplicates.scope",
+    "New Objects": "shape_google.check_new_objects",
+    "Decisions": "decision",
 }
 # In pixels, at a scale of the interface of 1: the middle of the first header below the top of the sidebar,
 # the first button below a header's middle, the height of a closed panel with its gap, the tabs at the right,
@@ -40,6 +42,8 @@ HALVES, FIRST, LAST = (0.25, 0.75), (0.12,), (0.9,)
 # Pixels from one place to the next where a small button beside another one is looked for, and an entry of a
 # menu, to the right of where the menu was opened.
 SIDESTEP, MENU_STEP, MENU_INDENT = 6, 10, 30
+# Seconds until Blender has copied what an entry of a menu does: first as on a quick machine, then patiently.
+PAUSES = 0.05, 0.4
 # Seconds: for anything at all on a slow machine; between two pictures of a window that is still changing.
 LIMIT, STILL = 600.0, 1.0
 # Before a click, as a person hesitates: Blender must have seen the pointer come before the button goes down.
@@ -298,16 +302,17 @@ class Window:
         """Click an entry of the menu that is open at the pointer, found by what Ctrl-C copies of it."""
         x, y = self.ask("pointer")
         seen: list[str] = []
-        for place in [*range(y, SIZE[1], MENU_STEP), *range(y, 0, -MENU_STEP)]:
-            self.move(x + MENU_INDENT, place)
-            self.ask("empty_clipboard")
-            self.tool("key", "ctrl+c")
-            self.settle()
-            copied = self.ask("clipboard")
-            if action in copied:
-                self.click(x + MENU_INDENT, place)
-                return
-            seen.append(f"{copied.strip()} at {place}")
+        for pause in PAUSES:
+            for place in [*range(y, SIZE[1], MENU_STEP), *range(y, 0, -MENU_STEP)]:
+                self.move(x + MENU_INDENT, place)
+                self.ask("empty_clipboard")
+                self.tool("key", "ctrl+c")
+                time.sleep(pause)
+                copied = self.ask("clipboard")
+                if action in copied:
+                    self.click(x + MENU_INDENT, place)
+                    return
+                seen.append(f"{copied.strip()} at {place}")
         raise AssertionError(f"no entry does {action!r}: {', '.join(seen)}")
 
     # -- pictures
