@@ -161,6 +161,9 @@ def _take(run: BackgroundRun | SceneIndexing) -> None:
             case IndexSummary():
                 run.reported = True
                 library, sentence = state.current().library.indexed, summary_text(event)
+                if len(event.failed) == 1 and not (event.added or event.updated or event.unchanged):
+                    # Nothing else has happened: the reason need not be looked for in the list.
+                    sentence = f"{sentence}: {_worded(event.failed[0][1])}"
                 if library == preferences().library_path():
                     session.shape_count = event.library_shapes
                 elif library is not None and not session.summary:

@@ -134,7 +134,15 @@ def _draw_indexing(layout: Any, session: Any, context: Any) -> None:
     else:
         row.operator("shape_google.index_library", icon="FILE_REFRESH")
         row.menu("SHAPEGOOGLE_MT_indexing", text="", icon="DOWNARROW_HLT")
-    fixed_text(layout, session.progress if session.indexing else session.summary or _advice(session), context)
+    said = session.progress if session.indexing else session.summary
+    fixed_text(layout, said or _advice(session) or _first_step(context), context)
+
+
+def _first_step(context: Any) -> str:
+    """Say what to do where there is no library yet."""
+    if is_there(context):
+        return ""
+    return tr("Add a folder with + or check This Scene; then click Index Library")
 
 
 def _advice(session: Any) -> str:

@@ -14,7 +14,7 @@ import bpy
 from ..gallery import panel as gallery
 from ..gallery.editor import area
 from ..gallery.on_match import active_match
-from ..library.address import library_key
+from ..library.address import library_key, library_missing
 from ..library.present import follow
 from ..scene.selection import query_objects
 from ..sidebar import SidebarPanel
@@ -47,7 +47,7 @@ class SHAPEGOOGLE_PT_search(SidebarPanel, bpy.types.Panel):
         is_open = any(map(area.is_gallery, context.screen.areas))
         row.operator("shape_google.open_gallery", text="", icon="ASSET_MANAGER", depress=is_open)
         row.operator("shape_google.cancel_search", text="", icon="X")
-        fixed_text(layout, session.answer, context)
+        fixed_text(layout, session.answer or _first_step(context), context)
         _draw_examples(layout, session, context)
         layout.operator("shape_google.suggest_tags", icon="BOOKMARKS")
         _draw_filters(layout, session)
@@ -55,6 +55,11 @@ class SHAPEGOOGLE_PT_search(SidebarPanel, bpy.types.Panel):
         # Before all that is needed less often: on a small screen one row of it fits, with its names.
         gallery.draw_gallery(layout, session, context)
         draw_choices(layout, session)
+
+
+def _first_step(context: Any) -> str:
+    """Say what to do before the first search."""
+    return library_missing(context) or tr("Select an object and click Find Similar")
 
 
 def _draw_examples(layout: Any, session: Any, context: Any) -> None:

@@ -15,6 +15,8 @@ from typing import Any
 import bpy
 import pytest
 
+from tests.addon.shapes import lumpy
+
 ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
 
 
@@ -146,6 +148,26 @@ def test_search_has_the_same_rows_whatever_is_found_and_chosen(
         bpy.ops.mesh.primitive_cube_add()
     bpy.ops.object.select_all(action="SELECT")
     assert kinds(draw(name)) == empty
+
+
+def test_panels_say_what_to_do_first(draw: Any, session: Any, preferences: Any) -> None:
+    library, search = "library.panel.SHAPEGOOGLE_PT_library", "search.panel.SHAPEGOOGLE_PT_search"
+
+    def said(name: str) -> str:
+        return " ".join(row.text for row in draw(name) if row.kind == "line")
+
+    first = "Add a folder with + or check This Scene; then click Index Library"
+    session.summary = session.answer = ""
+    before = kinds(draw(library)), kinds(draw(search))
+    assert first in said(library)
+    assert "Index a library first" in said(search)
+    lumpy("Plum", 2)
+    preferences.use_scene = True
+    assert bpy.ops.shape_google.index_library() == {"FINISHED"}
+    session.summary = ""
+    assert first not in said(library)
+    assert "Select an object and click Find Similar" in said(search)
+    assert (kinds(draw(library)), kinds(draw(search))) == before
 
 
 def test_examples_of_other_libraries_are_not_counted(addon: ModuleType, draw: Any, session: Any) -> None:

@@ -121,6 +121,8 @@ def test_a_match_is_chosen_and_appended(window: Any, found: Any) -> None:
 def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any) -> None:
     sidebar = window.ask("regions")["ui"]
     window.press_beside("shape_google.find_similar", "shape_google.open_gallery")
+    x, y = window.ask("pointer")
+    button = x + 2, y - 8, x + 14, y + 8
     window.wait(lambda _: window.ask("gallery"), "the gallery")
     window.settle()
     # The sidebar is where it was, and in the gallery are pictures.
@@ -154,6 +156,8 @@ def test_the_gallery_chooses_appends_places_and_compares(window: Any, found: Any
         window.settle()
         window.tool("key", "Escape")
         window.wait(lambda _, wanted=open_after: bool(window.ask("gallery")) == wanted, "one step back")
+        # The button is pressed as long as the gallery is open.
+        assert (blue(window.picture(button)) > 0.3) == open_after
     assert window.ask("regions")["ui"] == sidebar
 
 

@@ -37,6 +37,8 @@ EDITOR = jobs.GALLERY
 _WIDE = 1.2
 # Below a half the new area is at the left or below, so that the sidebar of the 3D view stays where it is.
 _SHARE = 0.49
+# Seconds until an area that is closed is gone.
+_UNTIL_CLOSED = 0.1
 
 
 class SHAPEGOOGLE_NT_gallery(bpy.types.NodeTree):
@@ -156,6 +158,14 @@ def close(window: Any, area: Any) -> None:
             bpy.ops.screen.back_to_previous()
         elif bpy.ops.screen.area_close.poll():
             bpy.ops.screen.area_close()
+    # Blender counts the area among those of the screen until it has drawn the window again.
+    bpy.app.timers.register(_show_closed, first_interval=_UNTIL_CLOSED)
+
+
+def _show_closed() -> None:
+    """Have the sidebars show that the gallery is closed."""
+    if state.is_registered():
+        jobs.redraw()
 
 
 def shown_indices(context: Any) -> list[int]:

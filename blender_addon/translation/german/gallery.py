@@ -20,6 +20,7 @@ TEXTS = {
     "Cancelled": "Abgebrochen",
     "{answer}; the matches are in the sidebar of the 3D view (N), tab Shape Google": "{answer}; die Treffer sind in der Seitenleiste der 3D-Ansicht (N), Reiter Shape Google",
     "only the first {count:,} of the {total:,} instances of {name!r} are part of the query": "nur die ersten {count:,} der {total:,} Instanzen von {name!r} gehören zur Anfrage",
+    "Select an object and click Find Similar": "Ein Objekt auswählen und auf Ähnliche finden klicken",
     "Reading the query …": "Anfrage wird gelesen …",
     "Reading {name} …": "{name} wird gelesen …",
     "Select a mesh or a point cloud": "Eine Masche oder eine Punktwolke auswählen",

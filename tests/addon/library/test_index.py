@@ -170,6 +170,18 @@ def test_a_fault_is_copied_with_its_details(addon: ModuleType, session: Any) -> 
     )
 
 
+def test_where_nothing_is_indexed_the_only_reason_is_said_at_once(
+    preferences: Any, session: Any, tmp_path: Path
+) -> None:
+    folder = tmp_path / "away"
+    folder.mkdir()
+    add_folder(preferences, folder)
+    folder.rmdir()
+    bpy.ops.shape_google.index_library()
+    assert session.summary == "1 input failed: 'away' does not exist; check the spelling"
+    assert [error.reason for error in session.errors] == ["'away' does not exist; check the spelling"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such names")
 def test_forty_broken_files(preferences: Any, session: Any, tmp_path: Path) -> None:
     """The summary is longer than any pipe takes at once, and beside it the list of errors is printed."""
