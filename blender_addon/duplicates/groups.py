@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from ..scene.meshes import base_mesh
 from ..scene.selection import mesh_objects, split_evaluated
 from .congruence import LARGE, TOLERANCE, congruence_steps
+from .materials import Materials
 from .mesh_data import WorldMesh, differing_steps, world_mesh
 
 if TYPE_CHECKING:
@@ -195,6 +196,7 @@ class Collecting:
         self._users = sorted(users.items(), key=_preference)
         self.found = SceneShapes([], [], sorted(item.name for item in hidden))
         self.total, self.compared = len(self._users), 0
+        self._materials = Materials()
 
     def steps(self) -> Iterator[bool]:
         """Compare one mesh after the other.
@@ -218,9 +220,8 @@ class Collecting:
                 yield from self._place(near[world.polygons.counts], shapes, _Mesh(world, items))
             yield world is not None and len(world.polygons.vertices) >= LARGE
 
-    @staticmethod
     def _place(
-        candidates: list[tuple[float, int]], shapes: list[_Shape], mesh: _Mesh
+        self, candidates: list[tuple[float, int]], shapes: list[_Shape], mesh: _Mesh
     ) -> Generator[bool, None, None]:
         """Put a mesh to the shape that it is congruent to, or make a new one."""
         polygons = mesh.world.polygons
@@ -232,8 +233,8 @@ class Collecting:
             found = yield from congruence_steps(first.polygons, polygons)
             if found is not None:
                 mesh.scale = found.scale
-                differences = yield from differing_steps(first, mesh.world, found)
-                yield from _place(shapes[index], mesh, differences)
+                differences = yield from differing_steps(first, mesh.world, found, self._materials)
+                yield from _place(shapes[index], mesh, differences, self._materials)
                 return
         insort(candidates, (compactness, len(shapes)))
         shapes.append(_Shape(mesh, []))
@@ -356,7 +357,9 @@ def _preference(entry: tuple[Any, list[Any]]) -> tuple[bool, int, str]:
     return data.library is not None, -len(items), items[0].name
 
 
-def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> Generator[bool, None, None]:
+def _place(
+    shape: _Shape, mesh: _Mesh, differences: list[str], materials: Materials
+) -> Generator[bool, None, None]:
     """Put a mesh to those that it equals in size and data, or beside them."""
     mesh.note = ", ".join(differences)
     if _is_one(mesh.scale) and not differences:
@@ -366,7 +369,9 @@ def _place(shape: _Shape, mesh: _Mesh, differences: list[str]) -> Generator[bool
         if not _is_one(mesh.scale / variant.scale):
             continue
         found = yield from congruence_steps(variant.world.polygons, mesh.world.polygons)
-        if found is not None and not (yield from differing_steps(variant.world, mesh.world, found)):
+        if found is None:
+            continue
+        if not (yield from differing_steps(variant.world, mesh.world, found, materials)):
             mesh.scale, mesh.note = 1.0, ""
             variant.identical.append(mesh)
             return

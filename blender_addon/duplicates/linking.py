@@ -20,6 +20,7 @@ from ..scene.selection import split_evaluated
 from ..translation import marked, tr
 from .congruence import LARGE, congruence_steps
 from .exchange import Exchange, Kept, exchange_of, is_deformed, moved_reason, points_seen, put_in_place
+from .materials import Materials
 from .mesh_data import WorldMesh, differing_steps, world_mesh
 
 FloatArray = NDArray[np.float64]
@@ -100,6 +101,7 @@ class LinkRun:
         self._stages = _stages(groups)
         self.total = sum(len(group) - 1 for stage in self._stages for group in stage)
         self.compared = 0
+        self._materials = Materials()
         # Each is a walk through all objects of the file: once for all, not once for each.
         self._hidden = set(split_evaluated(bpy.data.objects, context)[1])
         self._children: defaultdict[Any, list[Any]] = defaultdict(list)
@@ -176,7 +178,7 @@ class LinkRun:
                     own = world_mesh(item)
                     if len(target.polygons.vertices) >= LARGE:
                         yield True
-                    corrections[data] = yield from _correction(target, own)
+                    corrections[data] = yield from _correction(target, own, self._materials)
                 correction = corrections[data]
                 if isinstance(correction, str):
                     reason = correction
@@ -314,13 +316,13 @@ def _is_animated(block: Any) -> bool:
 
 
 def _correction(
-    target: WorldMesh, own: WorldMesh | None
+    target: WorldMesh, own: WorldMesh | None, materials: Materials
 ) -> Generator[bool, None, tuple[FloatArray, bool] | str]:
     """Matrix from the target's mesh to an object's own, and whether the vertices are in the same order."""
     found = None if own is None else (yield from congruence_steps(target.polygons, own.polygons))
     if found is None or own is None:
         return tr("its geometry is not the same any more; find duplicates again")
-    differences = yield from differing_steps(target, own, found)
+    differences = yield from differing_steps(target, own, found, materials)
     if differences:
         return tr("it differs in: {data}").format(data=", ".join(differences))
     matrix = np.linalg.inv(own.matrix) @ found.matrix @ target.matrix

@@ -16,6 +16,7 @@ from ..signature import attributes
 from ..time_slices import aside
 from ..translation import tr
 from .congruence import LARGE, Congruence, PolygonMesh
+from .materials import Materials
 
 Indices = NDArray[np.int64]
 
@@ -102,7 +103,7 @@ def world_mesh(item: Any) -> WorldMesh | None:
 
 
 def differing_steps(
-    first: WorldMesh, second: WorldMesh, congruence: Congruence
+    first: WorldMesh, second: WorldMesh, congruence: Congruence, materials: Materials
 ) -> Generator[bool, None, list[str]]:
     """Name the data in which two congruent meshes differ, besides the order of their vertices.
 
@@ -111,6 +112,8 @@ def differing_steps(
     first, second : WorldMesh
     congruence : Congruence
         Of their polygons.
+    materials : Materials
+        Of the file, as long as nothing changes them.
 
     Yields
     ------
@@ -133,7 +136,7 @@ def differing_steps(
     }
     one, two = first.data, second.data
     checks: list[tuple[str, Callable[[], bool]]] = [
-        (tr("materials"), lambda: list(one.materials) == list(two.materials)),
+        (tr("materials"), lambda: materials.are_same(list(one.materials), list(two.materials))),
         (tr("seams"), lambda: _same_seams(one, two, orders["EDGE"])),
         (tr("vertex groups"), lambda: _same_groups(first, second, orders["POINT"])),
         (tr("custom normals"), lambda: _same_normals(first, second, congruence, corners)),

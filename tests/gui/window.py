@@ -30,7 +30,7 @@ PANELS = {
     "Search": "shape_google.find_similar",
     "Signature": "shape_google_painting.kind",
     "Duplicates": "shape_google_duplicates.scope",
-    "New Objects": "shape_google.check_new_objects",
+    "New Objects": "shape_google.check",
     "Decisions": "decision",
 }
 # In pixels, at a scale of the interface of 1: the middle of the first header below the top of the sidebar,
