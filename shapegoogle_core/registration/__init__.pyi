@@ -17,6 +17,7 @@ from shapegoogle_core.registration.fit.surface_fit import fit_surface as fit_sur
 from shapegoogle_core.registration.fit.surface_fit import frame_between as frame_between
 from shapegoogle_core.registration.fit.surface_fit import mirrored as mirrored
 from shapegoogle_core.registration.frames import Frame as Frame
+from shapegoogle_core.registration.heat.agreement import HeatStack as HeatStack
 from shapegoogle_core.registration.heat.agreement import PartHeat as PartHeat
 from shapegoogle_core.registration.heat.agreement import heat_features as heat_features
 from shapegoogle_core.registration.heat.agreement import whitened_heat as whitened_heat

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from shapegoogle_core.registration.heat.local_heat import HEAT_TIMES, LocalHeat
 
-__all__ = ["PartHeat", "heat_features", "whitened_heat"]
+__all__ = ["HeatStack", "PartHeat", "heat_features", "whitened_heat"]
 
 FloatArray32 = NDArray[np.float32]
 
@@ -99,6 +99,51 @@ def whitened_heat(heat: LocalHeat) -> FloatArray32:
     return np.asarray(_compared(heat.values, heat.radii) @ _WHITENING)
 
 
+class HeatStack:
+    """Local heat of several candidates, arranged for products with that of queries.
+
+    Parameters
+    ----------
+    candidates : (n, k, 6) array of float32
+        From `whitened_heat`.
+    """
+
+    def __init__(self, candidates: FloatArray32) -> None:
+        self._candidates = candidates
+        self._arranged: dict[int, FloatArray32] = {}
+
+    def __len__(self) -> int:
+        return len(self._candidates)
+
+    def least_squares(self, rows: FloatArray32) -> FloatArray32:
+        """Compute the squared distance of each row from the nearest row of each candidate.
+
+        Parameters
+        ----------
+        rows : (r, m) array of float32
+            The first m whitened features of points of a query.
+
+        Returns
+        -------
+        squares : (r, n) array of float32
+        """
+        # ‖x - y‖² = ‖x‖² - 2 (x·y - ‖y‖²/2): the term in brackets is one product with one more column. A second
+        # pass over a matrix of this size would take as long again.
+        extended = np.concatenate([rows, np.ones((len(rows), 1), np.float32)], axis=1)
+        products = extended @ self._columns(rows.shape[1])
+        most = products.reshape(len(rows), len(self), -1).max(axis=2)
+        squares = (rows**2).sum(axis=1)[:, None] - 2 * most
+        return np.asarray(squares.clip(min=0), np.float32)
+
+    def _columns(self, numbers: int) -> FloatArray32:
+        """Arrange the first features and minus half their squared length as columns, once."""
+        if numbers not in self._arranged:
+            rows = self._candidates[:, :, :numbers].reshape(-1, numbers)
+            halves = (rows**2).sum(axis=1, keepdims=True) / 2
+            self._arranged[numbers] = np.ascontiguousarray(np.concatenate([rows, -halves], axis=1).T)
+        return self._arranged[numbers]
+
+
 class PartHeat:
     """Local heat of a query at one size, prepared for comparisons.
 
@@ -119,11 +164,11 @@ class PartHeat:
         if weight >= _LEAST_KNOWN * len(known) * (_TIMES + 1):
             # The radius counts as one more number that is known.
             self._groups = [
-                (times + 1, whitened[known == times]) for times in np.unique(known[known > 0]).tolist()
+                (times + 1, whitened[known == times, : times + 1]) for times in np.unique(known[known > 0]).tolist()
             ]
         self._weight = weight
 
-    def differences(self, candidates: FloatArray32) -> FloatArray32:
+    def differences(self, candidates: HeatStack) -> FloatArray32:
         """Measure how much the query differs from what is most similar in each candidate.
 
         Where m numbers of a point are known and z is the difference of their whitened values from those of
@@ -131,24 +176,18 @@ class PartHeat:
 
         Parameters
         ----------
-        candidates : (n, k, 6) array of float32
-            From `whitened_heat`.
+        candidates : HeatStack
+            Of n candidates.
 
         Returns
         -------
         differences : (n,) array of float32
             Infinite if too few points of the query are far enough from a cut.
         """
-        count = len(candidates)
         if not self._groups:
-            return np.full(count, np.inf, np.float32)
-        total = np.zeros(count, np.float32)
-        among = candidates.reshape(-1, candidates.shape[-1])
+            return np.full(len(candidates), np.inf, np.float32)
+        total = np.zeros(len(candidates), np.float32)
         for numbers, rows in self._groups:
-            known = among[:, :numbers]
-            products = rows[:, :numbers] @ known.T
-            products -= (known**2).sum(axis=1) / 2
-            most = products.reshape(len(rows), count, -1).max(axis=2)
-            squares = (rows[:, :numbers] ** 2).sum(axis=1)[:, None] - 2 * most
-            total += numbers * np.log1p(_SHARPNESS * squares.clip(min=0) / numbers).sum(axis=0)
+            squares = candidates.least_squares(rows)
+            total += numbers * np.log1p(_SHARPNESS * squares / numbers).sum(axis=0)
         return np.asarray(total / self._weight, np.float32)

@@ -7,14 +7,14 @@ A bent part fits no whole rigidly, and its bags depend on what is missing. Its l
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapegoogle_core.registration.heat.agreement import PartHeat, whitened_heat
+from shapegoogle_core.registration.heat.agreement import HeatStack, PartHeat, whitened_heat
 from shapegoogle_core.registration.heat.local_heat import LocalHeat
 
 __all__ = ["BACKGROUND_FILE", "FEW_AMONG", "BentPart"]
@@ -65,10 +65,10 @@ class BentPart:
             see `PartHeat.differences`. Empty if too few points of the query are far enough from a cut.
         """
         usual = self._usual
-        if not math.isfinite(usual):
+        if not candidates or not math.isfinite(usual):
             return {}
         ids = list(candidates)
-        rough = self._rough([whitened_heat(candidates[shape_id].first(FEW_AMONG)) for shape_id in ids])
+        rough = self._rough(_stacks([candidates[shape_id].first(FEW_AMONG) for shape_id in ids]))
         best = sorted(range(len(ids)), key=lambda row: (float(rough[row].min()), ids[row]))[:_CLOSELY]
         return {ids[row]: self._close(candidates[ids[row]], int(rough[row].argmin())) / usual for row in best}
 
@@ -99,23 +99,26 @@ class BentPart:
     def _close_parts(self) -> list[PartHeat]:
         return [PartHeat(self._heat, float(size), _MANY) for size in _SIZES]
 
-    def _rough(self, candidates: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
+    def _rough(self, candidates: Iterable[HeatStack]) -> NDArray[np.float32]:
         """Compute differences from a few points: a row for each candidate, a column for every second size."""
-        found = np.empty((len(candidates), len(self._rough_parts)), np.float32)
-        for start in range(0, len(candidates), _AT_ONCE):
-            among = np.stack(candidates[start : start + _AT_ONCE])
-            for column, part in enumerate(self._rough_parts):
-                found[start : start + len(among), column] = part.differences(among)
-        return found
+        found = [
+            np.stack([part.differences(stack) for part in self._rough_parts], axis=1) for stack in candidates
+        ]
+        return np.concatenate(found)
 
     def _close(self, candidate: LocalHeat, rough_size: int) -> float:
         """Compute the least difference near the size at which it is roughly least."""
-        among = whitened_heat(candidate)[None]
+        among = HeatStack(whitened_heat(candidate)[None])
         sizes = self._close_parts[max(0, 2 * rough_size - 1) : 2 * rough_size + 2]
         return min(float(part.differences(among)[0]) for part in sizes)
 
 
+def _stacks(candidates: Sequence[LocalHeat]) -> Iterator[HeatStack]:
+    for start in range(0, len(candidates), _AT_ONCE):
+        yield HeatStack(np.stack([whitened_heat(heat) for heat in candidates[start : start + _AT_ONCE]]))
+
+
 @cache
-def _background() -> list[NDArray[np.float32]]:
+def _background() -> list[HeatStack]:
     with (files(__package__) / BACKGROUND_FILE).open("rb") as stream, np.load(stream) as arrays:
-        return [whitened_heat(LocalHeat.from_bytes(row.tobytes())) for row in arrays["shapes"]]
+        return list(_stacks([LocalHeat.from_bytes(row.tobytes()) for row in arrays["shapes"]]))

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh
-from shapegoogle_core.registration import BentPart, LocalHeat, PartHeat, PreparedSample, whitened_heat
+from shapegoogle_core.registration import BentPart, HeatStack, LocalHeat, PartHeat, PreparedSample, whitened_heat
 from tests.core.registration.heat.test_local_heat import heat_of, sample_of
 
 KINDS = ("horse", "spider", "octopus", "bird", "human")
@@ -45,7 +45,7 @@ def test_a_difference_does_not_depend_on_other_shapes() -> None:
 
 def test_a_surface_does_not_differ_from_itself() -> None:
     heat = whole("horse")
-    whitened = whitened_heat(heat)[None]
+    whitened = HeatStack(whitened_heat(heat)[None])
     assert float(PartHeat(heat, 1.0, 400).differences(whitened)[0]) == pytest.approx(0, abs=1e-3)
     assert float(PartHeat(heat, 0.8, 400).differences(whitened)[0]) > 0.05
 
