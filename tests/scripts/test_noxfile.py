@@ -9,11 +9,14 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import nox
 import pytest
+from nox.command import CommandFailed
 
 import noxfile
 
@@ -57,6 +60,31 @@ def test_the_probe_reports_what_cannot_be_imported() -> None:
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "No module named 'bpy'" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("codes", "runs", "fails"),
+    [((0,), 1, False), ((1,), 1, True), ((-11, 0), 2, False), ((-11, -11), 2, True), ((-11, 1), 2, True)],
+)
+def test_only_a_crash_of_the_module_is_tried_again(codes: tuple[int, ...], runs: int, fails: bool) -> None:
+    left, warnings = list(codes), list[str]()
+
+    def run(*command: str, env: dict[str, str]) -> None:
+        nox.command.run(
+            [
+                sys.executable,
+                "-c",
+                f"import os, signal; code = {left.pop(0)}\n"
+                "os.kill(os.getpid(), -code) if code < 0 else os._exit(code)",
+            ],
+            external=True,
+        )
+
+    session: Any = SimpleNamespace(run=run, warn=warnings.append)
+    with pytest.raises(CommandFailed) if fails else nullcontext():
+        noxfile.run_in_module(session, "script.py")
+    assert len(codes) - len(left) == runs
+    assert len(warnings) == runs - 1
 
 
 def test_no_blender_is_a_reason_of_its_own(empty_machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
