@@ -110,14 +110,15 @@ def compare(mesh_a: MeshLike, mesh_b: MeshLike, model: ShapeModel | str | Path |
         lambda shape_ids: iter([(shape_id, sample) for shape_id in shape_ids]), model, settings.verification
     )
     prepared = PreparedQuery(signature, settings.evidence)
-    if verifier.is_needed(match, several=False):
+    if verifier.is_needed(match, several=False, cut=signature.sample.is_cut):
         scales = {} if model.local_words is None else {match.shape_id: range(len(SHARED_SCALES))}
         samples = QuerySamples([prepared.prepared], lambda _: {})
         (match,) = verifier.verify(samples, [match], lambda: Sharing(scales, []))
     match = _with_kind_distance(model, match, signature, other)
     # On matrices of this size a second BLAS thread only doubles the processor time.
     with threadpool_limits(1, user_api="blas"):
-        pair = PairFigures(model, settings, prepared, settings.verification.certain)
+        certain = settings.verification.enough(several=False, cut=signature.sample.is_cut)
+        pair = PairFigures(model, settings, prepared, certain)
         compared = Compared(sample, match, other.measures)
         distance = float(model.distances(signature.bags, bags)[0])
         figures = BagFigures(distance, usual, float(distances[0]), usual)

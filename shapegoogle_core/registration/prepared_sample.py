@@ -81,7 +81,7 @@ class PreparedSample:
     def bent(self) -> BentPart | None:
         """The sample as a part in another pose; None if it is cut off nowhere or has no local heat."""
         heat = self.sample.local_heat
-        return BentPart(heat) if heat is not None and heat.is_cut else None
+        return BentPart(heat) if heat is not None and self.sample.is_cut else None
 
     @cached_property
     def tree(self) -> cKDTree:

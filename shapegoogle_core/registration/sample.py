@@ -117,6 +117,11 @@ class SurfaceSample:
         """Local heat of points that begin with these; None for point clouds, and in libraries from before."""
         return LocalHeat.from_bytes(self.packed_heat) if self.packed_heat else None
 
+    @property
+    def is_cut(self) -> bool:
+        """Whether the surface ends somewhere or had holes that were closed, as far as `local_heat` tells."""
+        return self.local_heat is not None and self.local_heat.is_cut
+
     @cached_property
     def centers(self) -> FloatArray:
         """(m, 3) points of the medial axis: the centres of the medial balls."""

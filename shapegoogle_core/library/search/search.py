@@ -190,9 +190,10 @@ class Search:
             # That a copy of one of several examples is certain says nothing about the others.
             copies = [match for match in matches if query.several and match.distance == 0]
             rest = matches[len(copies) :]
-            if rest and self._verifier.is_needed(rest[0], query.several):
+            own = [self.prepared.of(signature).prepared for signature in query.sampled]
+            cut = any(prepared.sample.is_cut for prepared in own)
+            if rest and self._verifier.is_needed(rest[0], several=query.several, cut=cut):
                 known = {match.shape_id for match in matches}
-                own = [self.prepared.of(signature).prepared for signature in query.sampled]
                 samples = QuerySamples(own, partial(self.reranker.nearest_samples, query))
                 find_sharing = partial(self._sharing, query, samples, known, among)
                 rest = self._verifier.verify(samples, rest, find_sharing)

@@ -103,6 +103,8 @@ class VerificationSettings:
     certain_of_several : float
         The same for a query of several examples, copies of the examples left out. Several examples show how a
         shape varies, an alignment knows each of them in one pose.
+    certain_of_cut : float
+        The same for a query with an opening or a closed hole: what is missing of it changes its bags.
     first : int
         Number of matches that are aligned first.
     likely : float
@@ -128,6 +130,9 @@ class VerificationSettings:
     bent_half, bent_exponent : float
         x½ and k in the odds (x½ / x)ᵏ that a query whose local heat differs by x, see `BentPart`, is a part
         of the candidate in another pose.
+    bent_agreement : float
+        Power of what an alignment has lowered the distance of the bags by that lowers the distance of local
+        heat, too: each knows something that the other one does not.
     bent_exact : float
         Share of the query that fits exactly from which local heat says nothing against an alignment. A part
         of the candidate has more, a part of a relative in the same pose less.
@@ -136,6 +141,7 @@ class VerificationSettings:
     candidates: int = 300
     certain: float = 0.7
     certain_of_several: float = 0.5
+    certain_of_cut: float = 0.9
     first: int = 12
     likely: float = 0.9
     next: int = 40
@@ -150,7 +156,26 @@ class VerificationSettings:
     surely_exact: float = 0.7
     bent_half: float = 0.64
     bent_exponent: float = 3.6
+    bent_agreement: float = 0.2
     bent_exact: float = 0.55
+
+    def enough(self, *, several: bool, cut: bool) -> float:
+        """Return the similarity by bags from which verification is skipped.
+
+        Parameters
+        ----------
+        several : bool
+            Whether the query has several examples.
+        cut : bool
+            Whether one of them is cut off somewhere.
+
+        Returns
+        -------
+        similarity : float
+        """
+        if several:
+            return self.certain_of_several
+        return self.certain_of_cut if cut else self.certain
 
 
 @dataclass(frozen=True)

@@ -51,9 +51,10 @@ def bent_distance(
 ) -> float:
     """Change a verified distance by the difference of local heat.
 
-    The distance of a difference x has the odds (x½ / x)ᵏ of the same shape. Where it is shorter, it counts. A
-    longer one takes back half of what an alignment found, on a logarithmic scale: a relative in the query's
-    pose can fit half of a bent part. It says nothing against bags, nor where the query fits exactly.
+    The distance of a difference x has the odds (x½ / x)ᵏ of the same shape; what an alignment has found
+    lowers it a little, too. Where it is shorter than the verified one, it counts. A longer one takes back
+    half of what the alignment found, on a logarithmic scale: a relative in the query's pose can fit half of a
+    bent part. It says nothing against bags, nor where the query fits exactly.
 
     Parameters
     ----------
@@ -74,8 +75,9 @@ def bent_distance(
         return distance
     exponent = settings.bent_exponent / model.verified_slope
     bent = float(model.verified_half * (difference / settings.bent_half) ** exponent)
-    if bent < distance:
-        return round(max(bent, _LEAST_BENT), DISTANCE_DECIMALS)
+    both = bent * (distance / bags) ** settings.bent_agreement if bags > 0 else bent
+    if both < distance:
+        return round(max(both, _LEAST_BENT), DISTANCE_DECIMALS)
     if exact >= settings.bent_exact:
         return distance
     return max(distance, round(min(bags, math.sqrt(distance * bent)), DISTANCE_DECIMALS))

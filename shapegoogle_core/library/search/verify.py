@@ -91,7 +91,7 @@ class Verifier:
         self._model = model
         self._settings = settings
 
-    def is_needed(self, best: Match, several: bool) -> bool:
+    def is_needed(self, best: Match, *, several: bool, cut: bool) -> bool:
         """Decide whether bags are uncertain.
 
         Parameters
@@ -100,13 +100,14 @@ class Verifier:
             The best match by its bags; with several examples, the best that is no copy of one of them.
         several : bool
             Whether the query has several examples.
+        cut : bool
+            Whether it is cut off somewhere.
 
         Returns
         -------
         needed : bool
         """
-        limit = self._settings.certain_of_several if several else self._settings.certain
-        return best.similarity < limit
+        return best.similarity < self._settings.enough(several=several, cut=cut)
 
     def verify(
         self, samples: QuerySamples, matches: Sequence[Match], find_sharing: Callable[[], Sharing]
@@ -154,7 +155,7 @@ class Verifier:
                             pairs[shape_id] = pair
             verified = [self._verified(samples, pair) for pair in pairs.values()]
             found = [*verified, *(match for match in rest if match.shape_id not in pairs)]
-            if max(match.similarity for match in verified) < settings.likely:
+            if self._may_be_bent(verified, pairs):
                 found = self._with_bent(samples, found, pairs)
         return sorted(found, key=lambda match: match.rank_key)
 
@@ -243,6 +244,14 @@ class Verifier:
                 alignment = measure(query, prepared, frame)
                 pairs[match.shape_id] = _Pair(match, prepared, alignment, exact, is_full=False)
         return pairs
+
+    def _may_be_bent(self, verified: Sequence[Match], pairs: Mapping[int, _Pair]) -> bool:
+        """Decide whether the query may be a bent part of a shape other than the best."""
+        best = max(verified, key=lambda match: match.similarity)
+        if best.similarity < self._settings.likely:
+            return True
+        # A relative in the query's pose agrees with it, but does not fit exactly.
+        return pairs[best.shape_id].exact < self._settings.bent_exact
 
     def _with_bent(
         self, samples: QuerySamples, matches: Sequence[Match], pairs: Mapping[int, _Pair]

@@ -127,8 +127,8 @@ class HeatStack:
         -------
         squares : (r, n) array of float32
         """
-        # ‖x - y‖² = ‖x‖² - 2 (x·y - ‖y‖²/2): the term in brackets is one product with one more column. A second
-        # pass over a matrix of this size would take as long again.
+        # ‖x - y‖² = ‖x‖² - 2 (x·y - ‖y‖²/2): with one more column, the term in brackets is one product. A
+        # second pass over a matrix of this size would take as long again.
         extended = np.concatenate([rows, np.ones((len(rows), 1), np.float32)], axis=1)
         products = extended @ self._columns(rows.shape[1])
         most = products.reshape(len(rows), len(self), -1).max(axis=2)
@@ -164,7 +164,8 @@ class PartHeat:
         if weight >= _LEAST_KNOWN * len(known) * (_TIMES + 1):
             # The radius counts as one more number that is known.
             self._groups = [
-                (times + 1, whitened[known == times, : times + 1]) for times in np.unique(known[known > 0]).tolist()
+                (times + 1, whitened[known == times, : times + 1])
+                for times in np.unique(known[known > 0]).tolist()
             ]
         self._weight = weight
 

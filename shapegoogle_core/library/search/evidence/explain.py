@@ -71,8 +71,9 @@ def explain_matches(
     usable = [(query, query.sample) for query in queries if query.sample is not None]
     if not usable or not matches:
         return by_bags(model, matches)
-    verification = settings.verification
-    certain = verification.certain if len(queries) == 1 else verification.certain_of_several
+    certain = settings.verification.enough(
+        several=len(queries) > 1, cut=any(sample.is_cut for _, sample in usable)
+    )
     shape_ids = [match.shape_id for match in matches]
     by_id = {match.shape_id: match for match in matches}
     found, bags = store.bags(shape_ids, model.bag_size)

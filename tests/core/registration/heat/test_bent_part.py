@@ -11,7 +11,14 @@ import pytest
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Mesh
-from shapegoogle_core.registration import BentPart, HeatStack, LocalHeat, PartHeat, PreparedSample, whitened_heat
+from shapegoogle_core.registration import (
+    BentPart,
+    HeatStack,
+    LocalHeat,
+    PartHeat,
+    PreparedSample,
+    whitened_heat,
+)
 from tests.core.registration.heat.test_local_heat import heat_of, sample_of
 
 KINDS = ("horse", "spider", "octopus", "bird", "human")
