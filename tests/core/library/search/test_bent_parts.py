@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.evidence_pairs import cut
 from shapegoogle_core import Library, Mesh, ShapeSignature, compare, load_model
-from shapegoogle_core.library.search.settings import VerificationSettings
+from shapegoogle_core.library.match import Match
+from shapegoogle_core.library.search.settings import SearchSettings, VerificationSettings
 from shapegoogle_core.library.search.verified_distances import bent_distance
+from shapegoogle_core.library.search.verify import Verifier
 
 KINDS = ("dog", "horse", "spider", "octopus", "bird", "human")
 SEEDS = (303, 304, 305)
@@ -81,6 +83,28 @@ def test_libraries_from_before_are_searched_as_before(
         assert one == other
 
 
+@pytest.mark.parametrize("similarity", [0.75, 0.95])
+def test_a_cut_query_needs_more_certain_bags(similarity: float) -> None:
+    settings = VerificationSettings()
+    verifier = Verifier(lambda _: iter(()), load_model(), settings)
+    best = Match("whole", "", "", 0.1, similarity, 1, 1, 1, 1.0)
+    assert verifier.is_needed(best, several=False, cut=True) == (similarity < settings.certain_of_cut)
+    assert not verifier.is_needed(best, several=False, cut=False)
+    assert not verifier.is_needed(best, several=True, cut=True)
+
+
+@pytest.mark.parametrize("kind", ["dog", "spider"])
+def test_a_relative_that_is_likely_does_not_end_the_search(
+    kind: str, parts: dict[str, ShapeSignature], library: Library
+) -> None:
+    """Here every alignment is likely: heat is asked all the same, since nothing fits exactly."""
+    easily = SearchSettings(verification=VerificationSettings(likely=0.0))
+    with Library.open(library.path, read_only=True, search=easily) as opened:
+        found = opened.query(parts[kind], top=8, rank="shape", explain=0)
+    assert found[0].name == f"{kind} {SEEDS[0]}"
+    assert found[0].bent_distance is not None
+
+
 def changed(distance: float, bags: float, exact: float, difference: float) -> float:
     return bent_distance(load_model(), VerificationSettings(), distance, bags, exact, difference)
 
@@ -91,6 +115,9 @@ def test_local_heat_that_agrees_lowers_a_distance() -> None:
     odds = (settings.bent_half / 0.4) ** settings.bent_exponent
     similarity = float(model.similarity(changed(0.9, 0.9, 0.0, 0.4), verified=True))
     assert similarity == pytest.approx(odds / (1 + odds), abs=1e-4)
+    # An alignment of the same pair lowers it further, and is not enough by itself.
+    assert changed(0.3, 0.9, 0.0, 0.4) < changed(0.9, 0.9, 0.0, 0.4)
+    assert changed(0.3, 0.9, 0.0, 0.5) > changed(0.9, 0.9, 0.0, 0.4)
     # Only a copy is at distance 0.
     assert 0 < changed(0.9, 0.9, 0.0, 1e-6) < 1e-5
 

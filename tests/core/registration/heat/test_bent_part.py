@@ -7,6 +7,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 
 from benchmarks.creatures import make_creature
 from benchmarks.experiments.evidence_pairs import cut
@@ -55,6 +59,25 @@ def test_a_surface_does_not_differ_from_itself() -> None:
     whitened = HeatStack(whitened_heat(heat)[None])
     assert float(PartHeat(heat, 1.0, 400).differences(whitened)[0]) == pytest.approx(0, abs=1e-3)
     assert float(PartHeat(heat, 0.8, 400).differences(whitened)[0]) > 0.05
+
+
+@given(
+    features=arrays(np.float32, (3, 5, 6), elements=st.floats(-9, 9, width=32)),
+    rows=arrays(np.float32, (4, 6), elements=st.floats(-9, 9, width=32)),
+    numbers=st.integers(2, 6),
+)
+def test_the_nearest_rows_are_those_of_all_distances(
+    features: NDArray[np.float32], rows: NDArray[np.float32], numbers: int
+) -> None:
+    apart = rows[:, None, None, :numbers].astype(float) - features[None, :, :, :numbers]
+    expected = (apart**2).sum(axis=3).min(axis=2)
+    stack = HeatStack(features)
+    for _ in range(2):  # arranged, and then remembered
+        assert stack.least_squares(rows[:, :numbers]) == pytest.approx(expected, abs=1e-3)
+
+
+def test_nothing_is_asked_of_no_candidates() -> None:
+    assert BentPart(heat_of(bent("horse", 2 / 3))).differences({}) == {}
 
 
 def test_only_what_is_cut_off_is_a_part() -> None:
