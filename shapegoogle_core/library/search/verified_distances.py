@@ -12,6 +12,9 @@ from shapegoogle_core.registration import Alignment
 
 __all__ = ["bent_distance", "lowered_distance"]
 
+# Share of what an alignment has found, on a logarithmic scale, that is kept where local heat speaks against
+# it.
+_KEPT = 0.25
 # Only a copy has the distance 0.
 _LEAST_BENT = 10.0**-DISTANCE_DECIMALS
 
@@ -53,8 +56,8 @@ def bent_distance(
 
     The distance of a difference x has the odds (x½ / x)ᵏ of the same shape; what an alignment has found
     lowers it a little, too. Where it is shorter than the verified one, it counts. A longer one takes back
-    half of what the alignment found, on a logarithmic scale: a relative in the query's pose can fit half of a
-    bent part. It says nothing against bags, nor where the query fits exactly.
+    three quarters of what the alignment found, on a logarithmic scale: a relative in the query's pose can fit
+    half of a bent part. It says nothing against bags, nor where the query fits exactly.
 
     Parameters
     ----------
@@ -80,4 +83,5 @@ def bent_distance(
         return round(max(both, _LEAST_BENT), DISTANCE_DECIMALS)
     if exact >= settings.bent_exact:
         return distance
-    return max(distance, round(min(bags, math.sqrt(distance * bent)), DISTANCE_DECIMALS))
+    between = distance**_KEPT * bent ** (1 - _KEPT)
+    return max(distance, round(min(bags, between), DISTANCE_DECIMALS))
