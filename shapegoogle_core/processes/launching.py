@@ -213,6 +213,36 @@ def interrupts_blocked() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
+    with _handled_later(), _signals_blocked():
+        yield
+
+
+@contextmanager
+def _handled_later() -> Iterator[None]:
+    """Keep Python's own handlers of signals that end a program waiting until the end of the block.
+
+    Another thread may receive a signal that this one blocks, and Python then calls its handler in the main
+    thread all the same: a process that is just started would wait for the rest of what it is told, in vain.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    handlers = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
+    received: list[int] = []
+    for number in handlers:
+        signal.signal(number, lambda number, _frame: received.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for signal_number in dict.fromkeys(received):
+            signal.raise_signal(signal_number)
+
+
+@contextmanager
+def _signals_blocked() -> Iterator[None]:
     # This helper of multiprocessing ignores only Ctrl-C by itself, and starting it unblocks that again, so it
     # must run already.
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})

@@ -83,5 +83,5 @@ def bent_distance(
         return round(max(both, _LEAST_BENT), DISTANCE_DECIMALS)
     if exact >= settings.bent_exact:
         return distance
-    between = distance**_KEPT * bent ** (1 - _KEPT)
+    between = math.pow(distance, _KEPT) * math.pow(bent, 1 - _KEPT)
     return max(distance, round(min(bags, between), DISTANCE_DECIMALS))
