@@ -142,7 +142,7 @@ def _first_step(context: Any) -> str:
     """Say what to do where there is no library yet."""
     if is_there(context):
         return ""
-    return tr("Add a folder with + or check This Scene; then click Index Library")
+    return tr("Choose This Scene or add a folder, then Index Library")
 
 
 def _advice(session: Any) -> str:

@@ -156,7 +156,7 @@ def test_panels_say_what_to_do_first(draw: Any, session: Any, preferences: Any) 
     def said(name: str) -> str:
         return " ".join(row.text for row in draw(name) if row.kind == "line")
 
-    first = "Add a folder with + or check This Scene; then click Index Library"
+    first = "Choose This Scene or add a folder, then Index Library"
     session.summary = session.answer = ""
     before = kinds(draw(library)), kinds(draw(search))
     assert first in said(library)

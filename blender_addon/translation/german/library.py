@@ -133,7 +133,7 @@ TEXTS = {
     "Training …": "Training …",
     "Training failed; see the list of what was not indexed": "Das Training ist fehlgeschlagen; siehe die Liste dessen, was nicht indiziert wurde",
     "Training cancelled": "Training abgebrochen",
-    "Add a folder with + or check This Scene; then click Index Library": "Einen Ordner mit + hinzufügen oder Diese Szene ankreuzen; dann auf Bibliothek indizieren klicken",
+    "Choose This Scene or add a folder, then Index Library": "Diese Szene oder einen Ordner wählen, dann indizieren",
     "Add a folder, or an asset library in Blender's preferences": "Einen Ordner hinzufügen, oder eine Asset-Bibliothek in Blenders Einstellungen",
     "{path}: {reason}; choose another place": "{path}: {reason}; eine andere Stelle wählen",
     "Trained {name}; it is used for new libraries": "{name} trainiert; es wird für neue Bibliotheken verwendet",
