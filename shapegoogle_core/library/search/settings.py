@@ -133,6 +133,9 @@ class VerificationSettings:
     bent_agreement : float
         Power of what an alignment has lowered the distance of the bags by that lowers the distance of local
         heat, too: each knows something that the other one does not.
+    bent_whole : float
+        Share of the medial axis of a candidate, covered by the query, from which the query is no part of it:
+        local heat is not asked. It is different where limbs are swollen.
     bent_exact : float
         Share of the query that fits exactly from which local heat says nothing against an alignment. A part
         of the candidate has more, a part of a relative in the same pose less.
@@ -157,6 +160,7 @@ class VerificationSettings:
     bent_half: float = 0.64
     bent_exponent: float = 3.6
     bent_agreement: float = 0.2
+    bent_whole: float = 0.75
     bent_exact: float = 0.55
 
     def enough(self, *, several: bool, cut: bool) -> float:

@@ -10,7 +10,7 @@ from shapegoogle_core.library.search.settings import VerificationSettings
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import Alignment
 
-__all__ = ["bent_distance", "lowered_distance"]
+__all__ = ["bent_distance", "covers_whole", "lowered_distance"]
 
 # Share of what an alignment has found, on a logarithmic scale, that is kept where local heat speaks against
 # it.
@@ -42,6 +42,22 @@ def lowered_distance(
     distance = model.verified_distance(distance, alignment.excess)
     distance *= math.exp(-settings.exact_gain * max(0.0, exact - settings.exact_from))
     return round(distance, DISTANCE_DECIMALS)
+
+
+def covers_whole(settings: VerificationSettings, alignment: Alignment) -> bool:
+    """Whether the query covers so much of a candidate that it is no part of it.
+
+    Parameters
+    ----------
+    settings : VerificationSettings
+    alignment : Alignment
+        From the query to the candidate.
+
+    Returns
+    -------
+    whole : bool
+    """
+    return float(alignment.candidate_axis_covered.mean()) >= settings.bent_whole
 
 
 def bent_distance(

@@ -28,7 +28,11 @@ from shapegoogle_core.library.search.surfaces import (
     prepared_candidates,
     remembered,
 )
-from shapegoogle_core.library.search.verified_distances import bent_distance, lowered_distance
+from shapegoogle_core.library.search.verified_distances import (
+    bent_distance,
+    covers_whole,
+    lowered_distance,
+)
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
     SHARED_SCALES,
@@ -155,7 +159,7 @@ class Verifier:
                             pairs[shape_id] = pair
             verified = [self._verified(samples, pair) for pair in pairs.values()]
             found = [*verified, *(match for match in rest if match.shape_id not in pairs)]
-            if self._may_be_bent(verified, pairs):
+            if self._may_be_bent(found, pairs):
                 found = self._with_bent(samples, found, pairs)
         return sorted(found, key=lambda match: match.rank_key)
 
@@ -245,13 +249,20 @@ class Verifier:
                 pairs[match.shape_id] = _Pair(match, prepared, alignment, exact, is_full=False)
         return pairs
 
-    def _may_be_bent(self, verified: Sequence[Match], pairs: Mapping[int, _Pair]) -> bool:
+    def _may_be_bent(self, matches: Sequence[Match], pairs: Mapping[int, _Pair]) -> bool:
         """Decide whether the query may be a bent part of a shape other than the best."""
-        best = max(verified, key=lambda match: match.similarity)
-        if best.similarity < self._settings.likely:
-            return True
+        nearest = pairs.get(min(matches, key=lambda match: match.rank_key).shape_id)
+        if (
+            nearest is not None
+            and nearest.alignment is not None
+            and covers_whole(self._settings, nearest.alignment)
+        ):
+            return False
+        likeliest = max(matches, key=lambda match: match.similarity)
         # A relative in the query's pose agrees with it, but does not fit exactly.
-        return pairs[best.shape_id].exact < self._settings.bent_exact
+        pair = pairs.get(likeliest.shape_id)
+        fits = pair is not None and pair.exact >= self._settings.bent_exact
+        return likeliest.similarity < self._settings.likely or not fits
 
     def _with_bent(
         self, samples: QuerySamples, matches: Sequence[Match], pairs: Mapping[int, _Pair]
@@ -268,6 +279,9 @@ class Verifier:
                     if sample.local_heat is not None
                 }
                 differences |= example.prepared.bent.differences(known)
+        # Where heat finds nothing that is more likely than not, it says nothing against an alignment.
+        if min(differences.values(), default=math.inf) >= self._settings.bent_half:
+            return list(matches)
         return [
             self._if_bent(match, differences[match.shape_id], pairs.get(match.shape_id))
             if match.shape_id in differences

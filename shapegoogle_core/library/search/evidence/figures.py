@@ -15,7 +15,11 @@ from shapegoogle_core.library.evidence import Evidence
 from shapegoogle_core.library.search.evidence.kinds import Compared
 from shapegoogle_core.library.search.prepared import PreparedQuery
 from shapegoogle_core.library.search.settings import SearchSettings
-from shapegoogle_core.library.search.verified_distances import bent_distance, lowered_distance
+from shapegoogle_core.library.search.verified_distances import (
+    bent_distance,
+    covers_whole,
+    lowered_distance,
+)
 from shapegoogle_core.mesh.mesh import FloatArray
 from shapegoogle_core.model import ShapeModel
 from shapegoogle_core.registration import (
@@ -215,7 +219,9 @@ class PairFigures:
             evidence = self._explainer.relate(match, weighed, position.pose)
             return by_bags, _limited(evidence, by_bags, bags, weighed)
         verified, pose = self._verify(bags, position)
-        verified = self._if_bent(match.sample, bags, verified, pose)
+        alignment = position.rough if position.thorough is None else position.thorough
+        if alignment is None or not covers_whole(self._settings.verification, alignment):
+            verified = self._if_bent(match.sample, bags, verified, pose)
         similarity = float(self._model.similarity(verified, bags.pooled_typical, verified=True))
         evidence = self._explainer.relate(match, weighed, pose)
         return similarity, _limited(evidence, similarity, bags, weighed)
