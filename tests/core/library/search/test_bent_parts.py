@@ -19,6 +19,7 @@ from shapegoogle_core.library.match import Match
 from shapegoogle_core.library.search.settings import SearchSettings, VerificationSettings
 from shapegoogle_core.library.search.verified_distances import bent_distance
 from shapegoogle_core.library.search.verify import Verifier
+from shapegoogle_core.model.augmentation import transform
 
 KINDS = ("dog", "horse", "spider", "octopus", "bird", "human")
 SEEDS = (303, 304, 305)
@@ -81,6 +82,21 @@ def test_libraries_from_before_are_searched_as_before(
             for query in (parts["dog"], without_heat(parts["dog"]))
         )
         assert one == other
+
+
+@pytest.mark.parametrize("kind", ["dog", "horse", "human"])
+def test_swollen_limbs_with_small_holes_are_searched_without_it(kind: str, library: Library) -> None:
+    """They have other heat than their original, and are no part of it."""
+    swollen = transform(creature(kind, SEEDS[0], 0), "local_scale", 4, 11)
+    query = load_model().describe(transform(swollen, "holes", 1, 5))
+    assert query.sample is not None
+    assert query.sample.is_cut
+    found, expected = (
+        [(match.name, match.distance) for match in library.query(one, rank="shape", explain=0)]
+        for one in (query, without_heat(query))
+    )
+    assert found[0][0] == f"{kind} {SEEDS[0]}"
+    assert found == expected
 
 
 @pytest.mark.parametrize("similarity", [0.75, 0.95])
