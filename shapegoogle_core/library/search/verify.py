@@ -49,6 +49,9 @@ from shapegoogle_core.registration import (
 
 __all__ = ["Sharing", "Verifier", "known_alignment", "verify_pair"]
 
+# An alignment that has found something lowers the distance of the bags to less than this share of it.
+_FOUND = 0.8
+
 
 @dataclass(frozen=True)
 class Sharing:
@@ -280,7 +283,13 @@ class Verifier:
                 }
                 differences |= example.prepared.bent.differences(known)
         # Where heat finds nothing that is more likely than not, it says nothing against an alignment.
-        if min(differences.values(), default=math.inf) >= self._settings.bent_half:
+        nearest = min(matches, key=lambda match: match.rank_key)
+        pair = pairs.get(nearest.shape_id)
+        if (
+            min(differences.values(), default=math.inf) >= self._settings.bent_half
+            and pair is not None
+            and nearest.distance < _FOUND * pair.match.distance
+        ):
             return list(matches)
         return [
             self._if_bent(match, differences[match.shape_id], pairs.get(match.shape_id))
