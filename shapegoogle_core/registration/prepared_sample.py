@@ -79,7 +79,7 @@ class PreparedSample:
 
     @cached_property
     def bent(self) -> BentPart | None:
-        """The sample as a part in another pose; None if it is cut off nowhere or has no local heat."""
+        """The sample as a part in another pose; None if nothing is cut off, or it has no local heat."""
         heat = self.sample.local_heat
         return BentPart(heat) if heat is not None and self.sample.is_cut else None
 

@@ -119,7 +119,7 @@ class SurfaceSample:
 
     @property
     def is_cut(self) -> bool:
-        """Whether the surface ends somewhere or had holes that were closed, as far as `local_heat` tells."""
+        """Whether something is cut off, see `LocalHeat.is_cut`."""
         return self.local_heat is not None and self.local_heat.is_cut
 
     @cached_property

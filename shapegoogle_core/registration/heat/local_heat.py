@@ -43,6 +43,9 @@ _RANGES = {
     "radii": (math.log(_SMALLEST_RADIUS), math.log(_LARGEST_RADIUS)),
     "margins": (0.0, 0.75),
 }
+# A surface is cut off if this share of it is as near to an opening as this. Of creatures that were cut into
+# parts, 0.06 and more is, of one with a single small opening less.
+_LEAST_SHARE, _NEAR = 0.05, 0.1
 _HEADER = struct.Struct("<HH")
 
 
@@ -66,8 +69,8 @@ class LocalHeat:
 
     @property
     def is_cut(self) -> bool:
-        """Whether the surface ends somewhere near the points, or had holes that were closed."""
-        return bool((self.margins < _RANGES["margins"][1]).any())
+        """Whether much of the surface is near to where it ends, or had holes that were closed."""
+        return float((self.margins < _NEAR).mean()) >= _LEAST_SHARE
 
     def first(self, points: int) -> Self:
         """Return the local heat of the first points only.
