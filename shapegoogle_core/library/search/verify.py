@@ -254,12 +254,8 @@ class Verifier:
 
     def _may_be_bent(self, matches: Sequence[Match], pairs: Mapping[int, _Pair]) -> bool:
         """Decide whether the query may be a bent part of a shape other than the best."""
-        nearest = pairs.get(min(matches, key=lambda match: match.rank_key).shape_id)
-        if (
-            nearest is not None
-            and nearest.alignment is not None
-            and covers_whole(self._settings, nearest.alignment)
-        ):
+        _, pair = _nearest(matches, pairs)
+        if pair is not None and pair.alignment is not None and covers_whole(self._settings, pair.alignment):
             return False
         likeliest = max(matches, key=lambda match: match.similarity)
         # A relative in the query's pose agrees with it, but does not fit exactly.
@@ -283,8 +279,7 @@ class Verifier:
                 }
                 differences |= example.prepared.bent.differences(known)
         # Where heat finds nothing that is more likely than not, it says nothing against an alignment.
-        nearest = min(matches, key=lambda match: match.rank_key)
-        pair = pairs.get(nearest.shape_id)
+        nearest, pair = _nearest(matches, pairs)
         if (
             min(differences.values(), default=math.inf) >= self._settings.bent_half
             and pair is not None
@@ -324,6 +319,12 @@ class Verifier:
             alignment=pair.alignment if pair.is_full else None,
             aligned_sample=_sample_key(samples.of(pair.match).prepared.sample),
         )
+
+
+def _nearest(matches: Sequence[Match], pairs: Mapping[int, _Pair]) -> tuple[Match, _Pair | None]:
+    """Return the nearest match, and its alignment if it was aligned."""
+    nearest = min(matches, key=lambda match: match.rank_key)
+    return nearest, pairs.get(nearest.shape_id)
 
 
 def verify_pair(
