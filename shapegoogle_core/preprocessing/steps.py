@@ -113,7 +113,7 @@ class Unsmoothed:
     ----------
     mesh : Mesh
     openings : (p, 3) array
-        Points of the boundary and of the lids of holes, see `opening_points`.
+        Points of the boundary and of the lids of holes if something is cut off, see `opening_points`.
     """
 
     mesh: Mesh

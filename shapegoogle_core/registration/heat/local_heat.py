@@ -43,9 +43,6 @@ _RANGES = {
     "radii": (math.log(_SMALLEST_RADIUS), math.log(_LARGEST_RADIUS)),
     "margins": (0.0, 0.75),
 }
-# A surface is cut off if this share of it is as near to an opening as this. Of creatures that were cut into
-# parts, 0.06 and more is, of one with a single small opening less.
-_LEAST_SHARE, _NEAR = 0.05, 0.1
 _HEADER = struct.Struct("<HH")
 
 
@@ -60,7 +57,8 @@ class LocalHeat:
     radii : (k,) array of float32
         Logarithms of the radii of the medial balls, see `medial_radii`.
     margins : (k,) array of float32
-        Distances to the open boundary and to lids of holes, 0.75 at most.
+        Distances to the open boundary and to lids of holes, 0.75 at most, which all points have if nothing is
+        cut off; see `opening_points`.
     """
 
     values: NDArray[np.float32]
@@ -69,8 +67,8 @@ class LocalHeat:
 
     @property
     def is_cut(self) -> bool:
-        """Whether much of the surface is near to where it ends, or had holes that were closed."""
-        return float((self.margins < _NEAR).mean()) >= _LEAST_SHARE
+        """Whether something is cut off the surface."""
+        return bool((self.margins < _RANGES["margins"][1]).any())
 
     def first(self, points: int) -> Self:
         """Return the local heat of the first points only.

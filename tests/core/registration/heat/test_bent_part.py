@@ -85,8 +85,6 @@ def test_only_what_is_cut_off_is_a_part() -> None:
     assert PreparedSample(closed).bent is None
     mesh = make_creature("horse", SEED, 3000).pose(0)
     pierced = sample_of(Mesh(mesh.vertices, mesh.faces[(mesh.faces != mesh.faces[0, 0]).all(axis=1)]))
-    assert pierced.local_heat is not None
-    assert pierced.local_heat.margins.min() < 0.05, "it has an opening"
     assert PreparedSample(pierced).bent is None
     opened = sample_of(bent("horse", 2 / 3))
     assert PreparedSample(opened).bent is not None
