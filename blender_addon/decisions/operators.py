@@ -274,7 +274,7 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
             return (
                 [member.shape_id],
                 [],
-                tr("{query} is the master among its duplicates").format(query=member.name),
+                tr("{query} is the master among its duplicates").format(query=member.title),
             )
         first = group.members[0]
         # Of the first one all others are said to be duplicates.
@@ -284,13 +284,13 @@ class SHAPEGOOGLE_OT_decide_duplicate(_Decides, bpy.types.Operator):
                 "Keep {name} and the other one",
                 "Keep {name} and all {count:,} others",
                 len(others),
-                name=member.name,
+                name=member.title,
             )
         else:
             from shapegoogle_core.library.decisions.decision import told_apart
 
             query, name = told_apart(
-                (member.name, shown_file(member.source)), (first.name, shown_file(first.source))
+                (member.title, shown_file(member.source)), (first.title, shown_file(first.source))
             )
             sentence = tr("Keep both {query} and {name}").format(query=query, name=name)
         return [member.shape_id], others, sentence

@@ -45,6 +45,8 @@ class Member:
     ----------
     name : str
         The object's; a file's in a group of copied files.
+    title : str
+        A name that says more than that of the object; empty if there is none.
     library : str
         The .blend file that the object is linked from; empty for one of this file, and in a library.
     source : str
@@ -66,6 +68,7 @@ class Member:
     scale: float = 1.0
     similarity: float = 1.0
     note: str = ""
+    title: str = ""
 
 
 @dataclass(frozen=True)
@@ -340,6 +343,7 @@ def library_groups(groups: Sequence[DuplicateGroup]) -> list[Group]:
                     shape_id=member.shape_id,
                     scale=member.scale,
                     similarity=member.similarity,
+                    title=member.name if member.name != member.object_name else "",
                 )
                 for member in group.members
             ),

@@ -106,9 +106,12 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
             "members",
             owner,
             "active_member",
-            rows=4,
-            maxrows=4,
+            rows=3,
+            maxrows=3,
         )
+        # In the list there is no room for a long text.
+        chosen = 0 <= owner.active_member < len(owner.members)
+        fixed_text(layout, _details(group, owner.members[owner.active_member]) if chosen else "", context, 1)
 
 
 def _saving(group: Any) -> str:
@@ -135,21 +138,27 @@ class SHAPEGOOGLE_UL_duplicate_members(bpy.types.UIList):
         _active_property: str,
     ) -> None:
         """One line for a member."""
-        details = []
-        if data.kind == "SIMILAR":
-            details.append(f"{item.similarity:.3f}")
-        if abs(item.scale - 1) > 1e-4:
-            details.append(f"×{item.scale:.4g}")
-        if item.note:
-            details.append(tr("differs in: {data}").format(data=item.note))
-        if item.source:
-            # The name of a file with one shape is that of the shape: show its folder instead.
-            parts = PurePath(item.source).parts[-2:]
-            details.append(parts[0] if parts[-1] == item.name else parts[-1])
         row = layout.row()
-        row.label(text=item.name, translate=False, icon="OBJECT_DATA")
+        row.label(text=item.title, translate=False, icon="OBJECT_DATA")
+        details = _details(data, item)
         if details:
-            row.label(text=", ".join(details), translate=False)
+            row.label(text=details, translate=False)
+
+
+def _details(group: Any, member: Any) -> str:
+    """Say what a member differs in from the first one, and where it is."""
+    details = []
+    if group.kind == "SIMILAR":
+        details.append(f"{member.similarity:.3f}")
+    if abs(member.scale - 1) > 1e-4:
+        details.append(f"×{member.scale:.4g}")
+    if member.note:
+        details.append(tr("differs in: {data}").format(data=member.note))
+    if member.source:
+        # The name of a file with one shape is that of the shape: show its folder instead.
+        parts = PurePath(member.source).parts[-2:]
+        details.append(parts[0] if parts[-1] == member.title else parts[-1])
+    return ", ".join(details)
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -54,6 +54,7 @@ class SHAPEGOOGLE_PG_duplicate_member(bpy.types.PropertyGroup):
     scale: FloatProperty(default=1.0)
     similarity: FloatProperty(default=1.0)
     note: StringProperty()
+    title: StringProperty()
 
 
 class SHAPEGOOGLE_PG_duplicate_group(bpy.types.PropertyGroup):
@@ -144,7 +145,7 @@ def show_groups(
     shown.found_in = scope
     for group in groups:
         entry = shown.groups.add()
-        entry.name = group.members[0].name
+        entry.name = group.members[0].title or group.members[0].name
         entry.kind = group.kind
         entry.meshes = group.meshes
         entry.saved_megabytes, entry.saved_faces = group.saved_bytes / 2**20, group.saved_faces
@@ -153,7 +154,7 @@ def show_groups(
             line = entry.members.add()
             line.name, line.library, line.source = member.name, member.library, member.source
             line.scale, line.similarity, line.note = member.scale, member.similarity, member.note
-            line.shape_id = member.shape_id
+            line.shape_id, line.title = member.shape_id, member.title or member.name
 
 
 def saving_text(group: Any) -> str:

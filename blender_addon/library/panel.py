@@ -89,15 +89,14 @@ class SHAPEGOOGLE_PT_library(SidebarPanel, bpy.types.Panel):
         if is_on_server(context):
             draw_service(layout, context)
             return
-        _draw_sources(layout, chosen, context)
-        draw_roots(layout, context)
+        _draw_sources(layout, chosen, session, context)
         _draw_indexing(layout, session, context)
         _draw_model(layout, session, context)
         _draw_errors(layout, session, context)
 
 
-def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
-    header, body = layout.panel("SHAPEGOOGLE_sources")
+def _draw_sources(layout: Any, chosen: Any, session: Any, context: Any) -> None:
+    header, body = layout.panel_prop(session, "show_sources")
     header.label(text="Sources")
     if body is None:
         return
@@ -123,6 +122,7 @@ def _draw_sources(layout: Any, chosen: Any, context: Any) -> None:
     split = body.split(factor=0.3)
     split.label(text="Frames")
     split.prop(chosen, "frames", text="", placeholder="such as 1,10,20")
+    draw_roots(body, context)
 
 
 def _draw_indexing(layout: Any, session: Any, context: Any) -> None:

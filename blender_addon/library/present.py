@@ -190,6 +190,9 @@ def _compare(context: Any, path: Path, now: tuple[int, ...]) -> None:
     """Show what has become of the library's file since the last look."""
     library = state.current().library
     before, library.file = library.file, now
+    if before != now == ():  # choosing sources is the next step
+        session_of(context).show_sources = True
+        jobs.redraw()
     if before in (None, now):
         return
     if before and now[:2] != before[:2]:

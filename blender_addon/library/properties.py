@@ -49,6 +49,8 @@ class IndexingProperties:
     errors: CollectionProperty(type=SHAPEGOOGLE_PG_error)
     active_error: IntProperty(name="Error")
     model: StringProperty(name="Model", description="Model of the library, or of a new one")
+    # Seldom needed once there is a library, and as high as two rows of pictures: opened where there is none.
+    show_sources: BoolProperty(name="Sources", description="Show what is indexed: folders and this scene")
     show_model: BoolProperty(name="Model", description="Show the model and its training")
     show_errors: BoolProperty(name="Not Indexed", description="Show what was not indexed, and why")
     training: StringProperty(name="Training")

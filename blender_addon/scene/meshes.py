@@ -35,18 +35,20 @@ __all__ = [
 ]
 
 
-def base_mesh(item: Any) -> Mesh:
+def base_mesh(item: Any, name: str = "") -> Mesh:
     """Mesh of an object before its modifiers, at world scale: vertex i is vertex i of ``item.data``.
 
     Parameters
     ----------
     item : bpy.types.Object
         A mesh object; in edit mode as it is edited.
+    name : str, optional
+        Of the mesh in messages; that of the object when left out.
 
     Returns
     -------
     mesh : Mesh
-        Named after the object; polygons cut into triangles.
+        Polygons cut into triangles.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def base_mesh(item: Any) -> Mesh:
     """
     if item.mode == "EDIT":
         item.update_from_editmode()
-    return core_mesh(item.name, [(*base_arrays(item.data), matrix_of(item))])
+    return core_mesh(name or item.name, [(*base_arrays(item.data), matrix_of(item))])
 
 
 def evaluated_mesh(item: Any, depsgraph: Any | None = None) -> Mesh:

@@ -188,6 +188,18 @@ def _object_of(uid: int) -> Any | None:
     return next((item for item in bpy.data.objects if item.session_uid == uid), None)
 
 
+def _gone() -> str:
+    return tr("The object is gone; select another one and suggest again")
+
+
+def _draw_nothing(menu: Any, _context: Any) -> None:
+    for text in (
+        tr("The nearest shapes have no further tags or catalogs."),
+        tr("Tag some assets, index them, and try again."),
+    ):
+        menu.layout.label(text=text, translate=False)
+
+
 class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
     """Write the chosen suggestions."""
 
@@ -197,7 +209,11 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
     bl_options: ClassVar = {"UNDO", "INTERNAL"}
 
     def invoke(self, context: Any, _event: Any) -> set[str]:
-        """Show the suggestions, and write after confirmation."""
+        """Show the suggestions, and write after confirmation; where there are none, say so."""
+        session = session_of(context)
+        if not len(session.suggestions) and _object_of(session.suggested_for) is not None:
+            context.window_manager.popup_menu(_draw_nothing, title=tr("Nothing to Suggest"), icon="INFO")
+            return {"CANCELLED"}
         result: set[str] = context.window_manager.invoke_props_dialog(
             self, width=WIDTH, confirm_text=tr("Write")
         )
@@ -208,12 +224,8 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         session = session_of(context)
         item = _object_of(session.suggested_for)
         column = self.layout.column()
-        if item is None or not len(session.suggestions):
-            for text in (
-                tr("The nearest shapes have no further tags or catalogs."),
-                tr("Tag some assets, index them, and try again."),
-            ):
-                draw_sentence(column, text, letters=LETTERS, icon="NONE")
+        if item is None:
+            draw_sentence(column, _gone(), letters=LETTERS, icon="ERROR")
             return
         text = tr("{name}: what the nearest shapes have")
         column.label(text=text.format(name=item.name), translate=False)
@@ -233,9 +245,10 @@ class SHAPEGOOGLE_OT_write_suggestions(bpy.types.Operator):
         item = _object_of(session.suggested_for)
         chosen = [line for line in session.suggestions if line.use]
         if item is None:
-            self.report({"ERROR"}, tr("The object is gone; select another one and suggest again"))
+            self.report({"ERROR"}, _gone())
             return {"CANCELLED"}
         if not chosen:
+            self.report({"INFO"}, tr("Nothing was chosen, and nothing is written"))
             return {"CANCELLED"}
         if item.asset_data is None:
             item.asset_mark()

@@ -113,13 +113,15 @@ class Transferred:
         return len(self.groups) + len(self.colors) + len(self.uvs)
 
 
-def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
+def read_source(item: Any, name: str, *, groups: bool, colors: bool, uvs: bool) -> Source:
     """Read a mesh object with the data that can be carried over.
 
     Parameters
     ----------
     item : bpy.types.Object
         A mesh object, not in edit mode.
+    name : str
+        What people know it by.
     groups, colors, uvs : bool
         What to read.
 
@@ -132,7 +134,7 @@ def read_source(item: Any, *, groups: bool, colors: bool, uvs: bool) -> Source:
     MeshError
         If a coordinate is not finite.
     """
-    mesh, loops = _mesh_and_loops(item)
+    mesh, loops = _mesh_and_loops(item, name)
     data = item.data
     layers = Layers()
     if groups:
@@ -166,7 +168,7 @@ def read_target(item: Any) -> Target:
     MeshError
         If a coordinate is not finite.
     """
-    mesh, _ = _mesh_and_loops(item)
+    mesh, _ = _mesh_and_loops(item, item.name)
     data = item.data
     polygon = mesh_arrays.read(data.loop_triangles, "polygon_index", 1, np.int32)[:, 0]
     centers = np.unique(polygon, return_index=True)[1]
@@ -270,8 +272,8 @@ def transfer(
     return done
 
 
-def _mesh_and_loops(item: Any) -> tuple[Mesh, Indices]:
-    mesh = base_mesh(item)
+def _mesh_and_loops(item: Any, name: str) -> tuple[Mesh, Indices]:
+    mesh = base_mesh(item, name)
     loops = mesh_arrays.read(item.data.loop_triangles, "loops", 3, np.int32)
     if np.linalg.det(np.array(item.matrix_world, np.float64)[:3, :3]) < 0:
         loops = loops[:, ::-1]  # as `base_mesh` turns the faces of a mirrored object

@@ -11,6 +11,7 @@ from .. import jobs, state
 from ..gallery import placing
 from ..gallery.errors import PlacingError
 from ..gallery.finding import object_of, sought
+from ..gallery.labels import title
 from ..gallery.on_match import OnMatch, active_match
 from ..scene.selection import CARRIERS, mesh_objects, meshes_of
 from ..state import session_of
@@ -142,7 +143,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
             self.report({"ERROR"}, error_text(error))
             return None
         if not self._source.layers:
-            text = tr("{name!r} has none of the data to transfer")
+            text = tr("{name!r} has none of the data to transfer: vertex groups, colors and UVs")
             self.report({"ERROR"}, text.format(name=self._source.mesh.name))
             return None
         wanted, kept = carry_over.without_kept(item, self._source.layers, replace=self._replace)
@@ -172,7 +173,7 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
         if here is not None and here.type == "POINTCLOUD":
             raise PlacingError("{name!r} is a point cloud, which has nothing to transfer", name=match.name)
         if here is not None and here.type == "MESH":
-            return carry_over.read_source(here, **wanted)
+            return carry_over.read_source(here, title(match), **wanted)
         selected, active = list(context.view_layer.objects.selected), context.view_layer.objects.active
         before = set(bpy.data.user_map())
         try:
@@ -191,7 +192,8 @@ class SHAPEGOOGLE_OT_transfer_match(OnMatch, bpy.types.Operator):
                     count=len(found),
                 )
             context.view_layer.update()
-            return carry_over.read_source(found[0], **wanted)
+            # Blender has numbered the object that was brought in: "Cow.002" is a name that nobody knows.
+            return carry_over.read_source(found[0], title(match), **wanted)
         finally:
             placing.remove(context, [block for block in bpy.data.user_map() if block not in before])
             for each in context.view_layer.objects:

@@ -119,6 +119,7 @@ TEXTS = {
     "Error": "Fehler",
     "Model": "Modell",
     "Model of the library, or of a new one": "Modell der Bibliothek, oder einer neuen",
+    "Show what is indexed: folders and this scene": "Anzeigen, was indiziert wird: Ordner und diese Szene",
     "Show the model and its training": "Das Modell und sein Training anzeigen",
     "Not Indexed": "Unindiziert",
     "Show what was not indexed, and why": "Anzeigen, was nicht indiziert wurde, und warum",

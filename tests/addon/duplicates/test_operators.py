@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import bpy
@@ -55,6 +55,33 @@ def test_a_library_is_listed_and_its_shapes_here_can_be_selected(
     assert not shown.groups[0].linkable
     assert bpy.ops.shape_google.select_duplicates() == {"FINISHED"}
     assert set(bpy.context.selected_objects) == {first, second}
+
+
+def test_a_shape_of_a_library_is_listed_by_a_name_that_says_something(
+    addon: ModuleType, shown: Any, tmp_path: Path, preferences: Any
+) -> None:
+    """Of twenty bottles each is called "Cylinder.001" in its file."""
+    from shapegoogle_core import Library
+
+    scene = module(addon, "scene.meshes")
+    item = add("Cylinder.001", lump())
+    path = tmp_path / "shapes.sglib"
+    with Library.open(path) as library:
+        for name in ("Full", "Empty"):
+            source = str(tmp_path / f"{name}.blend")
+            library.add(scene.base_mesh(item), name=name, source=source, object_name=item.name)
+    preferences.library = str(path)
+    shown.scope = "LIBRARY"
+    find(shown)
+    [group] = shown.groups
+    assert {member.title for member in group.members} == {"Full", "Empty"}
+    assert group.name == group.members[0].title
+    # By this name it is found in its file.
+    assert {member.name for member in group.members} == {"Cylinder.001"}
+    operators = module(addon, "decisions.operators")
+    decide = operators.SHAPEGOOGLE_OT_decide_duplicate
+    [_], [], sentence = decide._plan(SimpleNamespace(kind="MASTER"), bpy.context)
+    assert sentence == f"{group.name} is the master among its duplicates"
 
 
 def test_without_a_usable_library_it_says_so(

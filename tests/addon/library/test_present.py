@@ -126,6 +126,7 @@ def test_what_becomes_of_the_file(
     look()
     assert session.matches
     refreshed.clear()
+    session.show_sources = False
     if change == "delete":
         path.unlink()
     elif change == "replace":
@@ -139,6 +140,22 @@ def test_what_becomes_of_the_file(
     assert session.answer == (said or answer)
     assert bool(session.matches) is not bool(said)
     assert bool(refreshed) is (change != "unreachable")
+    # Whoever has no library any more chooses what is indexed next.
+    assert session.show_sources is (change == "delete")
+
+
+def test_the_sources_are_open_where_there_is_no_library_yet(
+    present: Any, preferences: Any, session: Any, state: Any
+) -> None:
+    path = preferences.library_path()
+    assert not path.exists()
+    state.library.shown, state.library.file, session.show_sources = str(path), None, False
+    present._compare(bpy.context, path, present._file(path))
+    assert session.show_sources
+    # A user who closes them finds them closed.
+    session.show_sources = False
+    present._compare(bpy.context, path, present._file(path))
+    assert not session.show_sources
 
 
 def raise_no_route(_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import bpy
@@ -35,7 +35,9 @@ def tagged(tmp_path: Path, preferences: Any) -> Path:
     return path
 
 
-def test_suggestions_are_written_as_chosen(tagged: Path, addon: ModuleType, session: Any) -> None:
+def test_suggestions_are_written_as_chosen(
+    tagged: Path, addon: ModuleType, session: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
     item = bpy.data.objects["New pear"]
     bpy.context.view_layer.objects.active = item
     assert bpy.ops.shape_google.suggest_tags() == {"FINISHED"}
@@ -50,9 +52,35 @@ def test_suggestions_are_written_as_chosen(tagged: Path, addon: ModuleType, sess
     # What it has is not suggested again.
     assert bpy.ops.shape_google.suggest_tags() == {"FINISHED"}
     assert [(line.kind, line.text) for line in session.suggestions] == [("catalog", "Food/Fruit")]
+    session.suggestions[0].use = False
+    assert bpy.ops.shape_google.write_suggestions() == {"CANCELLED"}
+    assert "nothing is written" in capfd.readouterr().out
+    session.suggestions[0].use = True
     assert bpy.ops.shape_google.write_suggestions() == {"FINISHED"}
     assert item.asset_data.catalog_id == CATALOG
     operators = importlib.import_module(f"{addon.__name__}.suggestions.operators")
     assert operators.known_catalogs() == {"Food/Fruit": CATALOG}
     assert "UNDO" in operators.SHAPEGOOGLE_OT_write_suggestions.bl_options
     bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def test_where_nothing_can_be_suggested_there_is_nothing_to_confirm(addon: ModuleType, session: Any) -> None:
+    session.suggestions.clear()
+    session.suggested_for = lumpy("Pear", 0).session_uid
+    shown: list[str] = []
+
+    def popup_menu(draw: Any, *, title: str, icon: str) -> None:
+        label = SimpleNamespace(label=lambda *, text, translate: shown.append(text))
+        shown.append(title)
+        draw(SimpleNamespace(layout=label), context)
+
+    manager = SimpleNamespace(popup_menu=popup_menu, shape_google=session)
+    context = SimpleNamespace(window_manager=manager)
+    operators = importlib.import_module(f"{addon.__name__}.suggestions.operators")
+    write = operators.SHAPEGOOGLE_OT_write_suggestions
+    assert write.invoke(SimpleNamespace(), context, None) == {"CANCELLED"}
+    assert shown == [
+        "Nothing to Suggest",
+        "The nearest shapes have no further tags or catalogs.",
+        "Tag some assets, index them, and try again.",
+    ]

@@ -227,11 +227,29 @@ def test_nothing_to_transfer_and_itself(pair: Any) -> None:
     bpy.context.view_layer.objects.active = target
     match = bpy.context.window_manager.shape_google.matches[0]
     match.name = match.object_name = bare.name
-    with pytest.raises(RuntimeError, match="'Bare' has none of the data to transfer"):
+    with pytest.raises(RuntimeError, match="'Bare' has none of the data to transfer: vertex groups"):
         bpy.ops.shape_google.transfer_match()
     session = bpy.context.window_manager.shape_google
     session.transfer_groups = session.transfer_colors = session.transfer_uvs = False
     assert not bpy.ops.shape_google.transfer_match.poll()
+
+
+def test_a_match_is_called_what_it_is_called_in_its_file(
+    pair: Any, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Where the scene has an object of that name, Blender numbers the one that is brought in."""
+    source, target, _ = pair
+    bare, _ = lumpy("Bare")
+    path = tmp_path / "assets.blend"
+    bpy.data.libraries.write(str(path), {source, bare}, fake_user=True)
+    bpy.context.view_layer.objects.active = target
+    choose("Bare", path)
+    with pytest.raises(RuntimeError, match="'Bare' has none of the data to transfer"):
+        bpy.ops.shape_google.transfer_match()
+    match = bpy.context.window_manager.shape_google.matches[0]
+    match.name = match.object_name = source.name
+    assert bpy.ops.shape_google.transfer_match() == {"FINISHED"}
+    assert "from 'Source' to 'Target'" in capfd.readouterr().out
 
 
 def test_a_mirrored_object_keeps_its_corners(pair: Any) -> None:
