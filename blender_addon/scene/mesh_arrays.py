@@ -65,10 +65,7 @@ def corner_vertices(data: Any) -> NDArray[np.int32]:
     -------
     vertices : (c,) array of int32
     """
-    block = _block(data, ".corner_vert", len(data.loops))
-    if block is None:
-        return read(data.loops, "vertex_index", 1, np.int32)[:, 0]
-    return read(block, "value", 1, np.int32)[:, 0]
+    return _vertices(data, ".corner_vert", data.loops, "vertex_index", 1)[:, 0]
 
 
 def edge_vertices(data: Any) -> NDArray[np.int32]:
@@ -83,10 +80,7 @@ def edge_vertices(data: Any) -> NDArray[np.int32]:
     -------
     vertices : (e, 2) array of int32
     """
-    block = _block(data, ".edge_verts", len(data.edges))
-    if block is None:
-        return read(data.edges, "vertices", 2, np.int32)
-    return read(block, "value", 2, np.int32)
+    return _vertices(data, ".edge_verts", data.edges, "vertices", 2)
 
 
 def polygon_sizes(data: Any) -> NDArray[np.int32]:
@@ -127,6 +121,11 @@ def triangles(data: Any) -> NDArray[np.int32]:
 
 def _are_triangles(data: Any) -> bool:
     return len(data.loops) == 3 * len(data.polygons)  # each has at least three corners
+
+
+def _vertices(data: Any, attribute: str, items: Any, name: str, width: int) -> NDArray[np.int32]:
+    block = _block(data, attribute, len(items))
+    return read(items, name, width, np.int32) if block is None else read(block, "value", width, np.int32)
 
 
 def _block(data: Any, name: str, count: int) -> Any | None:
