@@ -99,7 +99,8 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
             column.label(text=_saving(group), translate=False)
         # A list of no group has to have some owner: an empty one takes that of the settings.
         owner = shown if group is None else group
-        layout.template_list(
+        column = layout.column(align=True)
+        column.template_list(
             "SHAPEGOOGLE_UL_duplicate_members",
             "",
             owner,
@@ -111,7 +112,7 @@ class SHAPEGOOGLE_PT_duplicates(SidebarPanel, bpy.types.Panel):
         )
         # In the list there is no room for a long text.
         chosen = 0 <= owner.active_member < len(owner.members)
-        fixed_text(layout, _details(group, owner.members[owner.active_member]) if chosen else "", context, 1)
+        fixed_text(column, _details(group, owner.members[owner.active_member]) if chosen else "", context, 1)
 
 
 def _saving(group: Any) -> str:

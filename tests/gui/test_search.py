@@ -23,8 +23,10 @@ def horses(state: Any) -> Any:
     return [match["object_name"] for match in state["matches"][: len(CREATURES["horse"])]]
 
 
-def test_index_library_goes_on_beside_a_usable_window(indexed: Any) -> None:
+def test_index_library_goes_on_beside_a_usable_window(window: Any, indexed: Any) -> None:
     state = indexed["state"]
+    # Opened where there was no library; they close with a new session, not under the pointer.
+    assert window.run("result = bpy.context.window_manager.shape_google.show_sources")
     assert state["session"]["shape_count"] == SHAPES
     assert state["session"]["done"] == state["session"]["total"] == len(CREATURES) + 1
     assert len(indexed["seen"]) > 1
