@@ -227,7 +227,7 @@ class ReplaceProperties:
         description="Keep the materials of the object instead of those of the match",
     )
     keep_modifiers: BoolProperty(
-        name="Modifiers Stay On",
+        name="Keep Modifiers Enabled",
         description=(
             "Leave the modifiers of the object on; they act on the new mesh. Otherwise they are kept, but "
             "switched off"

@@ -43,7 +43,7 @@ TEXTS = {
     "Turn, move and scale the new mesh to where the old one was, if the two surfaces fit. The transform of the object is kept in any case": "Die neue Masche dorthin drehen, bewegen und skalieren, wo die alte war, wenn die Oberflächen zueinander passen. Die Transformation des Objekts bleibt in jedem Fall",
     "Keep Materials": "Materialien behalten",
     "Keep the materials of the object instead of those of the match": "Die Materialien des Objekts statt derer des Treffers behalten",
-    "Modifiers Stay On": "Modifikatoren bleiben an",
+    "Keep Modifiers Enabled": "Modifikatoren bleiben an",
     "Leave the modifiers of the object on; they act on the new mesh. Otherwise they are kept, but switched off": "Die Modifikatoren des Objekts eingeschaltet lassen; sie wirken auf die neue Masche. Sonst bleiben sie, aber ausgeschaltet",
     "Keep Old Mesh": "Alte Masche behalten",
     "Keep the old mesh in this file, with a fake user, if no object shows it any more": "Die alte Masche mit einem Pseudo-Benutzer in dieser Datei behalten, wenn kein Objekt sie mehr zeigt",
