@@ -31,7 +31,7 @@ def measure(options: StudioOptions) -> Iterator[Row]:
                 # Models are loaded and signatures made before the time begins.
                 list(pool.map(_prepare, range(4 * workers)))
                 started = time.perf_counter()
-                spent = sum(pool.map(_store, [(place, worker, at_once) for worker in range(workers)]))
+                spent = sum(pool.map(_store, [(place, worker, at_once, SHAPES) for worker in range(workers)]))
                 seconds = time.perf_counter() - started
             with Library.open(place, read_only=True) as library:
                 stored, size = len(library), library.info()["bytes"]
@@ -50,13 +50,13 @@ def _prepare(_number: int) -> None:
     made_up_shapes(sg.load_model(), range(2))
 
 
-def _store(task: tuple[str, int, int]) -> float:
+def _store(task: tuple[str, int, int, int]) -> float:
     """Store a worker's shapes; return its processor time."""
-    place, worker, at_once = task
-    shapes = made_up_shapes(sg.load_model(), range(worker * SHAPES, (worker + 1) * SHAPES))
+    place, worker, at_once, count = task
+    shapes = made_up_shapes(sg.load_model(), range(worker * count, (worker + 1) * count))
     before = time.process_time()
     with Library.open(place) as library, library.neighbours_later():
-        for start in range(0, SHAPES, at_once):
+        for start in range(0, count, at_once):
             portion = shapes[start : start + at_once]
             name = f"{worker}/{start}"
             library.replace_source(name, size=0, mtime_ns=0, sha256="", shapes=portion, claim=True)
