@@ -152,12 +152,12 @@ def _merge_on_grid(mesh: Mesh, budget: int) -> Mesh:
 
     cell = finest_cell(float(position.max()), count_at, budget, GRID_STEPS)
     cell_of_vertex, faces = _cells(position, mesh.faces, cell)
+    if len(faces) == 0:  # all leaves are smaller than the cells: what remains are points
+        return Mesh(thin(mesh.vertices, budget), faces, mesh.name)
     # Each cell is represented by its vertex with the most area around it: the mean would shrink the surface.
     area = np.bincount(mesh.faces.ravel(), np.repeat(face_areas(mesh), 3), len(position))
     order = np.argsort(-area, kind="stable")
     _, first = np.unique(cell_of_vertex[order], return_index=True)
-    if len(faces) == 0:  # all leaves are smaller than the cells: what remains are points
-        return Mesh(thin(mesh.vertices, budget), faces, mesh.name)
     return repair(Mesh(mesh.vertices[order[first]], faces, mesh.name))
 
 
